@@ -1,0 +1,45 @@
+// A scan-like scene with exact ground truth: ground, buildings, pipes, tanks, trees, seen from scanner positions with
+// range noise, occlusion and a density that falls with the square of the distance.
+#pragma once
+
+#include "cloud/geometry.h"
+#include "cloud/progress.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct SceneOptions {
+    std::uint64_t points = 1000000;          // exactly this many are written
+    Vec3d origin{500000.0, 4800000.0, 100.0};  // map coordinates of the scene's south-west corner
+    double extent = 0;                       // side of the square scene, metres; 0: grows with the number of points
+    double noise = 0.003;                    // standard deviation of the range, metres
+    double scale = 0.001;                    // of the LAS grid, metres
+    std::uint64_t seed = 1;
+    ProgressFunction progress;
+};
+
+// One primitive of the scene, in source coordinates; exact, before range noise.
+struct ScenePrimitive {
+    enum class Kind { plane, cylinder, sphere } kind = Kind::plane;
+    std::uint16_t id = 0;    // LAS point source id of its points (0: ground relief and vegetation, no primitive)
+    Vec3d point{};           // a point of the plane; a point on the axis; the centre
+    Vec3d direction{};       // unit normal; unit axis; unused
+    double radius = 0;       // cylinder and sphere
+    std::uint64_t points = 0;  // written with this id
+};
+
+struct SceneReport {
+    Outcome outcome;
+    std::vector<ScenePrimitive> primitives;
+};
+
+// Writes LAS 1.2 format 2 to `las`, and the primitives as JSON beside it (`las` with the extension .truth.json) when
+// write_truth. The same options give the same bytes on every machine. Errors: those of LasWriter, invalid_argument for
+// a scene that does not fit its grid.
+SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
+
+}  // namespace pcm

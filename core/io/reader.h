@@ -1,0 +1,72 @@
+// Readers turn a file into batches of points, in bounded memory.
+//
+// One file a format: las_reader, ply_reader. open_reader() recognises the format by content first, by extension second.
+// A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check against, not
+// sizes to allocate.
+#pragma once
+
+#include "cloud/attribute.h"
+#include "cloud/error.h"
+#include "cloud/geometry.h"
+#include "cloud/point_batch.h"
+#include "cloud/progress.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// Opaque blocks that travel with a cloud (LAS variable length records, coordinate systems): kept byte for byte.
+struct Metadata {
+    std::string key;  // "las.vlr/<user id>/<record id>"
+    std::vector<std::byte> value;
+    bool operator==(const Metadata& o) const { return key == o.key && value == o.value; }
+};
+
+struct FileInfo {
+    std::string format;                    // "LAS 1.2, point format 3", "PLY binary little endian"
+    std::uint64_t points = 0;              // as the file promises; the reader checks it
+    Schema schema;                         // attributes beside the position, in source order and type
+    ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, f32 or f64 else
+    std::optional<Grid> grid;              // present when positions are integers on a grid
+    std::optional<Box3d> promised_box;     // from the header, not checked
+    std::vector<Metadata> metadata;
+    std::vector<std::string> notes;        // what a user should know: "12 faces ignored", "VLR count is wrong"
+};
+
+class PointReader {
+public:
+    virtual ~PointReader() = default;
+
+    virtual const FileInfo& info() const = 0;
+
+    // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
+    // Throws Error(truncated | bad_format | io), naming the byte or line, when the file breaks its promises.
+    virtual bool read(PointBatch& batch, std::size_t max_points) = 0;
+
+    // Whether seek() is cheap; true for uncompressed binary formats with records of one size.
+    virtual bool seekable() const { return false; }
+    // The next read() starts at point `index`, counted from 0 in file order. Only when seekable().
+    virtual void seek(std::uint64_t index);
+
+    // For progress: 0..1 of the file's bytes that read() has consumed.
+    virtual double fraction_read() const = 0;
+};
+
+inline constexpr std::size_t default_batch_points = 65536;
+
+// Throws Error(not_found | permission | bad_format | truncated | unsupported).
+std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path);
+
+// Extensions of the formats that open_reader() knows, lower case, without the dot.
+std::vector<std::string> readable_extensions();
+
+// Files as they are; folders stand for the readable files directly inside, in name order. Throws Error(not_found) for
+// a missing path and for a folder without any readable file.
+std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace pcm

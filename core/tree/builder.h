@@ -1,0 +1,42 @@
+// Builds a tree folder from files, out of core. See tree/README in core/README.md for how.
+#pragma once
+
+#include "cloud/progress.h"
+#include "io/reader.h"
+#include "tree/tree.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace pcm {
+
+struct BuildOptions {
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least 64 MiB
+    unsigned threads = 0;                                 // 0: one a processor
+    std::uint32_t chunk_points = 100000;                  // most points of a chunk (a pile of duplicates may exceed it)
+    bool overwrite = false;                               // replace an existing tree (only ever a tree)
+    ProgressFunction progress;
+};
+
+struct BuildReport {
+    Outcome outcome;                   // error: largest position error, source units
+    std::uint64_t points_skipped = 0;  // without a finite position
+    std::uint64_t bytes = 0;           // of the tree folder
+    std::uint64_t nodes = 0;
+    std::uint16_t levels = 0;
+    std::vector<std::string> notes;    // from the readers, and about merged schemas
+};
+
+// Reads `inputs` (files, or folders of files) as one cloud and writes the tree folder `output`.
+//
+// The same input and chunk_points give the same bytes whatever the threads and the memory... threads; memory decides
+// how the cloud is partitioned and so may change the tree's shape, never its points. Until the very last step the
+// folder holds no index, so an interrupted build is never taken for a tree; building again into such a folder starts
+// afresh. On an error or a cancel everything that was written is removed.
+// Throws Error(exists) when output is there and is not an interrupted build (or not a tree, with overwrite), and
+// whatever the readers and the file system throw.
+BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                       const BuildOptions& options = {});
+
+}  // namespace pcm

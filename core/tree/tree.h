@@ -1,0 +1,102 @@
+// A point cloud tree, opened for reading: the node vector in memory, the chunks on disk.
+//
+// A tree folder (by convention NAME.pct) holds `index.pct` and a few data files; see bpc/FORMAT.md. The tree is a k-d
+// tree with one chunk a node. Levels are additive: the points of the nodes of level 0..L are the cloud at level L, and
+// all nodes together hold every point exactly once. Nodes are stored parents first (node 0 is the root, and a node's
+// number is larger than its parent's), so one forward pass over nodes() visits parents before children.
+//
+// A Tree is immutable after open(); every member may be called from any number of threads.
+#pragma once
+
+#include "bpc/chunk.h"
+#include "cloud/attribute.h"
+#include "cloud/geometry.h"
+#include "io/reader.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+using NodeId = std::uint32_t;
+inline constexpr NodeId no_node = 0xffffffffu;
+
+// Where a chunk lies: `bytes` bytes at `offset` of data file number `file`. bytes == 0 for a node without points.
+struct Extent {
+    std::uint32_t file = 0;
+    std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;
+    bool operator==(const Extent& o) const { return file == o.file && offset == o.offset && bytes == o.bytes; }
+};
+
+struct Node {
+    NodeId parent = no_node;
+    std::array<NodeId, 2> children{no_node, no_node};
+    std::uint16_t level = 0;             // 0 at the root
+    std::uint32_t points = 0;            // of this node's own chunk
+    std::uint64_t subtree_points = 0;    // of this node and everything below
+    Box3i box;                           // tight around the points of the whole subtree
+    double spacing = 0;                  // source units: how far apart this cloud's points lie in the subtree's box once
+                                         // this node and its ancestors are drawn; 0 at a leaf (nothing is missing)
+    Extent extent;
+    bool is_leaf() const { return children[0] == no_node && children[1] == no_node; }
+};
+
+struct TreeInfo {
+    std::uint64_t points = 0;
+    Grid grid;
+    ScalarType position_type = ScalarType::f64;  // of the source: i32 for LAS, f32 or f64
+    Schema schema;
+    Box3i box;                            // tight, all points
+    std::array<Vec3i, 6> extremes;        // points of the cloud with the smallest x, largest x, smallest y, ...
+    double position_error = 0;            // largest distance an input coordinate was moved by, source units; 0 for LAS
+    std::uint64_t points_skipped = 0;     // input points without a finite position
+    std::uint16_t levels = 0;
+    std::uint64_t bytes = 0;              // of the whole folder's live data
+    std::vector<Metadata> metadata;
+    std::vector<std::string> sources;     // file names the tree was built from
+    Box3d bounds() const { return grid.to_source(box); }
+};
+
+inline constexpr const char* index_file_name = "index.pct";
+inline constexpr const char* tree_extension = "pct";
+
+class Tree {
+public:
+    // `path` is the tree folder or the index file in it. Throws Error(not_found | not_a_tree | interrupted_build |
+    // corrupt | unsupported | permission | io).
+    static std::shared_ptr<const Tree> open(const std::filesystem::path& path);
+    ~Tree();
+
+    const std::filesystem::path& folder() const { return folder_; }
+    const TreeInfo& info() const { return info_; }
+    const std::vector<Node>& nodes() const { return nodes_; }
+    const Node& node(NodeId id) const { return nodes_[id]; }
+    Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
+    std::vector<NodeId> path_from_root(NodeId id) const;  // root first, `id` last
+
+    // Reads and decodes the asked columns of a node's chunk; verifies their checksums. A node without points gives an
+    // empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
+    Chunk read_chunk(NodeId id, const ColumnSet& columns) const;
+
+    // The deepest level whose cloud has at most `points` points (0 if even the root level has more).
+    std::uint16_t level_with_at_most(std::uint64_t points) const;
+    // Number of points at level 0..level.
+    std::uint64_t points_to_level(std::uint16_t level) const;
+
+private:
+    Tree() = default;
+    std::filesystem::path folder_;
+    TreeInfo info_;
+    std::vector<Node> nodes_;
+    struct DataFiles;
+    std::unique_ptr<DataFiles> files_;
+};
+
+// Whether `path` looks like a tree folder or its index file (a cheap test of names and magic, not a validation).
+bool is_tree(const std::filesystem::path& path);
+
+}  // namespace pcm

@@ -1,0 +1,23 @@
+// Checks a whole tree: checksums, counts, boxes, levels, and that every point is there once.
+#pragma once
+
+#include "cloud/progress.h"
+#include "tree/tree.h"
+
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct VerifyReport {
+    Outcome outcome;
+    std::uint64_t bytes = 0;
+    double position_error = 0;           // as recorded by the build
+    std::vector<std::string> faults;     // empty: the tree is whole
+};
+
+// Reads every chunk on `threads` threads (0: one a processor). Damage is reported as faults; Error is thrown only when
+// the tree cannot be opened at all, or Error(cancelled).
+VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads = 0, const ProgressFunction& progress = {});
+
+}  // namespace pcm
