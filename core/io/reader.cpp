@@ -1,0 +1,153 @@
+#include "io/reader.h"
+
+#include "cloud/file.h"
+#include "io/las_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace pcm {
+namespace {
+
+struct Format {
+    std::string_view extension;
+    bool (*begins)(std::string_view start);  // whether a file's first bytes say so
+    std::unique_ptr<PointReader> (*open)(const std::filesystem::path& path);
+};
+
+bool begins_with(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
+
+bool begins_like_las(std::string_view start) { return begins_with(start, "LASF"); }
+
+// The registry: a format is added here and nowhere else.
+constexpr std::array<Format, 1> formats{{{"las", begins_like_las, open_las}}};
+
+struct ForeignFormat {
+    std::string_view start;
+    std::string_view name;
+};
+constexpr ForeignFormat foreign_formats[] = {
+    {"ASTM-E57", "an E57 file"},     {"# .PCD", "a PCD file"},   {"[Expe/PointSet", "an Expe point set"},
+    {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"},  {"%PDF", "a PDF file"},
+    {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
+};
+constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
+    {"laz", "a LAZ file"}, {"e57", "an E57 file"}, {"pcd", "a PCD file"}, {"pts", "a PTS file"}, {"ptx", "a PTX file"},
+    {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"}, {"obj", "an OBJ file"}, {"stl", "an STL file"},
+};
+
+std::string extension_of(const std::filesystem::path& path)
+{
+    std::string extension = path.extension().string();
+    if (!extension.empty()) extension.erase(0, 1);
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
+std::string list_of_extensions()
+{
+    std::string text;
+    for (const Format& format : formats) text += (text.empty() ? "." : ", .") + std::string(format.extension);
+    return text;
+}
+
+// The first bytes in a form that can stand in a message.
+std::string quoted(std::string_view bytes)
+{
+    static constexpr char digits[] = "0123456789abcdef";
+    std::string text = "'";
+    for (const char c : bytes) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte < 0x7F)
+            text += c;
+        else
+            text += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
+    }
+    return text + "'";
+}
+
+std::filesystem::file_status status_of(const std::filesystem::path& path)
+{
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path, error);
+    if (status.type() == std::filesystem::file_type::not_found)
+        throw Error(ErrorCode::not_found, path, "no such file or folder");
+    if (error) throw Error::from_errno(error.value(), path, "looking at it");
+    return status;
+}
+
+}  // namespace
+
+void PointReader::seek(std::uint64_t)
+{
+    throw Error(ErrorCode::unsupported, {}, "points of this format can only be read in order");
+}
+
+std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path)
+{
+    // Asked before opening: opening a pipe would wait for its other end.
+    const std::filesystem::file_status status = status_of(path);
+    if (std::filesystem::is_directory(status))
+        throw Error(ErrorCode::unsupported, path, "this is a folder; a point cloud file was expected");
+    if (!std::filesystem::is_regular_file(status))
+        throw Error(ErrorCode::unsupported, path, "this is not a regular file");
+
+    std::array<char, 16> buffer{};
+    const std::size_t got = File(path, File::Mode::read).read_some_at(buffer.data(), buffer.size(), 0);
+    const std::string_view start(buffer.data(), got);
+    for (const Format& format : formats)
+        if (format.begins(start)) return format.open(path);
+
+    const std::string readable = "readable are " + list_of_extensions();
+    if (start.empty()) throw Error(ErrorCode::bad_format, path, "the file is empty", readable);
+    for (const ForeignFormat& foreign : foreign_formats)
+        if (begins_with(start, foreign.start))
+            throw Error(ErrorCode::unsupported, path, "this is " + std::string(foreign.name), readable);
+
+    const std::string extension = extension_of(path);
+    for (const Format& format : formats)
+        if (extension == format.extension) return format.open(path);  // says what it expected
+    for (const auto& [known, name] : foreign_extensions)
+        if (extension == known) throw Error(ErrorCode::unsupported, path, "this is " + std::string(name), readable);
+    throw Error(ErrorCode::bad_format, path, "no known point cloud format: the file begins with " + quoted(start),
+                readable);
+}
+
+std::vector<std::string> readable_extensions()
+{
+    std::vector<std::string> extensions;
+    for (const Format& format : formats) extensions.emplace_back(format.extension);
+    return extensions;
+}
+
+std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs)
+{
+    const std::vector<std::string> extensions = readable_extensions();
+    std::vector<std::filesystem::path> files;
+    for (const std::filesystem::path& input : inputs) {
+        if (!std::filesystem::is_directory(status_of(input))) {
+            files.push_back(input);
+            continue;
+        }
+        std::vector<std::filesystem::path> inside;
+        std::error_code error;
+        std::filesystem::directory_iterator entry(input, error);
+        for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+            std::error_code unknown;
+            if (entry->is_regular_file(unknown) &&
+                std::find(extensions.begin(), extensions.end(), extension_of(entry->path())) != extensions.end())
+                inside.push_back(entry->path());
+        }
+        if (error) throw Error::from_errno(error.value(), input, "listing the folder");
+        if (inside.empty())
+            throw Error(ErrorCode::not_found, input, "the folder holds no file with a readable extension",
+                        "readable are " + list_of_extensions());
+        std::sort(inside.begin(), inside.end());
+        files.insert(files.end(), inside.begin(), inside.end());
+    }
+    return files;
+}
+
+}  // namespace pcm
