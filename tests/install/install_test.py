@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Installs the library, builds core/examples and every public header against the install, and runs the example.
+
+The oracle is the generated LAS file, read here with nothing but struct: the example must find exactly its points in a
+box, and their mean height to the last printed digit.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+
+POINTS = 20000
+
+
+def run(*command, expect=0):
+    result = subprocess.run([str(part) for part in command], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    if result.returncode != expect:
+        sys.exit(f"exit code {result.returncode}, expected {expect}: {' '.join(map(str, command))}\n"
+                 f"{result.stdout}{result.stderr}")
+    return result
+
+
+def read_las(path):
+    """Positions of a LAS 1.2 file, in source coordinates, by the specification: integer * scale + offset."""
+    data = path.read_bytes()
+    assert data[:4] == b"LASF", path
+    first, = struct.unpack_from("<I", data, 96)
+    record, count = struct.unpack_from("<HI", data, 105)
+    scale = struct.unpack_from("<3d", data, 131)
+    offset = struct.unpack_from("<3d", data, 155)
+    points = []
+    for i in range(count):
+        xyz = struct.unpack_from("<3i", data, first + i * record)
+        points.append(tuple(xyz[a] * scale[a] + offset[a] for a in range(3)))
+    return points
+
+
+def expected_line(points, low, high):
+    inside = [p for p in points if all(low[a] <= p[a] <= high[a] for a in range(3))]
+    return len(inside), math.fsum(p[2] for p in inside) / len(inside) if inside else 0.0
+
+
+def check_headers(cmake, work, prefix, with_gl, options):
+    """Every installed header compiles by itself: what it includes is installed too."""
+    include = prefix / "include" / "pcm"
+    headers = sorted(str(path.relative_to(include)) for path in include.rglob("*.h"))
+    if "point_cloud.h" not in headers or "tree/tree.h" not in headers:
+        sys.exit(f"the install lacks public headers: {headers}")
+    project = work / "headers"
+    project.mkdir()
+    sources = []
+    for header in headers:
+        name = header.replace("/", "_")[:-2] + ".cpp"
+        (project / name).write_text(f'#include "{header}"\n')
+        sources.append(name)
+    components = "core gl" if with_gl else "core"
+    libraries = "pcm::core pcm::gl" if with_gl else "pcm::core"
+    (project / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\nproject(headers LANGUAGES CXX)\n"
+        f"find_package(pcm 0.1 REQUIRED COMPONENTS {components})\n"
+        f"add_library(headers OBJECT {' '.join(sources)})\n"
+        f"target_link_libraries(headers PRIVATE {libraries})\n")
+    run(cmake, "-S", project, "-B", project / "build", *options)
+    run(cmake, "--build", project / "build", "--parallel", "2")
+
+
+def check_missing_component(cmake, work, options):
+    """A component that is not installed is refused by name, not found half."""
+    project = work / "missing"
+    project.mkdir()
+    (project / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\nproject(missing LANGUAGES CXX)\n"
+        "find_package(pcm REQUIRED COMPONENTS core teapot)\n")
+    result = run(cmake, "-S", project, "-B", project / "build", *options, expect=1)
+    if "teapot" not in result.stderr:
+        sys.exit(f"the missing component is not named:\n{result.stderr}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    for name in ("source", "build", "work"):
+        parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
+    for name in ("cmake", "compiler", "generator", "gl"):
+        parser.add_argument(f"--{name}", required=True)
+    arguments = parser.parse_args()
+    cmake, work = arguments.cmake, arguments.work
+    prefix = work / "a prefix with spaces"
+    options = [f"-DCMAKE_PREFIX_PATH={prefix}", "-G", arguments.generator,
+               f"-DCMAKE_CXX_COMPILER={arguments.compiler}"]
+    with_gl = arguments.gl == "1"
+
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "library")
+    run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "command")
+    pcm = prefix / "bin" / "pcm"
+    # The example is built from a copy: nothing of the source tree may be needed.
+    shutil.copytree(arguments.source / "core" / "examples", work / "examples")
+    run(cmake, "-S", work / "examples", "-B", work / "examples-build", *options)
+    run(cmake, "--build", work / "examples-build", "--parallel", "2")
+    example = work / "examples-build" / "mean_height"
+
+    las, tree = work / "tiny.las", work / "tiny.pct"
+    run(pcm, "generate", "--points", POINTS, "-o", las)
+    built = json.loads(run(pcm, "build", las, "-o", tree, "--json").stdout)
+    assert built["points"] == POINTS, built
+
+    points = read_las(las)
+    assert len(points) == POINTS, len(points)
+    low = [min(p[a] for p in points) for a in range(3)]
+    high = [max(p[a] for p in points) for a in range(3)]
+    middle = [low[a] + (high[a] - low[a]) / 2 for a in range(3)]
+    boxes = [(low, high), (low, middle[:2] + [high[2]]), (middle, high), ([h + 1 for h in high], [h + 2 for h in high])]
+    counts = set()
+    for box in boxes:
+        line = run(example, tree, *(repr(c) for corner in box for c in corner)).stdout
+        match = re.fullmatch(r"(\d+) points, mean height (-?[\d.]+)\n", line)
+        assert match, line
+        count, mean = expected_line(points, *box)
+        # The sums differ in the order of their terms only; six digits are printed.
+        assert int(match[1]) == count and abs(float(match[2]) - mean) <= 1e-6, (line, count, mean, box)
+        counts.add(count)
+    assert {0, POINTS} < counts, counts  # the boxes do select
+
+    missing = run(example, work / "no.pct", *["0"] * 6, expect=1)
+    assert "no.pct" in missing.stderr, missing.stderr
+
+    check_headers(cmake, work, prefix, with_gl, options)
+    check_missing_component(cmake, work, options)
+    print(f"installed, built against, and {len(boxes)} boxes agreed with the LAS file")
+
+
+if __name__ == "__main__":
+    os.environ.pop("CMAKE_PREFIX_PATH", None)
+    main()
