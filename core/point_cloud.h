@@ -81,7 +81,7 @@ public:
     // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute.
     PointCursor points(const Query& query = {});
 
-    // Nodes that a query touches, parents first, and an upper bound of the points it selects.
+    // Nodes whose boxes a query touches, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;
 
 private:

@@ -1,4 +1,4 @@
-// Builds a tree folder from files, out of core. See tree/README in core/README.md for how.
+// Builds a tree folder from files, out of core; core/README.md tells how.
 #pragma once
 
 #include "cloud/progress.h"
@@ -30,12 +30,13 @@ struct BuildReport {
 
 // Reads `inputs` (files, or folders of files) as one cloud and writes the tree folder `output`.
 //
-// The same input and chunk_points give the same bytes whatever the threads and the memory... threads; memory decides
-// how the cloud is partitioned and so may change the tree's shape, never its points. Until the very last step the
-// folder holds no index, so an interrupted build is never taken for a tree; building again into such a folder starts
-// afresh. On an error or a cancel everything that was written is removed.
-// Throws Error(exists) when output is there and is not an interrupted build (or not a tree, with overwrite), and
-// whatever the readers and the file system throw.
+// The same input, chunk_points and memory give the same bytes whatever the number of threads; the memory decides how the
+// cloud is partitioned and so may change the tree's shape, never its points.
+// The tree is built in the folder `output`.part and appears under its name when it is whole, so an interrupted build is
+// never taken for a tree; building again removes what an interrupted build has left and starts afresh. On an error or a
+// cancel everything that was written is removed.
+// Throws Error(exists) when `output` is there (with overwrite: is there and is not a tree) or is being built by another
+// process, Error(invalid_argument) for options out of range, and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 

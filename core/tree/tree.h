@@ -10,6 +10,7 @@
 
 #include "bpc/chunk.h"
 #include "cloud/attribute.h"
+#include "cloud/file.h"
 #include "cloud/geometry.h"
 #include "io/reader.h"
 
@@ -29,7 +30,11 @@ struct Extent {
     std::uint32_t file = 0;
     std::uint64_t offset = 0;
     std::uint64_t bytes = 0;
-    bool operator==(const Extent& o) const { return file == o.file && offset == o.offset && bytes == o.bytes; }
+    std::uint32_t header_bytes = 0;  // how many of them are the chunk's header
+    bool operator==(const Extent& o) const
+    {
+        return file == o.file && offset == o.offset && bytes == o.bytes && header_bytes == o.header_bytes;
+    }
 };
 
 struct Node {
@@ -50,10 +55,12 @@ struct TreeInfo {
     Grid grid;
     ScalarType position_type = ScalarType::f64;  // of the source: i32 for LAS, f32 or f64
     Schema schema;
+    bool wide = false;                    // grid positions need more than 32 bits
     Box3i box;                            // tight, all points
     std::array<Vec3i, 6> extremes;        // points of the cloud with the smallest x, largest x, smallest y, ...
     double position_error = 0;            // largest distance an input coordinate was moved by, source units; 0 for LAS
     std::uint64_t points_skipped = 0;     // input points without a finite position
+    std::uint64_t content_hash = 0;       // of all points with all attributes, whatever their order (tree/row.h)
     std::uint16_t levels = 0;
     std::uint64_t bytes = 0;              // of the whole folder's live data
     std::vector<Metadata> metadata;
@@ -69,7 +76,6 @@ public:
     // `path` is the tree folder or the index file in it. Throws Error(not_found | not_a_tree | interrupted_build |
     // corrupt | unsupported | permission | io).
     static std::shared_ptr<const Tree> open(const std::filesystem::path& path);
-    ~Tree();
 
     const std::filesystem::path& folder() const { return folder_; }
     const TreeInfo& info() const { return info_; }
@@ -92,8 +98,7 @@ private:
     std::filesystem::path folder_;
     TreeInfo info_;
     std::vector<Node> nodes_;
-    struct DataFiles;
-    std::unique_ptr<DataFiles> files_;
+    std::vector<File> files_;
 };
 
 // Whether `path` looks like a tree folder or its index file (a cheap test of names and magic, not a validation).

@@ -1,0 +1,74 @@
+// Chunks as bytes: the BPC format. The layout is in FORMAT.md.
+#pragma once
+
+#include "bpc/chunk.h"
+#include "cloud/file.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// The way from the root to a node: bit i of the 128 tells which child is taken at depth i.
+struct NodePath {
+    static constexpr std::uint16_t max_depth = 128;
+    std::uint16_t depth = 0;
+    std::array<std::uint64_t, 2> bits{0, 0};
+
+    NodePath child(unsigned side) const
+    {
+        NodePath path = *this;
+        if (side) path.bits[depth / 64] |= std::uint64_t(1) << (depth % 64);
+        ++path.depth;
+        return path;
+    }
+    unsigned side(std::uint16_t at_depth) const { return bits[at_depth / 64] >> (at_depth % 64) & 1; }
+    bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
+};
+
+struct BpcColumn {
+    std::uint64_t offset = 0;  // from the start of the chunk
+    std::uint64_t bytes = 0;
+    std::uint64_t checksum = 0;
+};
+
+struct BpcHeader {
+    std::uint32_t points = 0;
+    std::uint32_t header_bytes = 0;
+    std::uint64_t total_bytes = 0;
+    NodePath path;
+    Grid grid;
+    Box3i box;                         // tight
+    bool wide = false;                 // positions take 64 bits an axis when decoded
+    Schema schema;
+    BpcColumn positions;
+    std::vector<BpcColumn> attributes;
+};
+
+// `chunk` has at least one point and all its columns. Throws Error(invalid_argument) otherwise.
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const NodePath& path);
+
+// Checks magic, version, checksum and that all lies inside `total_bytes`. `size` may be less than the whole chunk but must
+// cover the header. Throws Error(corrupt | unsupported).
+BpcHeader decode_header(const std::byte* data, std::size_t size, const std::filesystem::path& path);
+
+// The chunk of `bytes` bytes at `offset` of `file`: only the asked columns are read and decoded, their checksums verified.
+// `header_bytes` is the header's length where the caller knows it, or 0. Throws Error(corrupt | truncated | io), naming the file
+// and the byte.
+struct DecodedChunk {
+    BpcHeader header;
+    Chunk chunk;
+};
+DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                        const ColumnSet& columns);
+
+std::uint64_t checksum(const void* data, std::size_t bytes);  // XXH3, 64 bits
+
+// Attributes and metadata as they stand in headers.
+class ByteWriter;
+class ByteReader;
+void put_attribute(ByteWriter& out, const Attribute& attribute);
+Attribute get_attribute(ByteReader& in);
+
+}  // namespace pcm

@@ -1,0 +1,277 @@
+#include "bpc/column_codec.h"
+
+#include "cloud/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+namespace pcm {
+namespace {
+
+// Stream: u8 mode, u8 base_bits, u16 0, u32 bytes of the whole stream, u64 smallest base (or the constant); then, unless
+// constant: a (u8 width, u8 shift) pair a block, the bases less the smallest in base_bits each, padded to a byte, and a
+// block's 128 differences in width bits each (16 * width bytes; the last block is filled up with zeros).
+enum Mode : std::uint8_t { constant = 0, frame_of_reference = 1, delta = 2 };
+constexpr std::size_t stream_header = 16;
+
+int bit_length(std::uint64_t v) { return v ? 64 - __builtin_clzll(v) : 0; }
+std::uint64_t low_mask(int bits) { return bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1; }
+
+template <class Word>
+Word zigzag(Word d)
+{
+    using Signed = std::make_signed_t<Word>;
+    return static_cast<Word>(d << 1) ^ static_cast<Word>(static_cast<Signed>(d) >> (sizeof(Word) * 8 - 1));
+}
+template <class Word>
+Word unzigzag(Word z)
+{
+    return static_cast<Word>(z >> 1) ^ static_cast<Word>(Word(0) - (z & 1));
+}
+template <class Word>
+Word shift_down(Word d, int shift)  // arithmetic: a difference keeps its sign
+{
+    return static_cast<Word>(static_cast<std::make_signed_t<Word>>(d) >> shift);
+}
+
+struct BlockShape {
+    std::uint64_t base = 0;
+    std::uint8_t width = 0;
+    std::uint8_t shift = 0;
+};
+
+template <class Word>
+BlockShape shape_of_reference(const Word* v, std::size_t n)
+{
+    Word low = v[0], any = 0;
+    for (std::size_t i = 1; i < n; ++i) low = std::min(low, v[i]);
+    for (std::size_t i = 0; i < n; ++i) any |= static_cast<Word>(v[i] - low);
+    BlockShape shape;
+    shape.base = low;
+    if (any) {
+        shape.shift = static_cast<std::uint8_t>(__builtin_ctzll(any));
+        shape.width = static_cast<std::uint8_t>(bit_length(any >> shape.shift));
+    }
+    return shape;
+}
+
+template <class Word>
+BlockShape shape_of_delta(const Word* v, std::size_t n)
+{
+    // zigzag(d >> s) has as many bits as zigzag(d) >> s, so one pass finds both.
+    Word any = 0, any_zigzag = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+        const Word d = static_cast<Word>(v[i] - v[i - 1]);
+        any |= d;
+        any_zigzag |= zigzag(d);
+    }
+    BlockShape shape;
+    shape.base = v[0];
+    if (any) {
+        shape.shift = static_cast<std::uint8_t>(__builtin_ctzll(any));
+        shape.width = static_cast<std::uint8_t>(bit_length(any_zigzag) - shape.shift);
+    }
+    return shape;
+}
+
+// Writes 128 values of `width` bits, least significant bit first; `to` has 16 * width bytes.
+template <class Word>
+void pack_block(const Word* values, int width, std::byte* to)
+{
+    if (width == 0) return;
+    std::uint64_t word = 0;
+    int filled = 0;
+    for (std::size_t i = 0; i < codec_block; ++i) {
+        const std::uint64_t v = values[i];
+        word |= v << filled;
+        filled += width;
+        if (filled >= 64) {
+            std::memcpy(to, &word, 8);
+            to += 8;
+            filled -= 64;
+            word = filled ? v >> (width - filled) : 0;
+        }
+    }
+}
+
+template <class Word>
+void unpack_block(const std::byte* from, int width, Word* values)
+{
+    const std::uint64_t mask = low_mask(width);
+    std::size_t bit = 0;
+    if (width <= 57) {
+        for (std::size_t i = 0; i < codec_block; ++i, bit += static_cast<std::size_t>(width)) {
+            std::uint64_t word;
+            std::memcpy(&word, from + (bit >> 3), 8);
+            values[i] = static_cast<Word>((word >> (bit & 7)) & mask);
+        }
+    } else {
+        for (std::size_t i = 0; i < codec_block; ++i, bit += static_cast<std::size_t>(width)) {
+            std::uint64_t word;
+            std::memcpy(&word, from + (bit >> 3), 8);
+            word >>= bit & 7;
+            if (const unsigned have = 64 - static_cast<unsigned>(bit & 7); have < static_cast<unsigned>(width))
+                word |= static_cast<std::uint64_t>(from[(bit >> 3) + 8]) << have;
+            values[i] = static_cast<Word>(word & mask);
+        }
+    }
+}
+
+// Sequences of any length and width, for the bases.
+void pack_bits(const std::vector<std::uint64_t>& values, int width, std::byte* to)
+{
+    std::size_t bit = 0;
+    for (const std::uint64_t v : values)
+        for (int b = 0; b < width; ++b, ++bit)
+            if ((v >> b) & 1) to[bit >> 3] |= static_cast<std::byte>(1u << (bit & 7));
+}
+std::uint64_t bits_at(const std::byte* from, std::size_t bit, int width)
+{
+    std::uint64_t word;
+    std::memcpy(&word, from + (bit >> 3), 8);
+    word >>= bit & 7;
+    if (const unsigned have = 64 - static_cast<unsigned>(bit & 7); have < static_cast<unsigned>(width))
+        word |= static_cast<std::uint64_t>(from[(bit >> 3) + 8]) << have;
+    return word & low_mask(width);
+}
+
+}  // namespace
+
+template <class Word>
+void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
+{
+    const std::size_t start = out.size();
+    const std::size_t blocks = (count + codec_block - 1) / codec_block;
+    std::vector<BlockShape> reference(blocks), differences(blocks);
+    std::size_t reference_bits = 0, delta_bits = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const Word* v = values + b * codec_block;
+        const std::size_t n = std::min(codec_block, count - b * codec_block);
+        reference[b] = shape_of_reference(v, n);
+        differences[b] = shape_of_delta(v, n);
+        reference_bits += reference[b].width;
+        delta_bits += differences[b].width;
+    }
+    const bool use_delta = delta_bits < reference_bits;
+    const std::vector<BlockShape>& shapes = use_delta ? differences : reference;
+    std::uint64_t low = shapes[0].base, high = low;
+    for (const BlockShape& shape : shapes) {
+        low = std::min(low, shape.base);
+        high = std::max(high, shape.base);
+    }
+    const bool is_constant = !use_delta && reference_bits == 0 && low == high;
+    const int base_bits = is_constant ? 0 : bit_length(high - low);
+    const std::size_t table = is_constant ? 0 : blocks * 2 + (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
+    const std::size_t payload = (use_delta ? delta_bits : reference_bits) * (codec_block / 8);
+    const std::size_t bytes = stream_header + table + payload;
+    if (bytes > 0xffffffffu) throw Error(ErrorCode::unsupported, {}, "a column of more than 4 GiB in one chunk");
+    out.resize(start + bytes);
+    std::byte* to = out.data() + start;
+    to[0] = static_cast<std::byte>(is_constant ? constant : use_delta ? delta : frame_of_reference);
+    to[1] = static_cast<std::byte>(base_bits);
+    to[2] = to[3] = std::byte(0);
+    const auto size32 = static_cast<std::uint32_t>(bytes);
+    std::memcpy(to + 4, &size32, 4);
+    std::memcpy(to + 8, &low, 8);
+    to += stream_header;
+    if (is_constant) return;
+    for (const BlockShape& shape : shapes) {
+        *to++ = static_cast<std::byte>(shape.width);
+        *to++ = static_cast<std::byte>(shape.shift);
+    }
+    std::vector<std::uint64_t> bases(blocks);
+    for (std::size_t b = 0; b < blocks; ++b) bases[b] = shapes[b].base - low;
+    pack_bits(bases, base_bits, to);
+    to += (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
+    std::array<Word, codec_block> block{};
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const BlockShape& shape = shapes[b];
+        if (shape.width == 0) continue;
+        const Word* v = values + b * codec_block;
+        const std::size_t n = std::min(codec_block, count - b * codec_block);
+        if (use_delta) {
+            block[0] = 0;
+            for (std::size_t i = 1; i < n; ++i)
+                block[i] = zigzag(shift_down(static_cast<Word>(v[i] - v[i - 1]), shape.shift));
+        } else {
+            for (std::size_t i = 0; i < n; ++i)
+                block[i] = static_cast<Word>(static_cast<Word>(v[i] - static_cast<Word>(shape.base)) >> shape.shift);
+        }
+        std::fill(block.begin() + static_cast<std::ptrdiff_t>(n), block.end(), Word(0));
+        pack_block(block.data(), shape.width, to);
+        to += shape.width * (codec_block / 8);
+    }
+}
+
+template <class Word>
+std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::size_t count,
+                   const std::filesystem::path& path)
+{
+    constexpr int word_bits = sizeof(Word) * 8;
+    const auto refuse = [&](const char* what) -> Error {
+        return Error(ErrorCode::corrupt, path, std::string("packed column: ") + what);
+    };
+    if (size < stream_header) throw refuse("shorter than its header");
+    const auto mode = static_cast<std::uint8_t>(data[0]);
+    const int base_bits = static_cast<int>(data[1]);
+    std::uint32_t bytes;
+    std::uint64_t low;
+    std::memcpy(&bytes, data + 4, 4);
+    std::memcpy(&low, data + 8, 8);
+    if (bytes < stream_header || bytes > size) throw refuse("its length does not fit the column");
+    if (low > low_mask(word_bits)) throw refuse("a value does not fit its type");
+    if (mode == constant) {
+        std::fill(values, values + count, static_cast<Word>(low));
+        return bytes;
+    }
+    if (mode != frame_of_reference && mode != delta) throw refuse("unknown mode");
+    if (base_bits > word_bits) throw refuse("base wider than its type");
+    const std::size_t blocks = (count + codec_block - 1) / codec_block;
+    const std::size_t base_bytes = (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
+    std::size_t left = bytes - stream_header;
+    if (left < blocks * 2 + base_bytes) throw refuse("shorter than its block table");
+    const std::byte* table = data + stream_header;
+    const std::byte* bases = table + blocks * 2;
+    const std::byte* payload = bases + base_bytes;
+    left -= blocks * 2 + base_bytes;
+    std::array<Word, codec_block> block;
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const int width = static_cast<int>(table[2 * b]);
+        const int shift = static_cast<int>(table[2 * b + 1]);
+        if (width > word_bits || shift >= word_bits) throw refuse("block wider than its type");
+        const std::size_t block_bytes = static_cast<std::size_t>(width) * (codec_block / 8);
+        if (block_bytes > left) throw refuse("shorter than its blocks");
+        const auto base =
+            static_cast<Word>(low + (base_bits ? bits_at(bases, b * static_cast<std::size_t>(base_bits), base_bits) : 0));
+        Word* v = values + b * codec_block;
+        const std::size_t n = std::min(codec_block, count - b * codec_block);
+        if (width == 0) {
+            std::fill(v, v + n, base);
+            continue;
+        }
+        Word* target = n == codec_block ? v : block.data();
+        unpack_block(payload, width, target);
+        if (mode == delta) {
+            Word sum = base;
+            for (std::size_t i = 0; i < n; ++i)
+                v[i] = sum = static_cast<Word>(sum + static_cast<Word>(unzigzag(target[i]) << shift));
+        } else {
+            for (std::size_t i = 0; i < n; ++i)
+                v[i] = static_cast<Word>(base + static_cast<Word>(target[i] << shift));
+        }
+        payload += block_bytes;
+        left -= block_bytes;
+    }
+    if (left != 0) throw refuse("longer than its blocks");
+    return bytes;
+}
+
+template void pack(const std::uint32_t*, std::size_t, std::vector<std::byte>&);
+template void pack(const std::uint64_t*, std::size_t, std::vector<std::byte>&);
+template std::size_t unpack(const std::byte*, std::size_t, std::uint32_t*, std::size_t, const std::filesystem::path&);
+template std::size_t unpack(const std::byte*, std::size_t, std::uint64_t*, std::size_t, const std::filesystem::path&);
+
+}  // namespace pcm

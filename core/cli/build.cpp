@@ -1,0 +1,79 @@
+#include "cli/common.h"
+#include "tree/builder.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::vector<std::string> inputs;
+    std::string output;
+    std::uint64_t memory = std::uint64_t(1) << 30;
+    BuildOptions options;
+};
+
+int build(Arguments& arguments)
+{
+    std::filesystem::path output = arguments.output;
+    if (output.empty()) {
+        // Beside the first input, named like it.
+        output = arguments.inputs[0];
+        if (output.filename().empty()) output = output.parent_path();
+        output.replace_extension(tree_extension);
+    }
+    arguments.options.memory_bytes = arguments.memory;
+    arguments.options.progress = console_progress(arguments.common);
+    const BuildReport report =
+        build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
+    end_progress(arguments.common);
+    const double seconds = report.outcome.seconds;
+    const double speed = seconds > 0 ? static_cast<double>(report.outcome.points_out) / seconds : 0;
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = output.string();
+        json["points"] = report.outcome.points_out;
+        json["points_skipped"] = report.points_skipped;
+        json["seconds"] = seconds;
+        json["points_per_second"] = speed;
+        json["peak_rss_bytes"] = peak_rss_bytes();
+        json["bytes"] = report.bytes;
+        json["position_error"] = report.outcome.error;
+        json["nodes"] = report.nodes;
+        json["levels"] = report.levels;
+        json["notes"] = report.notes;
+        std::printf("%s\n", json.dump(2).c_str());
+    } else {
+        for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+        std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes a point)\n",
+                    output.string().c_str(), grouped(report.outcome.points_out).c_str(), seconds, speed / 1e6,
+                    static_cast<unsigned long long>(report.nodes), report.levels, bytes_text(report.bytes).c_str(),
+                    report.outcome.points_out
+                        ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
+                        : 0.0);
+        std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
+                    bytes_text(peak_rss_bytes()).c_str());
+    }
+    return 0;
+}
+
+}  // namespace
+
+void add_build(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("build", "Build a point cloud tree from files");
+    command->add_option("input", arguments->inputs, "Files, or folders of files, that together are one cloud")->required();
+    command->add_option("-o,--output", arguments->output, "Tree folder to make (default: first input with .pct)");
+    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
+        ->transform(CLI::AsSizeValue(false));
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = build(*arguments); });
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,40 @@
+// What the pcm commands share.
+#pragma once
+
+#include "cloud/progress.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace pcm::cli {
+
+using Json = nlohmann::ordered_json;
+
+// Options every command has.
+struct Common {
+    bool json = false;   // print one JSON object and nothing else
+    bool quiet = false;  // no progress
+};
+void add_common(CLI::App& command, Common& common);
+
+// A line on stderr that is rewritten while the operation runs; nothing when stderr is no terminal, or with --quiet or
+// --json. Ctrl-C cancels the operation, which then cleans up behind itself.
+ProgressFunction console_progress(const Common& common);
+void end_progress(const Common& common);
+
+std::uint64_t peak_rss_bytes();
+std::string grouped(std::uint64_t number);  // 60,000,000
+std::string bytes_text(std::uint64_t bytes);  // "1.5 GB"
+
+// Numbers with all their digits: the shortest text that reads back as the same double.
+std::string exact(double value);
+
+void add_build(CLI::App& app, int& result);
+void add_info(CLI::App& app, int& result);
+void add_verify(CLI::App& app, int& result);
+void add_generate(CLI::App& app, int& result);
+
+}  // namespace pcm::cli

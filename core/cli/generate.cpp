@@ -1,0 +1,73 @@
+#include "generate/scene.h"
+
+#include "cli/common.h"
+#include "cloud/error.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::string output;
+    SceneOptions options;
+    std::vector<double> origin;
+    bool no_truth = false;
+};
+
+int generate(Arguments& arguments)
+{
+    if (!arguments.origin.empty()) arguments.options.origin = {arguments.origin[0], arguments.origin[1], arguments.origin[2]};
+    arguments.options.progress = console_progress(arguments.common);
+    const SceneReport report = generate_scene(arguments.output, arguments.options, !arguments.no_truth);
+    end_progress(arguments.common);
+    std::size_t planes = 0, cylinders = 0, spheres = 0;
+    for (const ScenePrimitive& primitive : report.primitives)
+        ++(primitive.kind == ScenePrimitive::Kind::plane      ? planes
+           : primitive.kind == ScenePrimitive::Kind::cylinder ? cylinders
+                                                              : spheres);
+    const double seconds = report.outcome.seconds;
+    const double speed = seconds > 0 ? static_cast<double>(report.outcome.points_out) / seconds : 0;
+    if (arguments.common.json) {
+        Json json;
+        json["file"] = arguments.output;
+        json["points"] = report.outcome.points_out;
+        json["seconds"] = seconds;
+        json["points_per_second"] = speed;
+        json["peak_rss_bytes"] = peak_rss_bytes();
+        json["planes"] = planes;
+        json["cylinders"] = cylinders;
+        json["spheres"] = spheres;
+        std::printf("%s\n", json.dump(2).c_str());
+    } else {
+        std::printf("%s: %s points in %.1f s (%.2f M points/s); %zu planes, %zu cylinders, %zu spheres\n",
+                    arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), seconds, speed / 1e6, planes,
+                    cylinders, spheres);
+    }
+    return 0;
+}
+
+}  // namespace
+
+void add_generate(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    SceneOptions& options = arguments->options;
+    CLI::App* command = app.add_subcommand("generate", "Write a scan-like scene with exact ground truth as LAS");
+    command->add_option("output", arguments->output, "LAS file to write")->required();
+    command->add_option("-n,--points", options.points, "Number of points (default 1000000)");
+    command->add_option("--origin", arguments->origin, "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
+        ->delimiter(',')
+        ->expected(3);
+    command->add_option("--extent", options.extent, "Side of the scene, metres (default: grows with the points)");
+    command->add_option("--noise", options.noise, "Standard deviation of the range, metres (default 0.003)");
+    command->add_option("--scale", options.scale, "Step of the coordinates, metres (default 0.001)");
+    command->add_option("--seed", options.seed, "Seed of the random numbers (default 1)");
+    command->add_flag("--no-truth", arguments->no_truth, "Do not write the primitives beside the file");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = generate(*arguments); });
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,986 @@
+#include "tree/builder.h"
+
+#include "cloud/error.h"
+#include "tree/cut.h"
+#include "tree/ingest.h"
+#include "tree/node_builder.h"
+#include "tree/scratch.h"
+#include "tree/tree_index.h"
+
+#include <sys/file.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a new data file is begun beyond this
+constexpr std::uint16_t front_depth = 6;  // chunks above this depth lie together at the front, parents first
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Progress, cancel, and errors of many threads.
+
+class Watch {
+public:
+    explicit Watch(const ProgressFunction& progress) : progress_(progress), start_(Clock::now()), last_(start_) {}
+
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+    // On the calling thread only; throws Error(cancelled).
+    void report(std::string_view stage, double fraction)
+    {
+        if (!progress_) return;
+        const auto now = Clock::now();
+        if (fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
+        last_ = now;
+        fraction_ = std::clamp(fraction, fraction_, 1.0);
+        ProgressUpdate update;
+        update.stage = stage;
+        update.fraction = fraction_;
+        if (fraction_ > 0.02) update.seconds_left = seconds() * (1 - fraction_) / fraction_;
+        if (!progress_(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    }
+
+private:
+    const ProgressFunction& progress_;
+    Clock::time_point start_, last_;
+    double fraction_ = 0;
+};
+
+// Threads that stop together: the first exception of any is thrown by join().
+class Crew {
+public:
+    ~Crew()
+    {
+        stop();
+        for (std::thread& thread : threads_)
+            if (thread.joinable()) thread.join();
+    }
+    template <class F>
+    void add(F work)
+    {
+        threads_.emplace_back([this, work = std::move(work)]() mutable {
+            try {
+                work();
+            } catch (...) {
+                const std::lock_guard lock(mutex_);
+                if (!error_) error_ = std::current_exception();
+                stopped_ = true;
+            }
+            {
+                const std::lock_guard lock(mutex_);
+                ++finished_;
+            }
+            wake_.notify_all();
+        });
+    }
+    void stop()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            stopped_ = true;
+        }
+        wake_.notify_all();
+    }
+    bool stopped() const { return stopped_; }
+    // Waits for all threads, calling `tick` a few times a second on this thread.
+    template <class F>
+    void join(F&& tick)
+    {
+        for (;;) {
+            {
+                std::unique_lock lock(mutex_);
+                wake_.wait_for(lock, std::chrono::milliseconds(100), [&] { return finished_ == threads_.size(); });
+                if (finished_ == threads_.size()) break;
+            }
+            tick();
+        }
+        for (std::thread& thread : threads_) thread.join();
+        threads_.clear();
+        if (error_) std::rethrow_exception(error_);
+    }
+    // For work that waits on shared state guarded by this mutex.
+    std::mutex& mutex() { return mutex_; }
+    std::condition_variable& wake() { return wake_; }
+
+private:
+    std::vector<std::thread> threads_;
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    std::size_t finished_ = 0;
+    std::atomic<bool> stopped_{false};
+    std::exception_ptr error_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The folder a tree is built in.
+
+class BuildFolder {
+public:
+    BuildFolder(const fs::path& output, bool overwrite) : output_(output), part_(output)
+    {
+        part_ += ".part";
+        std::error_code error;
+        if (fs::exists(fs::symlink_status(output_, error))) {
+            if (!overwrite)
+                throw Error(ErrorCode::exists, output_, "there is something of this name already",
+                            is_tree(output_) ? "choose another name or overwrite it" : "choose another name");
+            if (!is_tree(output_))
+                throw Error(ErrorCode::exists, output_, "this is not a point cloud tree, so it is not overwritten");
+        }
+        const fs::path parent = output_.has_parent_path() ? output_.parent_path() : fs::path(".");
+        if (!fs::is_directory(parent, error))
+            throw Error(ErrorCode::not_found, parent, "no such folder to put the tree in");
+        const bool left_over = fs::exists(part_, error);
+        if (left_over && !fs::exists(part_ / build_marker_name, error) && !fs::is_empty(part_, error))
+            throw Error(ErrorCode::exists, part_, "a folder of this name is in the way and is not an interrupted build",
+                        "remove or rename it");
+        if (!left_over && !fs::create_directory(part_, error)) throw Error::from_errno(error.value(), part_, "creating the folder");
+        lock_ = File(part_ / build_marker_name, File::Mode::create_or_truncate);
+        if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
+            throw Error(ErrorCode::exists, output_, "another build is writing this tree at this moment");
+        owned_ = true;
+        // What an interrupted build has left is never looked at.
+        for (const auto& entry : fs::directory_iterator(part_))
+            if (entry.path().filename() != build_marker_name) fs::remove_all(entry.path());
+    }
+    ~BuildFolder()
+    {
+        std::error_code ignored;
+        if (owned_) fs::remove_all(part_, ignored);
+    }
+    const fs::path& path() const { return part_; }
+
+    // The last step: everything is synced; the tree takes its name.
+    void publish()
+    {
+        fs::remove(part_ / build_marker_name);
+        sync_folder(part_);
+        std::error_code error;
+        fs::path old;
+        if (fs::exists(output_, error)) {
+            old = output_;
+            old += ".old";
+            fs::remove_all(old);
+            fs::rename(output_, old);
+        }
+        if (std::rename(part_.c_str(), output_.c_str()) != 0) {
+            const int number = errno;
+            if (!old.empty()) fs::rename(old, output_, error);
+            throw Error::from_errno(number, output_, "giving the finished tree its name");
+        }
+        owned_ = false;
+        sync_folder(output_.has_parent_path() ? output_.parent_path() : fs::path("."));
+        if (!old.empty()) fs::remove_all(old, error);
+    }
+
+private:
+    fs::path output_, part_;
+    File lock_;
+    bool owned_ = false;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// What the points say about themselves while they stream by.
+
+struct Observed {
+    std::uint64_t points = 0;
+    std::uint64_t hash = 0;
+    double position_error = 0;
+    Box3i box;
+    std::array<Vec3i, 6> extremes{};
+
+    // Ties go to the smallest point, so that the answer does not depend on the order.
+    void see(const Vec3i& p)
+    {
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (points == 0 || p[a] < extremes[2 * a][a] || (p[a] == extremes[2 * a][a] && p < extremes[2 * a]))
+                extremes[2 * a] = p;
+            if (points == 0 || p[a] > extremes[2 * a + 1][a] || (p[a] == extremes[2 * a + 1][a] && p < extremes[2 * a + 1]))
+                extremes[2 * a + 1] = p;
+        }
+        ++points;
+    }
+    void merge(const Observed& other)
+    {
+        if (other.points == 0) return;
+        for (std::size_t k = 0; k < 6; ++k) {
+            const std::size_t a = k / 2;
+            const Vec3i &p = other.extremes[k], &q = extremes[k];
+            const bool beyond = k % 2 ? p[a] > q[a] : p[a] < q[a];
+            if (points == 0 || beyond || (p[a] == q[a] && p < q)) extremes[k] = p;
+        }
+        points += other.points;
+        hash += other.hash;
+        position_error = std::max(position_error, other.position_error);
+    }
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The top of the tree: cuts chosen from a sample, down to bins that fit in memory.
+
+template <class Coord>
+struct TopTree {
+    struct Node {
+        std::size_t axis = 0;
+        Coord value = 0;
+        std::array<std::uint32_t, 2> children{0, 0};  // 0: this is a bin
+        std::size_t bin = 0;
+    };
+    std::vector<Node> nodes;
+
+    std::size_t bin_of(const std::array<Coord, 3>& c) const { return bin_of(c, 0); }
+    std::size_t bin_of(const std::array<Coord, 3>& c, std::uint32_t from) const
+    {
+        std::uint32_t n = from;
+        while (nodes[n].children[0]) n = nodes[n].children[c[nodes[n].axis] < nodes[n].value ? 0 : 1];
+        return nodes[n].bin;
+    }
+};
+
+template <class Coord>
+class TopPlanner {
+public:
+    using Sample = std::vector<std::array<Coord, 3>>;
+    TopPlanner(TopTree<Coord>& top, const AxisShift& finer, std::uint64_t bin_points)
+        : top_(top), finer_(finer), bin_points_(bin_points)
+    {
+    }
+    // Divides node `at`, which stands for `points` points of which `sample` is a part; bins are numbered from `first_bin`.
+    // Returns how many bins there are. One bin means that the node could not be divided.
+    std::size_t plan(std::uint32_t at, Sample& sample, std::uint64_t points, std::size_t first_bin)
+    {
+        next_bin_ = first_bin;
+        divide(at, sample.data(), sample.size(), points, 0);
+        return next_bin_ - first_bin;
+    }
+
+private:
+    void divide(std::uint32_t at, std::array<Coord, 3>* sample, std::size_t count, std::uint64_t points, int depth)
+    {
+        std::optional<Cut<Coord>> cut;
+        // A sample of a few points says too little to cut by.
+        if (points > bin_points_ && count >= 16 && depth < 64)
+            cut = choose_cut<Coord>(count, finer_, [&](std::size_t i, std::size_t axis) { return sample[i][axis]; });
+        if (!cut) {
+            top_.nodes[at].bin = next_bin_++;
+            return;
+        }
+        auto* middle = std::partition(sample, sample + count, [&](const auto& c) { return c[cut->axis] < cut->value; });
+        const auto left = static_cast<std::size_t>(middle - sample);
+        const auto left_points =
+            static_cast<std::uint64_t>(static_cast<double>(points) * static_cast<double>(left) / static_cast<double>(count));
+        const auto first = static_cast<std::uint32_t>(top_.nodes.size());
+        top_.nodes.resize(top_.nodes.size() + 2);
+        top_.nodes[at].axis = cut->axis;
+        top_.nodes[at].value = cut->value;
+        top_.nodes[at].children = {first, first + 1};
+        divide(first, sample, left, left_points, depth + 1);
+        divide(first + 1, middle, count - left, points - left_points, depth + 1);
+    }
+    TopTree<Coord>& top_;
+    const AxisShift& finer_;
+    std::uint64_t bin_points_;
+    std::size_t next_bin_ = 0;
+};
+
+// Keeps every n-th of what it is shown, n doubling when it is full: a strided sample of a stream of unknown length.
+template <class T>
+class StridedSample {
+public:
+    explicit StridedSample(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 64)) {}
+    void see(const T& item)
+    {
+        if (seen_++ % stride_ != 0) return;
+        if (items_.size() == capacity_) {
+            for (std::size_t i = 0; 2 * i < items_.size(); ++i) items_[i] = items_[2 * i];
+            items_.resize((items_.size() + 1) / 2);
+            stride_ *= 2;
+            if ((seen_ - 1) % stride_ != 0) return;
+        }
+        items_.push_back(item);
+    }
+    std::vector<T>& items() { return items_; }
+
+private:
+    std::size_t capacity_;
+    std::uint64_t seen_ = 0, stride_ = 1;
+    std::vector<T> items_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Data files: chunks appended in one order, whatever thread made them.
+
+class DataFiles {
+public:
+    explicit DataFiles(const fs::path& folder) : folder_(folder), front_(folder / "front.tmp", File::Mode::create_new)
+    {
+        bytes_.push_back(0);  // file 0 is the front, written last
+    }
+
+    void append(Draft& draft, const std::byte* bytes, std::size_t size)
+    {
+        if (draft.path.depth <= front_depth) {
+            front_.write_at(bytes, size, front_bytes_);
+            draft.extent.file = 0;
+            draft.extent.offset = front_bytes_;
+            front_bytes_ += size;
+            fronted_.push_back(&draft);
+            return;
+        }
+        if (!file_.is_open() || bytes_.back() + size > data_file_limit) {
+            finish_file();
+            file_ = File(folder_ / data_file_name(static_cast<std::uint32_t>(bytes_.size())), File::Mode::create_new);
+            bytes_.push_back(0);
+        }
+        file_.write_at(bytes, size, bytes_.back());
+        draft.extent.file = static_cast<std::uint32_t>(bytes_.size() - 1);
+        draft.extent.offset = bytes_.back();
+        bytes_.back() += size;
+    }
+
+    // Puts the front in order, parents first, and syncs everything.
+    void finish()
+    {
+        finish_file();
+        std::sort(fronted_.begin(), fronted_.end(), [](const Draft* p, const Draft* q) {
+            if (p->path.depth != q->path.depth) return p->path.depth < q->path.depth;
+            return p->path.bits < q->path.bits;
+        });
+        File front(folder_ / data_file_name(0), File::Mode::create_new);
+        std::vector<std::byte> buffer;
+        for (Draft* draft : fronted_) {
+            buffer.resize(draft->extent.bytes);
+            front_.read_at(buffer.data(), buffer.size(), draft->extent.offset);
+            front.write_at(buffer.data(), buffer.size(), bytes_[0]);
+            draft->extent.offset = bytes_[0];
+            bytes_[0] += buffer.size();
+        }
+        front.sync();
+        front.close();
+        front_.close();
+        fs::remove(folder_ / "front.tmp");
+    }
+    const std::vector<std::uint64_t>& bytes() const { return bytes_; }
+
+private:
+    void finish_file()
+    {
+        if (!file_.is_open()) return;
+        file_.sync();
+        file_.close();
+    }
+    fs::path folder_;
+    File front_;
+    std::uint64_t front_bytes_ = 0;
+    std::vector<Draft*> fronted_;
+    File file_;
+    std::vector<std::uint64_t> bytes_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Reading: files -> rows in bins.
+
+// Batches between the reading thread and the converting threads, a few at most.
+class BatchQueue {
+public:
+    struct Item {
+        PointBatch batch;
+        std::size_t reader = 0;
+    };
+    BatchQueue(Crew& crew, std::size_t capacity) : crew_(crew), free_(capacity) {}
+
+    // The reader's side: an empty item (its storage is reused), or nothing when the crew has stopped.
+    std::optional<Item> empty_item()
+    {
+        std::unique_lock lock(crew_.mutex());
+        crew_.wake().wait(lock, [&] { return !free_.empty() || crew_.stopped(); });
+        if (crew_.stopped()) return std::nullopt;
+        Item item = std::move(free_.back());
+        free_.pop_back();
+        return item;
+    }
+    void push(Item item)
+    {
+        {
+            const std::lock_guard lock(crew_.mutex());
+            full_.push_back(std::move(item));
+        }
+        crew_.wake().notify_all();
+    }
+    void close()
+    {
+        {
+            const std::lock_guard lock(crew_.mutex());
+            closed_ = true;
+        }
+        crew_.wake().notify_all();
+    }
+    std::optional<Item> pop()
+    {
+        std::unique_lock lock(crew_.mutex());
+        crew_.wake().wait(lock, [&] { return !full_.empty() || closed_ || crew_.stopped(); });
+        if (crew_.stopped() || full_.empty()) return std::nullopt;
+        Item item = std::move(full_.front());
+        full_.pop_front();
+        return item;
+    }
+    void recycle(Item item)
+    {
+        {
+            const std::lock_guard lock(crew_.mutex());
+            free_.push_back(std::move(item));
+        }
+        crew_.wake().notify_all();
+    }
+
+private:
+    Crew& crew_;
+    std::vector<Item> free_;
+    std::deque<Item> full_;
+    bool closed_ = false;
+};
+
+class TreeBuild {
+public:
+    TreeBuild(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
+        : options_(options),
+          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+          output_(output),
+          watch_(options.progress),
+          input_(inputs)
+    {
+        report_.notes = input_.notes();
+    }
+
+    BuildReport run()
+    {
+        BuildFolder folder(output_, options_.overwrite);
+        folder_ = folder.path();
+        if (input_.shares_grid() && input_.seekable())
+            build_from_grid();
+        else
+            build_from_spool();
+        folder.publish();
+        report_.outcome.seconds = watch_.seconds();
+        return report_;
+    }
+
+private:
+    // Points of a bin, so that a bin in each thread's hands stays within half of the memory.
+    std::uint64_t bin_points(std::size_t row_bytes, std::size_t key_bytes) const
+    {
+        const std::uint64_t each = options_.memory_bytes / 2 / threads_;
+        const std::uint64_t point_bytes = row_bytes + key_bytes + 24;  // its chunks, encoded, and the sort's work space
+        return std::max<std::uint64_t>(each / point_bytes, 2 * std::uint64_t(options_.chunk_points));
+    }
+
+    // Gridded, seekable input: sample, cut, distribute while parsing.
+    void build_from_grid()
+    {
+        using Coord = std::uint32_t;
+        node_options_.grid = input_.grid();
+        node_options_.schema = input_.schema();
+        node_options_.layout = RowLayout(input_.schema(), false);
+        const RowLayout& layout = node_options_.layout;
+        const std::uint64_t points = input_.promised_points();
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
+
+        TopTree<Coord> top;
+        top.nodes.resize(1);
+        std::size_t bins = 1;
+        if (points > per_bin) {
+            TopPlanner<Coord>::Sample sample;
+            for (const Vec3i& p : input_.sample(sample_points(points, per_bin)))
+                sample.push_back({to_coordinate<Coord>(p[0]), to_coordinate<Coord>(p[1]), to_coordinate<Coord>(p[2])});
+            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, sample, points, 0);
+        }
+
+        Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
+        scratch.add_bins(bins);
+        std::vector<Observed> observed(threads_);
+        Crew crew;
+        BatchQueue queue(crew, threads_ + 2);
+        for (unsigned t = 0; t < threads_; ++t)
+            crew.add([&, t] {
+                Scratch::Writer writer(scratch, 0, bins, options_.memory_bytes / 4 / threads_);
+                std::vector<std::byte> rows;
+                while (auto item = queue.pop()) {
+                    const PointBatch& batch = item->batch;
+                    rows.resize(batch.size * layout.bytes);
+                    put_attributes(batch, layout, slots(item->reader), rows.data());
+                    for (std::size_t i = 0; i < batch.size; ++i) {
+                        std::array<Coord, 3> c;
+                        Vec3i p;
+                        for (std::size_t a = 0; a < 3; ++a) {
+                            p[a] = batch.grid_xyz[a][i];
+                            c[a] = to_coordinate<Coord>(p[a]);
+                        }
+                        std::byte* row = rows.data() + i * layout.bytes;
+                        std::memcpy(row, c.data(), sizeof c);
+                        observed[t].see(p);
+                        writer.add(top.bin_of(c), row);
+                    }
+                    observed[t].hash += hash_rows(rows.data(), batch.size, layout.bytes);
+                    queue.recycle(std::move(*item));
+                }
+                writer.flush();
+            });
+        while (auto item = queue.empty_item()) {
+            if (!input_.read(item->batch, default_batch_points)) break;
+            item->reader = input_.reader();
+            report_.outcome.points_in += item->batch.size;
+            queue.push(std::move(*item));
+            watch_.report("Reading points", 0.4 * input_.fraction_read());
+        }
+        queue.close();
+        crew.join([&] { watch_.report("Reading points", 0.4); });
+        for (const Observed& o : observed) observed_.merge(o);
+        build_bins<Coord>(scratch, top, per_bin);
+    }
+
+    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get; then
+    // the spool is put on a grid and distributed.
+    void build_from_spool()
+    {
+        using Coord = std::uint64_t;
+        static_assert(sizeof(Coord) == sizeof(double));
+        node_options_.schema = input_.schema();
+        node_options_.layout = RowLayout(input_.schema(), true);
+        const RowLayout& layout = node_options_.layout;
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
+
+        Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
+        Scratch spool(folder_ / "spool.tmp", layout.bytes);
+        spool.add_bins(1);
+        Vec3d largest{0, 0, 0};
+        StridedSample<Vec3d> sample(static_cast<std::size_t>(options_.memory_bytes / 16 / sizeof(Vec3d)));
+        std::vector<std::byte> rows;
+        PointBatch batch;
+        while (input_.read(batch, default_batch_points)) {
+            report_.outcome.points_in += batch.size;
+            rows.resize(batch.size * layout.bytes);
+            put_attributes(batch, layout, slots(input_.reader()), rows.data());
+            const Grid* grid = input_.grid_of(input_.reader());
+            std::size_t kept = 0;
+            for (std::size_t i = 0; i < batch.size; ++i) {
+                Vec3d p;
+                for (std::size_t a = 0; a < 3; ++a)
+                    p[a] = batch.gridded ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+                if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+                for (std::size_t a = 0; a < 3; ++a) largest[a] = std::max(largest[a], std::fabs(p[a]));
+                sample.see(p);
+                std::byte* row = rows.data() + kept++ * layout.bytes;
+                if (row != rows.data() + i * layout.bytes) std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
+                std::memcpy(row, p.data(), sizeof p);
+            }
+            report_.points_skipped += batch.size - kept;
+            spool.append(0, rows.data(), kept);
+            watch_.report("Reading points", 0.25 * input_.fraction_read());
+        }
+        if (report_.points_skipped)
+            report_.notes.push_back(std::to_string(report_.points_skipped) + " points without a finite position were left out");
+
+        choose_grid(largest);
+        const Grid& grid = node_options_.grid;
+        const auto on_grid = [&](const Vec3d& p) {
+            std::array<Coord, 3> c;
+            for (std::size_t a = 0; a < 3; ++a)
+                c[a] = to_coordinate<Coord>(to_grid_position(p[a], grid.scale[a], grid.offset[a]));
+            return c;
+        };
+        TopTree<Coord> top;
+        top.nodes.resize(1);
+        std::size_t bins = 1;
+        if (spool.rows(0) > per_bin) {
+            TopPlanner<Coord>::Sample coordinates;
+            for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
+            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, coordinates, spool.rows(0), 0);
+        }
+        sample = StridedSample<Vec3d>(0);
+        scratch.add_bins(bins);
+        const auto convert = [&](std::byte* row, Observed& seen) {
+            Vec3d p;
+            std::memcpy(p.data(), row, sizeof p);
+            const auto c = on_grid(p);
+            std::memcpy(row, c.data(), sizeof c);
+            Vec3i q;
+            for (std::size_t a = 0; a < 3; ++a) {
+                q[a] = to_grid<Coord>(c[a]);
+                seen.position_error = std::max(seen.position_error, std::fabs(grid.to_source(q[a], a) - p[a]));
+            }
+            seen.see(q);
+            return top.bin_of(c);
+        };
+        std::vector<Observed> observed(threads_);
+        distribute(spool, 0, scratch, 0, bins, [&](unsigned t, std::byte* rows_of_block, std::size_t count, auto&& add) {
+            for (std::size_t i = 0; i < count; ++i) {
+                std::byte* row = rows_of_block + i * layout.bytes;
+                add(convert(row, observed[t]), row);
+            }
+            observed[t].hash += hash_rows(rows_of_block, count, layout.bytes);
+        });
+        for (const Observed& o : observed) observed_.merge(o);
+        build_bins<Coord>(scratch, top, per_bin);
+    }
+
+    const std::vector<std::size_t>& slots(std::size_t reader) const { return input_.slots(reader); }
+
+    std::size_t sample_points(std::uint64_t points, std::uint64_t per_bin) const
+    {
+        const std::uint64_t wanted = std::max<std::uint64_t>(200000, points / per_bin * 4096);
+        return static_cast<std::size_t>(std::min({wanted, options_.memory_bytes / 16 / 24, points}));
+    }
+
+    // Files on grids of one scale whose offsets lie a whole number of steps apart keep that scale, exactly; else a power of
+    // two an axis, the finest that holds the largest coordinate.
+    void choose_grid(const Vec3d& largest)
+    {
+        Grid& grid = node_options_.grid;
+        if (const auto common = input_.common_grid(largest)) {
+            grid = *common;
+            return;
+        }
+        const double all = std::max({largest[0], largest[1], largest[2]});
+        for (std::size_t a = 0; a < 3; ++a) {
+            // An axis of tiny coordinates need not be finer than 2^-40 of the largest.
+            grid.scale[a] = power_of_two_grid(std::max(largest[a], std::ldexp(all, -40))).scale[0];
+            grid.offset[a] = 0;
+        }
+        const double coarsest = std::max({grid.scale[0], grid.scale[1], grid.scale[2]});
+        for (std::size_t a = 0; a < 3; ++a)
+            node_options_.finer[a] = static_cast<int>(std::lround(std::log2(coarsest / grid.scale[a])));
+    }
+
+    // Moves the rows of one bin into bins [first, first + bins) of `to`, on all threads. `put(thread, rows, count, add)` calls
+    // add(bin, row) for each row.
+    template <class Put>
+    void distribute(Scratch& from, std::size_t bin, Scratch& to, std::size_t first, std::size_t bins, const Put& put)
+    {
+        std::atomic<std::size_t> next{0};
+        Crew crew;
+        for (unsigned t = 0; t < threads_; ++t)
+            crew.add([&, t] {
+                Scratch::Writer writer(to, first, bins, options_.memory_bytes / 4 / threads_);
+                std::vector<std::byte> rows;
+                for (std::size_t block; !crew.stopped() && (block = next++) < from.blocks(bin);) {
+                    const std::size_t count = from.block_rows(bin, block);
+                    rows.resize(count * from.row_bytes());
+                    from.read_block(bin, block, rows.data());
+                    put(t, rows.data(), count, [&](std::size_t target, const std::byte* row) { writer.add(target, row); });
+                }
+                writer.flush();
+            });
+        crew.join([&] { watch_.report("Sorting points into bins", 0.3); });
+    }
+
+    // Bins that came out larger than planned (a sample can miss a dense spot) are divided again.
+    template <class Coord>
+    void divide_large_bins(Scratch& scratch, TopTree<Coord>& top, std::uint64_t per_bin)
+    {
+        const std::uint64_t limit = per_bin + per_bin / 2;
+        for (std::uint32_t n = 0; n < top.nodes.size(); ++n) {
+            if (top.nodes[n].children[0]) continue;
+            const std::size_t bin = top.nodes[n].bin;
+            if (scratch.rows(bin) <= limit) continue;
+            // Blocks lie in the order that threads wrote them; a sample by the rows' hashes is the same whatever the order.
+            std::vector<std::byte> rows;
+            TopPlanner<Coord> planner(top, node_options_.finer, per_bin);
+            typename TopPlanner<Coord>::Sample chosen;
+            const std::uint64_t keep_one_in = std::max<std::uint64_t>(1, scratch.rows(bin) / 100000);
+            for (std::size_t b = 0; b < scratch.blocks(bin); ++b) {
+                rows.resize(scratch.block_rows(bin, b) * scratch.row_bytes());
+                scratch.read_block(bin, b, rows.data());
+                for (std::size_t i = 0; i < scratch.block_rows(bin, b); ++i) {
+                    const std::byte* row = rows.data() + i * scratch.row_bytes();
+                    if (checksum(row, scratch.row_bytes()) % keep_one_in == 0) chosen.push_back(coordinates_of<Coord>(row));
+                }
+            }
+            const std::size_t first = scratch.bins();
+            const std::size_t bins = planner.plan(n, chosen, scratch.rows(bin), first);
+            scratch.add_bins(bins);
+            if (bins == 1) {
+                top.nodes[n].bin = bin;  // it cannot be divided: a pile of points in one place
+                continue;
+            }
+            distribute(scratch, bin, scratch, first, bins,
+                       [&](unsigned, std::byte* block, std::size_t count, auto&& add) {
+                           for (std::size_t i = 0; i < count; ++i) {
+                               const std::byte* row = block + i * scratch.row_bytes();
+                               add(top.bin_of(coordinates_of<Coord>(row), n), row);
+                           }
+                       });
+            scratch.forget(bin);
+        }
+    }
+
+    // Bins and merges as jobs in post-order; output is committed in that order, so that the files do not depend on which
+    // thread did what.
+    template <class Coord>
+    void build_bins(Scratch& scratch, TopTree<Coord>& top, std::uint64_t per_bin)
+    {
+        divide_large_bins(scratch, top, per_bin);
+        DataFiles files(folder_);
+        DraftStore drafts;
+        node_options_.chunk_points = options_.chunk_points;
+        Draft* root = nullptr;
+        if (observed_.points > 0) root = run_jobs<Coord>(scratch, top, files, drafts);
+        write_index(root, files);
+    }
+
+    template <class Coord>
+    Draft* run_jobs(Scratch& scratch, const TopTree<Coord>& top, DataFiles& files, DraftStore& drafts)
+    {
+        using Builder = NodeBuilder<Coord>;
+        struct Job {
+            NodePath path;
+            std::optional<std::size_t> bin;
+            std::array<std::size_t, 2> inputs{};  // job numbers, for a merge
+            bool claimed = false;
+            bool done = false;
+            typename Builder::Region region;
+        };
+        std::vector<Job> jobs;
+        // Post-order; a side without any points has no job, and then there is nothing to merge.
+        struct Walk {
+            const TopTree<Coord>& top;
+            const Scratch& scratch;
+            std::vector<Job>& jobs;
+            std::optional<std::size_t> go(std::uint32_t n, const NodePath& path)
+            {
+                const auto& node = top.nodes[n];
+                Job job;
+                job.path = path;
+                if (!node.children[0]) {
+                    if (scratch.rows(node.bin) == 0) return std::nullopt;
+                    job.bin = node.bin;
+                } else {
+                    const bool empty[2] = {rows(node.children[0]) == 0, rows(node.children[1]) == 0};
+                    if (empty[0] || empty[1]) {
+                        if (empty[0] && empty[1]) return std::nullopt;
+                        return go(node.children[empty[0] ? 1 : 0], path);
+                    }
+                    job.inputs[0] = *go(node.children[0], path.child(0));
+                    job.inputs[1] = *go(node.children[1], path.child(1));
+                }
+                jobs.push_back(std::move(job));
+                return jobs.size() - 1;
+            }
+            std::uint64_t rows(std::uint32_t n) const
+            {
+                const auto& node = top.nodes[n];
+                if (!node.children[0]) return scratch.rows(node.bin);
+                return rows(node.children[0]) + rows(node.children[1]);
+            }
+        };
+        Walk{top, scratch, jobs}.go(0, NodePath());
+
+        Crew crew;
+        std::map<std::size_t, typename Builder::Output> waiting;  // finished ahead of their turn
+        std::size_t next_commit = 0;
+        std::uint64_t points_done = 0;
+        bool committing = false;
+
+        const auto ready = [&](const Job& job) {
+            return !job.claimed && (job.bin || (jobs[job.inputs[0]].done && jobs[job.inputs[1]].done));
+        };
+        const auto work = [&] {
+            Builder builder(node_options_, drafts);
+            std::unique_lock lock(crew.mutex());
+            for (;;) {
+                std::size_t mine = jobs.size();
+                bool any_left = false;
+                crew.wake().wait(lock, [&] {
+                    if (crew.stopped()) return true;
+                    any_left = false;
+                    // Not far ahead of what is committed: finished output waits in memory.
+                    std::size_t ahead = 0;
+                    for (std::size_t j = next_commit; j < jobs.size() && ahead <= 2 * threads_; ++j, ++ahead) {
+                        any_left = any_left || !jobs[j].claimed;
+                        if (ready(jobs[j])) {
+                            mine = j;
+                            return true;
+                        }
+                    }
+                    for (std::size_t j = next_commit; j < jobs.size() && !any_left; ++j) any_left = !jobs[j].claimed;
+                    return !any_left;
+                });
+                if (crew.stopped() || mine == jobs.size()) return;
+                Job& job = jobs[mine];
+                job.claimed = true;
+                typename Builder::Output output;
+                typename Builder::Region left, right;
+                if (!job.bin) {
+                    left = std::move(jobs[job.inputs[0]].region);
+                    right = std::move(jobs[job.inputs[1]].region);
+                }
+                lock.unlock();
+                typename Builder::Region region;
+                std::uint64_t points = 0;
+                if (job.bin) {
+                    region = builder.build(scratch.read(*job.bin), job.path, output);
+                    builder.compact(region);
+                    points = scratch.rows(*job.bin);
+                } else {
+                    region = builder.merge(std::move(left), std::move(right), job.path, output);
+                }
+                if (mine + 1 == jobs.size()) builder.finish(region, output);
+                lock.lock();
+                job.region = std::move(region);
+                job.done = true;
+                points_done += points;
+                waiting.emplace(mine, std::move(output));
+                // One thread at a time writes what is next in turn.
+                while (!committing && !waiting.empty() && waiting.begin()->first == next_commit) {
+                    committing = true;
+                    const typename Builder::Output next = std::move(waiting.begin()->second);
+                    waiting.erase(waiting.begin());
+                    lock.unlock();
+                    for (const auto& piece : next.pieces)
+                        files.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
+                    lock.lock();
+                    committing = false;
+                    ++next_commit;
+                }
+                crew.wake().notify_all();
+            }
+        };
+        for (unsigned t = 0; t < threads_; ++t) crew.add(work);
+        crew.join([&] {
+            std::uint64_t done;
+            {
+                const std::lock_guard lock(crew.mutex());
+                done = points_done;
+            }
+            watch_.report("Building chunks", 0.4 + 0.58 * static_cast<double>(done) / static_cast<double>(observed_.points));
+        });
+        return jobs.back().region.draft;
+    }
+
+    // Drafts become nodes, parents first; subtrees without points vanish.
+    void write_index(Draft* root, DataFiles& files)
+    {
+        watch_.report("Writing the index", 0.99);
+        files.finish();
+        TreeIndex index;
+        TreeInfo& info = index.info;
+        std::vector<Draft*> order;
+        if (root && subtree_points(*root) > 0) {
+            order.push_back(root);
+            index.nodes.emplace_back();
+        }
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            const Draft& draft = *order[i];
+            std::size_t side = 0;
+            for (Draft* child : draft.children) {
+                if (child && subtree_points(*child) > 0) {
+                    const auto id = static_cast<NodeId>(order.size());
+                    index.nodes[i].children[side] = id;
+                    index.nodes.emplace_back();
+                    index.nodes.back().parent = static_cast<NodeId>(i);
+                    order.push_back(child);
+                }
+                ++side;
+            }
+            Node& node = index.nodes[i];
+            node.level = draft.path.depth;
+            node.points = draft.points;
+            node.extent = draft.extent;
+            node.spacing = node.is_leaf() ? 0 : draft.spacing;
+            if (draft.points) node.box = draft.box;
+            info.levels = std::max<std::uint16_t>(info.levels, static_cast<std::uint16_t>(node.level + 1));
+        }
+        for (std::size_t i = index.nodes.size(); i-- > 0;) {
+            Node& node = index.nodes[i];
+            node.subtree_points += node.points;
+            if (i == 0) break;
+            index.nodes[node.parent].subtree_points += node.subtree_points;
+            index.nodes[node.parent].box.extend(node.box);
+        }
+        info.points = observed_.points;
+        const std::uint64_t stored = index.nodes.empty() ? 0 : index.nodes[0].subtree_points;
+        if (stored != info.points || report_.outcome.points_in != stored + report_.points_skipped)
+            throw Error(ErrorCode::corrupt, output_,
+                        std::to_string(report_.outcome.points_in) + " points went in, " + std::to_string(stored) +
+                            " came out; this is a defect of the program");
+        info.points_skipped = report_.points_skipped;
+        info.content_hash = observed_.hash;
+        info.grid = node_options_.grid;
+        info.position_type = input_.position_type();
+        info.wide = node_options_.layout.coordinate_bytes == 8;
+        info.schema = node_options_.schema;
+        if (!index.nodes.empty()) info.box = index.nodes[0].box;
+        info.extremes = observed_.extremes;
+        info.position_error = observed_.position_error;
+        info.metadata = input_.metadata();
+        info.sources = input_.source_names();
+        index.data_file_bytes = files.bytes();
+        const std::vector<std::byte> bytes = encode_index(index);
+        replace_file(folder_ / index_file_name, bytes.data(), bytes.size());
+
+        report_.outcome.points_out = info.points;
+        report_.outcome.error = info.position_error;
+        report_.outcome.error_meaning = "largest position error, source units";
+        report_.nodes = index.nodes.size();
+        report_.levels = info.levels;
+        report_.bytes = bytes.size();
+        for (const std::uint64_t b : files.bytes()) report_.bytes += b;
+        watch_.report("Done", 1);
+    }
+
+    std::uint64_t subtree_points(const Draft& draft) const
+    {
+        std::uint64_t sum = draft.points;
+        for (const Draft* child : draft.children)
+            if (child) sum += subtree_points(*child);
+        return sum;
+    }
+
+    const BuildOptions& options_;
+    const unsigned threads_;
+    const fs::path output_;
+    Watch watch_;
+    InputCloud input_;
+    fs::path folder_;
+    NodeBuilderOptions node_options_;
+    Observed observed_;
+    BuildReport report_;
+};
+
+}  // namespace
+
+BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
+{
+    if (options.memory_bytes < (std::uint64_t(64) << 20))
+        throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
+    if (options.chunk_points < 1000 || options.chunk_points > 10000000)
+        throw Error(ErrorCode::invalid_argument, {}, "points a chunk must be between 1000 and 10000000, not " +
+                                                         std::to_string(options.chunk_points));
+    if (options.threads > 1024) throw Error(ErrorCode::invalid_argument, {}, "more than 1024 threads");
+    fs::path folder = output;
+    if (folder.filename().empty()) folder = folder.parent_path();  // "name.pct/" means name.pct
+    if (folder.empty()) throw Error(ErrorCode::invalid_argument, {}, "the tree needs a name");
+    try {
+        return TreeBuild(inputs, folder, options).run();
+    } catch (const fs::filesystem_error& error) {
+        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::io, folder, "the system has no memory left", "lower the memory of the build");
+    }
+}
+
+}  // namespace pcm

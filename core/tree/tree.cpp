@@ -1,0 +1,134 @@
+#include "tree/tree.h"
+
+#include "bpc/bpc.h"
+#include "cloud/error.h"
+#include "tree/tree_index.h"
+
+#include <algorithm>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder, for a path that is the folder or the index file in it.
+fs::path folder_of(const fs::path& path)
+{
+    if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
+    return path;
+}
+
+[[noreturn]] void refuse_folder(const fs::path& folder)
+{
+    if (fs::exists(folder / build_marker_name))
+        throw Error(ErrorCode::interrupted_build, folder, "the build of this tree was interrupted or is still running",
+                    "build it again, or remove the folder");
+    throw Error(ErrorCode::not_a_tree, folder,
+                std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
+                "make one with 'pcm build'");
+}
+
+}  // namespace
+
+bool is_tree(const fs::path& path)
+{
+    std::error_code ignored;
+    return fs::is_regular_file(folder_of(path) / index_file_name, ignored);
+}
+
+std::shared_ptr<const Tree> Tree::open(const fs::path& path)
+{
+    const fs::path folder = folder_of(path);
+    std::error_code error;
+    const fs::file_status status = fs::status(folder, error);
+    if (status.type() == fs::file_type::not_found) {
+        fs::path part = folder;
+        part += ".part";
+        throw Error(ErrorCode::not_found, folder, "no such tree",
+                    fs::exists(part, error) ? "a build of it was interrupted or is still running: build it again" : "");
+    }
+    if (status.type() == fs::file_type::none) throw Error::from_errno(error.value(), folder, "opening");
+    if (!fs::is_directory(status))
+        throw Error(ErrorCode::not_a_tree, folder, "this is a file, not a point cloud tree",
+                    "a tree is a folder; make one with 'pcm build'");
+    if (!fs::exists(folder / index_file_name, error)) {
+        if (error) throw Error::from_errno(error.value(), folder, "opening");
+        refuse_folder(folder);
+    }
+
+    std::vector<std::byte> bytes;
+    {
+        const File file(folder / index_file_name, File::Mode::read);
+        bytes.resize(file.size());
+        file.read_at(bytes.data(), bytes.size(), 0);
+    }
+    TreeIndex index = decode_index(bytes, folder / index_file_name);
+
+    std::shared_ptr<Tree> tree(new Tree);
+    tree->folder_ = folder;
+    tree->info_ = std::move(index.info);
+    tree->nodes_ = std::move(index.nodes);
+    for (std::uint32_t i = 0; i < index.data_file_bytes.size(); ++i) {
+        File file(folder / data_file_name(i), File::Mode::read);
+        if (file.size() < index.data_file_bytes[i])
+            throw Error(ErrorCode::truncated, file.path(),
+                        "the file has " + std::to_string(file.size()) + " bytes, the index expects " +
+                            std::to_string(index.data_file_bytes[i]));
+        tree->files_.push_back(std::move(file));
+    }
+    return tree;
+}
+
+std::vector<NodeId> Tree::path_from_root(NodeId id) const
+{
+    std::vector<NodeId> path;
+    for (; id != no_node; id = nodes_[id].parent) path.push_back(id);
+    std::reverse(path.begin(), path.end());
+    return path;
+}
+
+Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
+{
+    const Node& node = nodes_.at(id);
+    if (node.points == 0) {
+        Chunk chunk;
+        chunk.attributes.resize(info_.schema.size());
+        if (columns.positions) chunk.positions = std::make_shared<ChunkPositions>();
+        for (std::size_t i = 0; i < info_.schema.size(); ++i)
+            if (columns.attributes.test(i)) chunk.attributes[i] = std::make_shared<Column>(info_.schema[i]);
+        return chunk;
+    }
+    const File& file = files_[node.extent.file];
+    DecodedChunk decoded = pcm::read_chunk(file, node.extent.offset, node.extent.bytes, node.extent.header_bytes, columns);
+    const BpcHeader& header = decoded.header;
+    if (header.points != node.points || header.path.depth != node.level || !(header.schema == info_.schema) ||
+        !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
+        throw Error(ErrorCode::corrupt, file.path(),
+                    "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " +
+                        std::to_string(id));
+    return std::move(decoded.chunk);
+}
+
+std::uint64_t Tree::points_to_level(std::uint16_t level) const
+{
+    std::uint64_t sum = 0;
+    for (const Node& node : nodes_)
+        if (node.level <= level) sum += node.points;
+    return sum;
+}
+
+std::uint16_t Tree::level_with_at_most(std::uint64_t points) const
+{
+    std::vector<std::uint64_t> of_level(info_.levels, 0);
+    for (const Node& node : nodes_) of_level[node.level] += node.points;
+    std::uint64_t sum = 0;
+    std::uint16_t best = 0;
+    for (std::uint16_t level = 0; level < info_.levels; ++level) {
+        sum += of_level[level];
+        if (sum > points) break;
+        best = level;
+    }
+    return best;
+}
+
+}  // namespace pcm
