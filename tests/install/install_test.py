@@ -107,7 +107,7 @@ def main():
     example = work / "examples-build" / "mean_height"
 
     las, tree = work / "tiny.las", work / "tiny.pct"
-    run(pcm, "generate", "--points", POINTS, "-o", las)
+    run(pcm, "generate", "--points", POINTS, las)
     built = json.loads(run(pcm, "build", las, "-o", tree, "--json").stdout)
     assert built["points"] == POINTS, built
 
