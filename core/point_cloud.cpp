@@ -31,7 +31,7 @@ bool PointCursor::getNextData(PointView& view)
         const NodeId node = s.nodes[s.next++];
         s.handle = s.cloud->cache().get(node, s.columns);
         // The next chunk is read while the caller works on this one.
-        if (s.next < s.nodes.size()) s.cloud->cache().request({{s.nodes[s.next], s.columns}});
+        if (s.next < s.nodes.size()) s.cloud->cache().prefetch({s.nodes[s.next], s.columns});
         view.node_ = node;
         view.grid_ = &tree.info().grid;
         view.chunk_ = &*s.handle;

@@ -47,6 +47,7 @@ struct L2Cache::State {
     std::unordered_map<NodeId, Entry> entries;
     std::list<NodeId> lru;  // least recently used first
     std::deque<ChunkRequest> wanted;
+    std::deque<ChunkRequest> soon;  // of prefetch(); goes before `wanted`
     std::shared_ptr<const std::function<void(NodeId)>> on_loaded;
     std::size_t active_loads = 0;  // of loader threads
     std::uint64_t capacity = 0;
@@ -166,10 +167,12 @@ struct L2Cache::State {
     {
         std::unique_lock lock(state->mutex);
         for (;;) {
-            state->work.wait(lock, [&] { return state->closing || !state->wanted.empty(); });
+            state->work.wait(lock, [&] { return state->closing || !state->wanted.empty() || !state->soon.empty(); });
             if (state->closing) return;
-            const ChunkRequest request = state->wanted.front();
-            state->wanted.pop_front();
+            const bool is_prefetch = !state->soon.empty();
+            std::deque<ChunkRequest>& queue = is_prefetch ? state->soon : state->wanted;
+            const ChunkRequest request = queue.front();
+            queue.pop_front();
             auto& entry = state->entries[request.node];
             if (entry.loading || (entry.chunk && entry.columns.contains(request.columns))) {
                 state->loaded.notify_all();  // the list may be empty now
@@ -178,7 +181,7 @@ struct L2Cache::State {
             state->count_miss(entry, request.columns);
             entry.loading = true;
             ++state->active_loads;
-            const auto on_loaded = state->on_loaded;
+            const auto on_loaded = is_prefetch ? nullptr : state->on_loaded;
             try {
                 load(state, request.node, request.columns, lock);
                 state->shrink();
@@ -210,6 +213,7 @@ L2Cache::~L2Cache()
         const std::lock_guard lock(state_->mutex);
         state_->closing = true;
         state_->wanted.clear();
+        state_->soon.clear();
     }
     state_->work.notify_all();
     for (std::thread& thread : state_->threads) thread.join();
@@ -272,6 +276,18 @@ void L2Cache::request(std::vector<ChunkRequest> list, std::function<void(NodeId)
     state_->loaded.notify_all();
 }
 
+void L2Cache::prefetch(const ChunkRequest& request)
+{
+    constexpr std::size_t most = 16;  // older hints than that are of no use to anybody
+    if (request.node >= state_->tree->nodes().size()) return;
+    {
+        const std::lock_guard lock(state_->mutex);
+        if (state_->soon.size() == most) state_->soon.pop_front();
+        state_->soon.push_back(request);
+    }
+    state_->work.notify_one();
+}
+
 std::optional<std::string> L2Cache::error_of(NodeId node) const
 {
     const std::lock_guard lock(state_->mutex);
@@ -282,7 +298,7 @@ std::optional<std::string> L2Cache::error_of(NodeId node) const
 void L2Cache::wait_idle()
 {
     std::unique_lock lock(state_->mutex);
-    state_->loaded.wait(lock, [&] { return state_->wanted.empty() && state_->active_loads == 0; });
+    state_->loaded.wait(lock, [&] { return state_->wanted.empty() && state_->soon.empty() && state_->active_loads == 0; });
 }
 
 void L2Cache::clear()

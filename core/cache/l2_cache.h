@@ -77,6 +77,9 @@ public:
     // a chunk of the list has arrived or failed; it must return quickly and must not call the cache's destructor.
     void request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded = {});
 
+    // Asks for one more chunk in the background, beside and before the current list: for those who read chunk after chunk.
+    void prefetch(const ChunkRequest& request);
+
     // The error of the last failed background load of this node, if any; a later success clears it.
     std::optional<std::string> error_of(NodeId node) const;
 

@@ -481,12 +481,15 @@ public:
     }
 
 private:
-    // Points of a bin, so that a bin in each thread's hands stays within half of the memory.
-    std::uint64_t bin_points(std::size_t row_bytes, std::size_t key_bytes) const
+    // Points of a bin. It must not depend on the number of threads, or the tree would: sixteen bins at work fill half of the
+    // memory. Where a bin of two chunks is more than that, fewer threads work (build_threads_).
+    std::uint64_t bin_points(std::size_t row_bytes, std::size_t key_bytes)
     {
-        const std::uint64_t each = options_.memory_bytes / 2 / threads_;
+        const std::uint64_t half = options_.memory_bytes / 2;
         const std::uint64_t point_bytes = row_bytes + key_bytes + 24;  // its chunks, encoded, and the sort's work space
-        return std::max<std::uint64_t>(each / point_bytes, 2 * std::uint64_t(options_.chunk_points));
+        const std::uint64_t points = std::max(half / 16 / point_bytes, 2 * std::uint64_t(options_.chunk_points));
+        build_threads_ = static_cast<unsigned>(std::clamp<std::uint64_t>(half / (points * point_bytes), 1, threads_));
+        return points;
     }
 
     // Gridded, seekable input: sample, cut, distribute while parsing.
@@ -809,7 +812,7 @@ private:
                     any_left = false;
                     // Not far ahead of what is committed: finished output waits in memory.
                     std::size_t ahead = 0;
-                    for (std::size_t j = next_commit; j < jobs.size() && ahead <= 2 * threads_; ++j, ++ahead) {
+                    for (std::size_t j = next_commit; j < jobs.size() && ahead <= 2 * build_threads_; ++j, ++ahead) {
                         any_left = any_left || !jobs[j].claimed;
                         if (ready(jobs[j])) {
                             mine = j;
@@ -859,7 +862,7 @@ private:
                 crew.wake().notify_all();
             }
         };
-        for (unsigned t = 0; t < threads_; ++t) crew.add(work);
+        for (unsigned t = 0; t < build_threads_; ++t) crew.add(work);
         crew.join([&] {
             std::uint64_t done;
             {
@@ -952,6 +955,7 @@ private:
 
     const BuildOptions& options_;
     const unsigned threads_;
+    unsigned build_threads_ = 1;
     const fs::path output_;
     Watch watch_;
     InputCloud input_;

@@ -1,0 +1,316 @@
+// The cache against a naive model, from one thread and from many, with a tree that is damaged under its hands.
+
+#include "cache/l2_cache.h"
+
+#include "cloud/error.h"
+#include "clouds.h"
+#include "support.h"
+#include "tree/builder.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <fstream>
+#include <list>
+#include <map>
+#include <mutex>
+#include <random>
+#include <set>
+#include <thread>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+class L2CacheTest : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        write_las(folder_ / "in.las", records(Shape::surface, 60000, 3), {});
+        BuildOptions options;
+        options.chunk_points = 1000;
+        options.threads = 2;
+        build_tree({folder_ / "in.las"}, folder_ / "out.pct", options);
+        tree_ = Tree::open(folder_ / "out.pct");
+        ASSERT_GT(tree_->nodes().size(), 60u);
+        intensity_.attributes.set(*tree_->info().schema.find("intensity"));
+        colour_.attributes.set(*tree_->info().schema.find("rgb"));
+    }
+    std::size_t bytes_of(NodeId node, const ColumnSet& columns) const
+    {
+        std::size_t bytes = columns.positions ? 12 : 0;
+        for (std::size_t i = 0; i < tree_->info().schema.size(); ++i)
+            if (columns.attributes.test(i)) bytes += tree_->info().schema[i].bytes();
+        return bytes * tree_->node(node).points;
+    }
+
+    TemporaryFolder folder_;
+    std::shared_ptr<const Tree> tree_;
+    ColumnSet positions_ = ColumnSet::only_positions(), intensity_, colour_;
+};
+
+// What the header says, in the plainest way.
+struct Model {
+    struct Entry {
+        ColumnSet columns, ever;
+        std::size_t bytes = 0, pins = 0;
+        bool resident = false, known = false;
+    };
+    std::map<NodeId, Entry> entries;
+    std::list<NodeId> unpinned;  // least recently used first
+    std::size_t charged = 0, capacity = 0;
+    std::uint64_t hits = 0, compulsory = 0, capacity_misses = 0, evictions = 0;
+
+    void shrink()
+    {
+        while (charged > capacity && !unpinned.empty()) {
+            Entry& e = entries[unpinned.front()];
+            unpinned.pop_front();
+            charged -= e.bytes;
+            e.bytes = 0;
+            e.resident = false;
+            ++evictions;
+        }
+    }
+    void pin(NodeId node)
+    {
+        unpinned.remove(node);
+        ++entries[node].pins;
+    }
+    void unpin(NodeId node)
+    {
+        if (--entries[node].pins == 0 && entries[node].resident) {
+            unpinned.push_back(node);
+            shrink();
+        }
+    }
+};
+
+TEST_F(L2CacheTest, RandomOperationsAgainstAModel)
+{
+    std::mt19937_64 random(4);
+    L2Options options;
+    options.capacity_bytes = 400000;
+    L2Cache cache(tree_, options);
+    Model model;
+    model.capacity = options.capacity_bytes;
+    std::vector<std::pair<NodeId, L2Cache::Handle>> held;
+    const std::vector<ColumnSet> wishes = {positions_, intensity_, colour_};
+    std::vector<NodeId> nodes;
+    for (NodeId id = 0; id < tree_->nodes().size(); ++id)
+        if (tree_->node(id).points) nodes.push_back(id);
+    for (int i = 0; i < 100000; ++i) {
+        // Some nodes are asked for more often than others.
+        const NodeId node = nodes[std::min(random() % nodes.size(), random() % nodes.size())];
+        const ColumnSet& columns = wishes[random() % wishes.size()];
+        Model::Entry& entry = model.entries[node];
+        const bool there = entry.resident && entry.columns.contains(columns);
+        switch (random() % 8) {
+        case 0: {
+            const auto handle = cache.find(node, columns);
+            ASSERT_EQ(static_cast<bool>(handle), there);
+            if (there) {
+                ++model.hits;
+                model.pin(node);
+                model.unpin(node);
+            }
+            break;
+        }
+        case 1:
+            if (!held.empty()) {
+                const std::size_t k = random() % held.size();
+                const NodeId freed = held[k].first;
+                held.erase(held.begin() + static_cast<std::ptrdiff_t>(k));
+                model.unpin(freed);
+            }
+            break;
+        case 2:
+            if (random() % 50 == 0) {
+                cache.clear();
+                while (!model.unpinned.empty()) {
+                    Model::Entry& e = model.entries[model.unpinned.front()];
+                    model.unpinned.pop_front();
+                    model.charged -= e.bytes;
+                    e.bytes = 0;
+                    e.resident = false;
+                    ++model.evictions;
+                }
+            } else if (random() % 50 == 0) {
+                model.capacity = 100000 + random() % 600000;
+                cache.set_capacity(model.capacity);
+                model.shrink();
+            }
+            break;
+        default: {
+            auto handle = cache.get(node, columns);
+            ASSERT_EQ(handle->points, tree_->node(node).points);
+            ASSERT_TRUE(handle->columns().contains(columns));
+            if (there) {
+                ++model.hits;
+            } else {
+                ++(entry.known && entry.ever.contains(columns) ? model.capacity_misses : model.compulsory);
+                if (!entry.resident) {
+                    entry.columns = ColumnSet();
+                    entry.columns.positions = false;
+                }
+                entry.columns |= columns;
+                if (!entry.known) entry.ever = entry.columns;
+                entry.ever |= entry.columns;
+                entry.known = true;
+                entry.resident = true;
+                model.charged -= entry.bytes;
+                entry.bytes = bytes_of(node, entry.columns);
+                model.charged += entry.bytes;
+            }
+            model.pin(node);
+            model.shrink();
+            if (held.size() < 10 && random() % 3 == 0) {
+                held.emplace_back(node, std::move(handle));
+            } else {
+                handle = L2Cache::Handle();
+                model.unpin(node);
+            }
+        }
+        }
+        if (i % 100 == 0) {
+            const L2Statistics statistics = cache.statistics();
+            ASSERT_EQ(statistics.resident_bytes, model.charged) << i;
+            ASSERT_EQ(statistics.hits, model.hits) << i;
+            ASSERT_EQ(statistics.compulsory_misses, model.compulsory) << i;
+            ASSERT_EQ(statistics.capacity_misses, model.capacity_misses) << i;
+            ASSERT_EQ(statistics.forced_misses, model.compulsory + model.capacity_misses) << i;
+            ASSERT_EQ(statistics.evictions, model.evictions) << i;
+        }
+    }
+    EXPECT_GT(model.hits, 1000u);
+    EXPECT_GT(model.capacity_misses, 1000u);
+}
+
+TEST_F(L2CacheTest, ManyThreadsSeeTheRightPoints)
+{
+    L2Options options;
+    options.capacity_bytes = 300000;
+    options.threads = 2;
+    L2Cache cache(tree_, options);
+    std::atomic<int> wrong{0};
+    std::vector<std::thread> clients;
+    for (unsigned t = 0; t < 4; ++t)
+        clients.emplace_back([&, t] {
+            std::mt19937_64 random(t);
+            for (int i = 0; i < 1500; ++i) {
+                const auto node = static_cast<NodeId>(random() % tree_->nodes().size());
+                if (random() % 10 == 0) {
+                    std::vector<ChunkRequest> list;
+                    for (int k = 0; k < 8; ++k)
+                        list.push_back({static_cast<NodeId>(random() % tree_->nodes().size()), positions_});
+                    cache.request(std::move(list));
+                    continue;
+                }
+                const auto handle = cache.get(node, random() % 2 ? positions_ : colour_);
+                if (handle->points != tree_->node(node).points) ++wrong;
+                for (std::size_t k = 0; k < handle->points; k += 100)
+                    if (!tree_->node(node).box.contains(handle->positions->grid(k))) ++wrong;
+            }
+        });
+    for (std::thread& client : clients) client.join();
+    cache.wait_idle();
+    EXPECT_EQ(wrong, 0);
+    EXPECT_LE(cache.statistics().resident_bytes, options.capacity_bytes);
+}
+
+TEST_F(L2CacheTest, ChunksAreLoadedOnceThoughManyAsk)
+{
+    L2Cache cache(tree_);
+    std::vector<std::thread> clients;
+    for (int t = 0; t < 8; ++t)
+        clients.emplace_back([&] {
+            for (NodeId id = 0; id < tree_->nodes().size(); ++id) cache.get(id, positions_);
+        });
+    for (std::thread& client : clients) client.join();
+    std::uint64_t bytes = 0;
+    for (NodeId id = 0; id < tree_->nodes().size(); ++id) bytes += bytes_of(id, positions_);
+    EXPECT_EQ(cache.statistics().loaded_bytes, bytes);
+}
+
+TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
+{
+    L2Cache cache(tree_);
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::vector<NodeId> arrived;
+    bool open = false;
+    const auto gate = [&](NodeId node) {
+        std::unique_lock lock(mutex);
+        arrived.push_back(node);
+        wake.notify_all();
+        wake.wait(lock, [&] { return open; });
+    };
+    cache.request({{5, positions_}, {6, positions_}, {7, positions_}}, gate);
+    {
+        std::unique_lock lock(mutex);
+        wake.wait(lock, [&] { return !arrived.empty(); });
+    }
+    // The loader stands in the first callback; what it has not begun is forgotten.
+    cache.request({{20, positions_}, {21, positions_}}, gate);
+    {
+        const std::lock_guard lock(mutex);
+        open = true;
+    }
+    wake.notify_all();
+    cache.wait_idle();
+    EXPECT_EQ(arrived, (std::vector<NodeId>{5, 20, 21}));
+    EXPECT_FALSE(cache.find(6, positions_));
+    EXPECT_TRUE(cache.find(21, positions_));
+}
+
+TEST_F(L2CacheTest, ErrorsReachWhoAsked)
+{
+    // Damage one chunk in the middle of its positions.
+    const NodeId victim = 3;
+    const Extent extent = tree_->node(victim).extent;
+    char name[32];
+    std::snprintf(name, sizeof name, "chunks-%03u.bpc", extent.file);
+    {
+        std::fstream file(folder_ / "out.pct" / name, std::ios::in | std::ios::out | std::ios::binary);
+        file.seekp(static_cast<std::streamoff>(extent.offset + extent.header_bytes + 40));
+        file.put('!').put('?').put('!');
+    }
+    L2Cache cache(tree_);
+    for (int i = 0; i < 2; ++i) {
+        try {
+            cache.get(victim, positions_);
+            ADD_FAILURE() << "damage was not noticed";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::corrupt);
+            EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+        }
+    }
+    std::atomic<int> called{0};
+    cache.request({{victim, positions_}, {victim + 1, positions_}}, [&](NodeId) { ++called; });
+    cache.wait_idle();
+    EXPECT_EQ(called, 2);
+    ASSERT_TRUE(cache.error_of(victim));
+    EXPECT_NE(cache.error_of(victim)->find("checksum"), std::string::npos);
+    EXPECT_FALSE(cache.error_of(victim + 1));
+    EXPECT_EQ(cache.statistics().failed_loads, 3u);
+    // Other columns of the same chunk are whole and still to be had.
+    EXPECT_EQ(cache.get(victim, [&] {
+                   ColumnSet only = colour_;
+                   only.positions = false;
+                   return only;
+               }())->points,
+              tree_->node(victim).points);
+    EXPECT_THROW(cache.get(static_cast<NodeId>(tree_->nodes().size()), positions_), Error);
+}
+
+TEST_F(L2CacheTest, HandlesOutliveTheCache)
+{
+    L2Cache::Handle handle;
+    {
+        L2Cache cache(tree_);
+        handle = cache.get(0, positions_);
+    }
+    EXPECT_EQ(handle->positions->size(), tree_->node(0).points);
+}
+
+}  // namespace

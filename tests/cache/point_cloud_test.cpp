@@ -1,0 +1,123 @@
+#include "point_cloud.h"
+
+#include "cloud/error.h"
+#include "clouds.h"
+#include "support.h"
+#include "tree/builder.h"
+
+#include <algorithm>
+#include <random>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+class PointCloudTest : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        grid_.scale = {0.01, 0.01, 0.01};
+        grid_.offset = {5e6, 4.8e6, 0};
+        points_ = records(Shape::surface, 30000, 3);
+        write_las(folder_ / "in.las", points_, grid_);
+        BuildOptions options;
+        options.chunk_points = 1000;
+        build_tree({folder_ / "in.las"}, folder_ / "out.pct", options);
+        L2Options cache;
+        cache.capacity_bytes = 200000;  // far less than the cloud
+        cloud_ = PointCloud::open(folder_ / "out.pct", cache);
+    }
+    TemporaryFolder folder_;
+    Grid grid_;
+    std::vector<LasRecord> points_;
+    std::shared_ptr<PointCloud> cloud_;
+};
+
+TEST_F(PointCloudTest, AllPointsWithTheirAttributes)
+{
+    std::vector<std::array<std::int64_t, 5>> in, out;
+    for (const LasRecord& p : points_) in.push_back({p.x, p.y, p.z, p.intensity, p.green});
+    Query query;
+    query.attributes = {"rgb", "intensity"};
+    auto cursor = cloud_->points(query);
+    PointView view;
+    while (cursor.getNextData(view))
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            const Vec3i q = view.grid_position(i);
+            EXPECT_EQ(view.position(i), grid_.to_source(q));
+            out.push_back({q[0], q[1], q[2], static_cast<std::int64_t>(view.value(i, 1)),
+                           static_cast<std::int64_t>(view.value(i, 0, 1))});
+        }
+    std::sort(in.begin(), in.end());
+    std::sort(out.begin(), out.end());
+    EXPECT_TRUE(in == out);
+    EXPECT_FALSE(cursor.getNextData(view));
+    EXPECT_EQ(view.size(), 0u);
+}
+
+TEST_F(PointCloudTest, BoxesAgainstBruteForce)
+{
+    std::mt19937_64 random(9);
+    const Box3d bounds = cloud_->info().bounds();
+    for (int round = 0; round < 100; ++round) {
+        Query query;
+        query.box.emplace();
+        for (int corner = 0; corner < 2; ++corner) {
+            Vec3d p;
+            for (std::size_t a = 0; a < 3; ++a)
+                p[a] = bounds.min[a] + bounds.extent(a) * (static_cast<double>(random() % 1000) / 900.0 - 0.05);
+            query.box->extend(p);
+        }
+        std::size_t expected = 0, found = 0;
+        for (const LasRecord& p : points_) expected += query.box->contains(grid_.to_source(Vec3i{p.x, p.y, p.z}));
+        auto cursor = cloud_->points(query);
+        PointView view;
+        while (cursor.getNextData(view)) {
+            EXPECT_GT(view.size(), 0u);
+            for (std::size_t i = 0; i < view.size(); ++i) EXPECT_TRUE(query.box->contains(view.position(i)));
+            found += view.size();
+        }
+        EXPECT_EQ(found, expected);
+    }
+}
+
+TEST_F(PointCloudTest, LevelsAreSubsets)
+{
+    for (std::uint16_t level = 0; level < cloud_->info().levels; ++level) {
+        Query query;
+        query.level = level;
+        std::uint64_t points = 0;
+        auto cursor = cloud_->points(query);
+        PointView view;
+        while (cursor.getNextData(view)) points += view.size();
+        EXPECT_EQ(points, cloud_->tree()->points_to_level(level));
+    }
+    const std::uint16_t level = cloud_->tree()->level_with_at_most(5000);
+    EXPECT_LE(cloud_->tree()->points_to_level(level), 5000u);
+    EXPECT_GT(cloud_->tree()->points_to_level(static_cast<std::uint16_t>(level + 1)), 5000u);
+}
+
+TEST_F(PointCloudTest, UnknownAttributesAreNamed)
+{
+    Query query;
+    query.attributes = {"temperature"};
+    try {
+        cloud_->points(query);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("temperature"), std::string::npos);
+    }
+}
+
+TEST_F(PointCloudTest, ACursorKeepsItsCloudAlive)
+{
+    auto cursor = cloud_->points();
+    cloud_.reset();
+    PointView view;
+    std::size_t points = 0;
+    while (cursor.getNextData(view)) points += view.size();
+    EXPECT_EQ(points, points_.size());
+}
+
+}  // namespace

@@ -1,0 +1,518 @@
+// The builder against the input it was given: every point once, bit for bit, whatever the distribution.
+
+#include "tree/builder.h"
+
+#include "cloud/error.h"
+#include "clouds.h"
+#include "support.h"
+#include "tree/verify.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+BuildOptions small_chunks(std::uint32_t chunk_points = 1000)
+{
+    BuildOptions options;
+    options.chunk_points = chunk_points;
+    options.memory_bytes = 64 << 20;
+    options.threads = 2;
+    return options;
+}
+
+// A LAS record as the tree gives it back.
+using Flat = std::array<std::int64_t, 20>;
+
+Flat flatten(const LasRecord& p)
+{
+    return {p.x, p.y, p.z, p.intensity, p.returns & 7, p.returns >> 3 & 7, p.returns >> 6 & 1, p.returns >> 7,
+            p.classification & 31, p.classification >> 5 & 1, p.classification >> 6 & 1, p.classification >> 7,
+            p.angle, p.user, p.source, p.red, p.green, p.blue, 0, 0};
+}
+
+std::vector<Flat> read_back(const Tree& tree)
+{
+    static const std::vector<std::string> names = {"intensity", "return_number", "number_of_returns",
+                                                   "scan_direction_flag", "edge_of_flight_line", "classification",
+                                                   "synthetic", "key_point", "withheld", "scan_angle_rank", "user_data",
+                                                   "point_source_id"};
+    std::vector<Flat> all;
+    const Schema& schema = tree.info().schema;
+    for (NodeId id = 0; id < tree.nodes().size(); ++id) {
+        const Chunk chunk = tree.read_chunk(id, ColumnSet::all(schema));
+        for (std::size_t i = 0; i < chunk.points; ++i) {
+            Flat flat{};
+            for (std::size_t a = 0; a < 3; ++a) flat[a] = chunk.positions->grid(i, a);
+            for (std::size_t k = 0; k < names.size(); ++k)
+                flat[3 + k] = static_cast<std::int64_t>(chunk.attributes[*schema.find(names[k])]->value(i));
+            for (std::uint32_t c = 0; c < 3; ++c)
+                flat[15 + c] = static_cast<std::int64_t>(chunk.attributes[*schema.find("rgb")]->value(i, c));
+            all.push_back(flat);
+        }
+    }
+    return all;
+}
+
+void expect_same_points(const Tree& tree, const std::vector<LasRecord>& records)
+{
+    std::vector<Flat> in, out = read_back(tree);
+    for (const LasRecord& p : records) in.push_back(flatten(p));
+    std::sort(in.begin(), in.end());
+    std::sort(out.begin(), out.end());
+    EXPECT_TRUE(in == out) << in.size() << " points in, " << out.size() << " out";
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder)
+{
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        std::ifstream file(entry.path(), std::ios::binary);
+        files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(file), {});
+    }
+    return files;
+}
+
+class EveryShape : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(Build, EveryShape,
+                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::coincident, Shape::duplicates,
+                                         Shape::clusters, Shape::full_range),
+                         [](const auto& info) { return name(info.param); });
+
+TEST_P(EveryShape, EveryPointOnceBitForBit)
+{
+    const TemporaryFolder folder;
+    const auto points = records(GetParam(), 60000, 5);
+    Grid grid;
+    grid.scale = {0.001, 0.001, 0.001};
+    grid.offset = {5e6, 4.8e6, -100};
+    write_las(folder / "in.las", points, grid);
+    const BuildReport report = build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(report.outcome.points_in, points.size());
+    EXPECT_EQ(report.outcome.points_out, points.size());
+    EXPECT_EQ(report.outcome.error, 0.0);
+    const auto tree = Tree::open(folder / "out.pct");
+    EXPECT_EQ(tree->info().grid, grid);
+    expect_same_points(*tree, points);
+
+    const VerifyReport verified = verify_tree(folder / "out.pct");
+    EXPECT_TRUE(verified.faults.empty()) << verified.faults.front();
+
+    Box3i box;
+    for (const LasRecord& p : points) box.extend(Vec3i{p.x, p.y, p.z});
+    EXPECT_EQ(tree->info().box, box);
+    for (std::size_t k = 0; k < 6; ++k)
+        EXPECT_EQ(tree->info().extremes[k][k / 2], k % 2 ? box.max[k / 2] : box.min[k / 2]);
+}
+
+TEST_P(EveryShape, SameBytesForAnyNumberOfThreads)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(GetParam(), 150000, 6), {});  // several bins at 64 MiB
+    std::map<std::string, std::string> first;
+    for (const unsigned threads : {1u, 2u, 7u}) {
+        BuildOptions options = small_chunks();
+        options.threads = threads;
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto files = contents(folder / "out.pct");
+        if (first.empty()) first = files;
+        EXPECT_TRUE(files == first) << threads << " threads";
+    }
+}
+
+// Sizes around a chunk, a pair of chunks and a packed block.
+TEST(Build, CountsAtTheBoundaries)
+{
+    const TemporaryFolder folder;
+    for (const std::size_t count : {0u, 1u, 2u, 127u, 128u, 129u, 999u, 1000u, 1001u, 1999u, 2000u, 2001u, 4000u, 4001u}) {
+        const auto points = records(Shape::surface, count, count);
+        write_las(folder / "in.las", points, {});
+        BuildOptions options = small_chunks();
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto tree = Tree::open(folder / "out.pct");
+        EXPECT_EQ(tree->info().points, count);
+        expect_same_points(*tree, points);
+        EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty()) << count;
+    }
+}
+
+// What SPEC F5 promises of levels, checked on a cloud where levels mean something.
+TEST(Build, LevelsAreAdditiveAndGetFiner)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 200000, 8), {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(2000));
+    const auto tree = Tree::open(folder / "out.pct");
+    ASSERT_GT(tree->info().levels, 5);
+    std::uint64_t before = 0;
+    for (std::uint16_t level = 0; level < tree->info().levels; ++level) {
+        const std::uint64_t now = tree->points_to_level(level);
+        EXPECT_GE(now, before);
+        before = now;
+    }
+    EXPECT_EQ(before, tree->info().points);
+    EXPECT_LE(tree->nodes()[0].points, 2000u);
+    EXPECT_GE(tree->nodes()[0].points, 300u);
+    for (const Node& node : tree->nodes()) {
+        EXPECT_LE(node.points, 2000u);
+        if (node.is_leaf())
+            EXPECT_EQ(node.spacing, 0);
+        else
+            EXPECT_GT(node.spacing, 0);
+        if (node.parent != no_node) EXPECT_LE(node.spacing, tree->node(node.parent).spacing);
+    }
+    // The root's points cover the cloud: no point of it is farther from a root point than a cell's diagonal and the extent
+    // of its sample's neighbours allow.
+    const Chunk root = tree->read_chunk(0, ColumnSet::only_positions());
+    double farthest = 0;
+    for (NodeId id = 1; id < tree->nodes().size(); ++id) {
+        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+        for (std::size_t i = 0; i < chunk.points; i += 97) {
+            double nearest = 1e300;
+            for (std::size_t j = 0; j < root.points; ++j) {
+                double d = 0;
+                for (std::size_t a = 0; a < 3; ++a)
+                    d += std::pow(static_cast<double>(chunk.positions->grid(i, a) - root.positions->grid(j, a)), 2);
+                nearest = std::min(nearest, d);
+            }
+            farthest = std::max(farthest, std::sqrt(nearest));
+        }
+    }
+    // A cell of the lattice is at most twice as long as wide: its diagonal is below 2.5 times its mean extent. Coarse
+    // samples are drawn from finer ones, which adds the diagonals of all finer cells: a factor of 1 / (1 - 2^(-1/3)) at worst.
+    EXPECT_LE(farthest, tree->nodes()[0].spacing * 2.5 * 4.9);
+    EXPECT_LE(farthest, tree->nodes()[0].spacing * 3) << "worse than it ever was, though within the bound";
+}
+
+TEST(Build, MemoryTooSmallForOneBinMakesManyAndLosesNothing)
+{
+    const TemporaryFolder folder;
+    const auto points = records(Shape::surface, 1500000, 9);
+    write_las(folder / "in.las", points, {});
+    BuildOptions options = small_chunks(20000);  // 64 MiB and two threads: bins of about 180,000 points
+    build_tree({folder / "in.las"}, folder / "out.pct", options);
+    const auto tree = Tree::open(folder / "out.pct");
+    expect_same_points(*tree, points);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// The strided sample sees none of the points that pile up at the end of the file.
+TEST(Build, ADenseSpotThatTheSampleMissed)
+{
+    const TemporaryFolder folder;
+    auto points = records(Shape::surface, 400000, 10);
+    const auto pile = records(Shape::duplicates, 500000, 11);
+    points.insert(points.end(), pile.begin(), pile.end());
+    write_las(folder / "in.las", points, {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(5000));
+    expect_same_points(*Tree::open(folder / "out.pct"), points);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+TEST(Build, SeveralFilesAndFoldersAreOneCloud)
+{
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "tiles");
+    const auto a = records(Shape::surface, 3000, 12), b = records(Shape::volume, 4000, 13);
+    write_las(folder / "tiles" / "a.las", a, {});
+    write_las(folder / "tiles" / "b.las", b, {});
+    build_tree({folder / "tiles"}, folder / "out.pct", small_chunks());
+    auto both = a;
+    both.insert(both.end(), b.begin(), b.end());
+    const auto tree = Tree::open(folder / "out.pct");
+    expect_same_points(*tree, both);
+    EXPECT_EQ(tree->info().sources, (std::vector<std::string>{"a.las", "b.las"}));
+}
+
+// Tiles of one scale with offsets of their own, as every survey delivers them, are exact too.
+TEST(Build, TilesWithOffsetsOfTheirOwn)
+{
+    const TemporaryFolder folder;
+    Grid one, two;
+    one.scale = two.scale = {0.001, 0.001, 0.001};
+    one.offset = {500000, 4800000, 0};
+    two.offset = {501000, 4800000, 0};
+    auto a = records(Shape::surface, 3000, 14), b = records(Shape::surface, 3000, 15);
+    write_las(folder / "a.las", a, one);
+    write_las(folder / "b.las", b, two);
+    build_tree({folder / "a.las", folder / "b.las"}, folder / "out.pct", small_chunks());
+    for (LasRecord& p : b) p.x += 1000000;
+    a.insert(a.end(), b.begin(), b.end());
+    const auto tree = Tree::open(folder / "out.pct");
+    EXPECT_EQ(tree->info().grid, one);
+    expect_same_points(*tree, a);
+    EXPECT_LE(tree->info().position_error, 1e-9);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+template <class Scalar>
+void float_cloud(double centre, double extent, double bound)
+{
+    const TemporaryFolder folder;
+    std::mt19937_64 random(16);
+    std::vector<std::array<Scalar, 3>> points(20000);
+    for (auto& p : points)
+        for (auto& c : p) c = static_cast<Scalar>(centre + extent * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
+    write_ply(folder / "in.ply", points);
+    const BuildReport report = build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
+    EXPECT_LE(report.outcome.error, bound);
+    const auto tree = Tree::open(folder / "out.pct");
+    std::vector<Vec3d> in, out;
+    for (const auto& p : points) in.push_back({p[0], p[1], p[2]});
+    for (NodeId id = 0; id < tree->nodes().size(); ++id) {
+        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+        for (std::size_t i = 0; i < chunk.points; ++i) out.push_back(tree->info().grid.to_source(chunk.positions->grid(i)));
+    }
+    ASSERT_EQ(in.size(), out.size());
+    std::sort(in.begin(), in.end());
+    std::sort(out.begin(), out.end());
+    for (std::size_t i = 0; i < in.size(); ++i)
+        for (std::size_t a = 0; a < 3; ++a) ASSERT_LE(std::fabs(in[i][a] - out[i][a]), bound);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// Bound 0: bit for bit. Around zero floats are finer than any grid, and the bound is the grid's half step.
+TEST(Build, FloatsAtMapCoordinatesAreExact) { float_cloud<float>(4.8e6, 1000, 0); }
+TEST(Build, DoublesAtMapCoordinatesAreExact) { float_cloud<double>(4.8e6, 1000, 0); }
+TEST(Build, FloatsAroundZero) { float_cloud<float>(0, 2, 0x1p-62); }
+TEST(Build, DoublesAroundZero) { float_cloud<double>(0, 2, 0x1p-62); }
+TEST(Build, TinyClouds) { float_cloud<double>(0, 1e-6, 1e-6 * 0x1p-60); }
+TEST(Build, HugeClouds) { float_cloud<double>(0, 1e9, 1e9 * 0x1p-60); }
+
+TEST(Build, PointsWithoutAFinitePositionAreCountedAndLeftOut)
+{
+    const TemporaryFolder folder;
+    const float nan = std::nanf(""), inf = INFINITY;
+    write_ply<float>(folder / "in.ply", {{0, 0, 0}, {nan, 0, 0}, {1, 2, 3}, {0, -inf, 0}, {4, 5, inf}});
+    const BuildReport report = build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(report.outcome.points_out, 2u);
+    EXPECT_EQ(report.points_skipped, 3u);
+    ASSERT_FALSE(report.notes.empty());
+    EXPECT_EQ(Tree::open(folder / "out.pct")->info().points_skipped, 3u);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+TEST(Build, NothingButNaN)
+{
+    const TemporaryFolder folder;
+    const float nan = std::nanf("");
+    write_ply<float>(folder / "in.ply", {{nan, nan, nan}});
+    EXPECT_EQ(build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks()).outcome.points_out, 0u);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// ------------------------------------------------------------------------------------------------ failures
+
+ErrorCode code_of(const std::function<void()>& f, const std::string& must_name)
+{
+    try {
+        f();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find(must_name), std::string::npos) << error.what();
+        return error.code();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return ErrorCode::io;
+}
+
+std::vector<std::string> names_in(const fs::path& folder)
+{
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+TEST(BuildFailure, NothingIsOverwrittenUnasked)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 100, 1), {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "out.pct"),
+              ErrorCode::exists);
+    // With overwrite, only a tree is.
+    fs::create_directory(folder / "precious");
+    std::ofstream(folder / "precious" / "thesis.txt") << "years of work";
+    BuildOptions options = small_chunks();
+    options.overwrite = true;
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "precious", options); }, "precious"), ErrorCode::exists);
+    EXPECT_TRUE(fs::exists(folder / "precious" / "thesis.txt"));
+    // Nor is a folder that happens to be called like the one a build works in.
+    fs::create_directory(folder / "new.pct.part");
+    std::ofstream(folder / "new.pct.part" / "thesis.txt") << "years of work";
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "new.pct", options); }, "new.pct.part"), ErrorCode::exists);
+    EXPECT_TRUE(fs::exists(folder / "new.pct.part" / "thesis.txt"));
+}
+
+TEST(BuildFailure, BadInputLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 1000, 1), {});
+    fs::resize_file(folder / "in.las", 227 + 26 * 500);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "in.las"),
+              ErrorCode::truncated);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "no.las"}, folder / "out.pct", small_chunks()); }, "no.las"),
+              ErrorCode::not_found);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "no" / "out.pct", small_chunks()); }, "in.las"),
+              ErrorCode::truncated);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+}
+
+TEST(BuildFailure, CancelLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 1000000, 1), {});
+    for (const double at : {0.0, 0.2, 0.5, 0.9}) {
+        BuildOptions options = small_chunks();
+        options.progress = [&](const ProgressUpdate& update) { return update.fraction < at; };
+        EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", options); }, "cancelled"),
+                  ErrorCode::cancelled);
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+    }
+}
+
+// Runs `f` in a child process; returns its exit status.
+int in_child(const std::function<int()>& f)
+{
+    const pid_t child = fork();
+    if (child == 0) _exit(f());
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+}
+
+// A disk that is full after `limit` bytes of one file: the system's own limit on file sizes gives the same kind of error.
+TEST(BuildFailure, AFullDiskIsNamedAndLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 300000, 1), {});
+    for (const rlim_t limit : {1u << 16, 1u << 20, 1u << 22}) {
+        const int status = in_child([&] {
+            signal(SIGXFSZ, SIG_IGN);
+            const rlimit file_size{limit, limit};
+            setrlimit(RLIMIT_FSIZE, &file_size);
+            try {
+                build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+            } catch (const Error& error) {
+                return error.code() == ErrorCode::no_space &&
+                               std::string(error.what()).find("out.pct") != std::string::npos
+                           ? 42
+                           : 1;
+            }
+            return 2;
+        });
+        EXPECT_EQ(WEXITSTATUS(status), 42) << limit;
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+    }
+}
+
+TEST(BuildFailure, NoPermission)
+{
+    const TemporaryFolder folder;
+    const fs::perms look = fs::perms(0555);
+    fs::permissions(folder.path(), fs::perms::owner_all | look);
+    write_las(folder / "in.las", records(Shape::surface, 1000, 1), {});
+    fs::create_directory(folder / "locked");
+    fs::permissions(folder / "locked", look);
+    const int status = in_child([&] {
+        // Root may write everywhere: be somebody else.
+        if (geteuid() == 0 && setuid(65534) != 0) return 3;
+        try {
+            build_tree({folder / "in.las"}, folder / "locked" / "out.pct", small_chunks());
+        } catch (const Error& error) {
+            return error.code() == ErrorCode::permission && std::string(error.what()).find("locked") != std::string::npos ? 42 : 1;
+        }
+        return 2;
+    });
+    EXPECT_EQ(WEXITSTATUS(status), 42);
+    EXPECT_TRUE(names_in(folder / "locked").empty());
+}
+
+// Killed at many moments: there is no tree, or there is the whole tree; and building again works and gives the same bytes.
+TEST(BuildFailure, KilledAnywhereItIsNeverTakenForATree)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 150000, 1), {});
+    build_tree({folder / "in.las"}, folder / "reference.pct", small_chunks());
+    const auto reference = contents(folder / "reference.pct");
+    int killed = 0, interrupted = 0;
+    for (int delay_us = 500; delay_us < 400000; delay_us = delay_us * 5 / 4) {
+        const pid_t child = fork();
+        if (child == 0) {
+            try {
+                build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+            } catch (...) {
+                _exit(1);
+            }
+            _exit(0);
+        }
+        usleep(static_cast<useconds_t>(delay_us));
+        kill(child, SIGKILL);
+        int status = 0;
+        waitpid(child, &status, 0);
+        killed += WIFSIGNALED(status);
+        if (fs::exists(folder / "out.pct")) {
+            EXPECT_TRUE(contents(folder / "out.pct") == reference);
+            fs::remove_all(folder / "out.pct");
+        } else {
+            EXPECT_EQ(code_of([&] { Tree::open(folder / "out.pct"); }, "out.pct"), ErrorCode::not_found);
+            if (fs::exists(folder / "out.pct.part" / "building")) {
+                ++interrupted;
+                if (!fs::exists(folder / "out.pct.part" / index_file_name))
+                    EXPECT_EQ(code_of([&] { Tree::open(folder / "out.pct.part"); }, "interrupted"),
+                              ErrorCode::interrupted_build);
+            }
+        }
+    }
+    EXPECT_GT(killed, 3);
+    EXPECT_GT(interrupted, 1);
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_TRUE(contents(folder / "out.pct") == reference);
+    EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"in.las", "out.pct", "reference.pct"}));
+}
+
+TEST(BuildFailure, TwoBuildsOfOneTree)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 300000, 1), {});
+    BuildOptions options = small_chunks();
+    bool tried = false;
+    options.progress = [&](const ProgressUpdate&) {
+        if (!tried) {
+            tried = true;
+            EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "another build"),
+                      ErrorCode::exists);
+        }
+        return true;
+    };
+    build_tree({folder / "in.las"}, folder / "out.pct", options);
+    EXPECT_TRUE(tried);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+TEST(BuildFailure, OptionsOutOfRange)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 10, 1), {});
+    BuildOptions options = small_chunks();
+    options.memory_bytes = 1000;
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "64 MiB"), ErrorCode::invalid_argument);
+    options = small_chunks(10);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "1000"), ErrorCode::invalid_argument);
+}
+
+}  // namespace
