@@ -154,8 +154,8 @@ TEST_F(TreeTest, AnIndexThatMakesNoSenseIsRefused)
             EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
         }
     };
-    refused([](TreeIndex& i) { i.nodes[2].parent = 3; }, "comes before its parent");
-    refused([](TreeIndex& i) { i.nodes[2].parent = no_node; }, "no place under the root");
+    refused([](TreeIndex& i) { i.nodes[2].parent = 3; }, "false child");
+    refused([](TreeIndex& i) { i.nodes[2].parent = no_node; }, "false child");
     refused([](TreeIndex& i) { i.nodes[1].children[0] = 1; }, "false child");
     refused([](TreeIndex& i) { i.nodes[1].level = 7; }, "one level below");
     refused([](TreeIndex& i) { ++i.nodes[1].points; }, "as many points");
