@@ -19,6 +19,7 @@ struct SceneOptions {
     double noise = 0.003;                    // standard deviation of the range, metres
     double scale = 0.001;                    // of the LAS grid, metres
     std::uint64_t seed = 1;
+    unsigned threads = 0;                    // that cast rays; 0: as many as the machine has processors
     ProgressFunction progress;
 };
 

@@ -1,0 +1,92 @@
+// Random numbers and elementary functions that give the same bits on every machine.
+//
+// The C library's sin, cos and log may differ in the last bit between versions and processors; these use only +, -, *, /
+// and sqrt, which IEEE 754 fixes (and which the compiler must not fuse: -ffp-contract=off).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace pcm::scene {
+
+// Steele, Lea, Flood: Fast splittable pseudorandom number generators (2014), the finaliser of SplitMix64.
+inline std::uint64_t mix(std::uint64_t x)
+{
+    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+    x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+    return x ^ (x >> 31);
+}
+
+inline std::uint64_t hash(std::uint64_t a, std::uint64_t b)
+{
+    return mix(mix(a + 0x9E3779B97F4A7C15u) ^ (b + 0x632BE59BD9B4E019u));
+}
+
+// 0 <= unit < 1
+inline double to_unit(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+
+// Sine and cosine of `turns` full turns, to about 1e-15.
+inline void sine_cosine(double turns, double& sine, double& cosine)
+{
+    const double quarter = std::floor(4.0 * turns + 0.5);
+    const double x = (turns - 0.25 * quarter) * 6.283185307179586476925;  // within a quarter of pi
+    const double y = x * x;
+    const double s =
+        x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 + y * (-1.0 / 39916800 + y * (1.0 / 6227020800)))))));
+    const double c =
+        1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y * (1.0 / 479001600))))));
+    switch (static_cast<std::int64_t>(quarter) & 3) {
+    case 0: sine = s, cosine = c; break;
+    case 1: sine = c, cosine = -s; break;
+    case 2: sine = -s, cosine = -c; break;
+    default: sine = -c, cosine = s; break;
+    }
+}
+
+// Natural logarithm of a positive normal number, to about 1e-14.
+inline double logarithm(double x)
+{
+    std::uint64_t bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    std::int64_t exponent = static_cast<std::int64_t>(bits >> 52) - 1023;
+    bits = (bits & 0x000FFFFFFFFFFFFFu) | 0x3FF0000000000000u;
+    double m;
+    std::memcpy(&m, &bits, sizeof m);
+    if (m > 1.4142135623730951) {
+        m *= 0.5;
+        ++exponent;
+    }
+    const double s = (m - 1) / (m + 1);
+    const double y = s * s;
+    const double series =
+        2 * s * (1 + y * (1.0 / 3 + y * (1.0 / 5 + y * (1.0 / 7 + y * (1.0 / 9 + y * (1.0 / 11 + y * (1.0 / 13 + y * (1.0 / 15 + y * (1.0 / 17)))))))));
+    return series + static_cast<double>(exponent) * 0.693147180559945309417;
+}
+
+// SplitMix64: a stream for every key, so that any point can be made without those before it.
+class Random {
+public:
+    explicit Random(std::uint64_t key) : state_(mix(key)) {}
+
+    std::uint64_t bits() { return mix(state_ += 0x9E3779B97F4A7C15u); }
+    double unit() { return to_unit(bits()); }
+    double between(double low, double high) { return low + (high - low) * unit(); }
+    int below(int count) { return static_cast<int>(unit() * count); }
+    bool chance(double probability) { return unit() < probability; }
+
+    // Standard normal, cut at 6 (Box and Muller 1958). Truth says "within 6 sigma" and means every point.
+    double normal()
+    {
+        const double radius = std::sqrt(-2 * logarithm(1 - unit()));
+        double sine, cosine;
+        sine_cosine(unit(), sine, cosine);
+        const double value = radius * cosine;
+        return value > 6 ? 6 : value < -6 ? -6 : value;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+}  // namespace pcm::scene

@@ -1,0 +1,314 @@
+#include "generate/scene.h"
+
+#include "cloud/error.h"
+#include "cloud/file.h"
+#include "generate/determinism.h"
+#include "generate/ray_cast.h"
+#include "generate/site.h"
+#include "generate/surface.h"
+#include "io/las_writer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace pcm {
+namespace {
+
+using namespace scene;
+
+constexpr double points_per_square_metre = 2500;
+constexpr double nearest_range = 0.6, farthest_range = 150;  // metres
+constexpr double lowest_elevation = -50.0 / 360, highest_elevation = 50.0 / 360;  // turns
+constexpr std::uint64_t block_points = 8192;
+
+// Makes any point of the scan from its number alone.
+class Scanner {
+public:
+    Scanner(const Site& site, const Grid& grid, const SceneOptions& options)
+        : site_(site), caster_(site), grid_(grid), options_(options), corner_(options.origin - grid.offset)
+    {
+    }
+
+    LasPoint point(std::uint64_t number) const;
+
+private:
+    const Site& site_;
+    RayCaster caster_;
+    Grid grid_;
+    const SceneOptions& options_;
+    Vec3d corner_;  // of the site, from the grid's offset
+};
+
+LasPoint Scanner::point(std::uint64_t number) const
+{
+    // One station after the other, as real scans lie in their files; all get the same share.
+    const std::uint64_t stations = site_.stations.size();
+    const std::uint64_t whole = options_.points / stations, longer = options_.points % stations;
+    const std::uint64_t station = number < longer * (whole + 1) ? number / (whole + 1)
+                                                                : longer + (number - longer * (whole + 1)) / whole;
+    Random random(hash(options_.seed, number));
+    Ray ray;
+    ray.origin = site_.stations[station];
+    Hit hit;
+    do {  // rays into the sky are drawn again; those that look down always end
+        double sin_azimuth, cos_azimuth, sin_elevation, cos_elevation;
+        sine_cosine(random.unit(), sin_azimuth, cos_azimuth);
+        sine_cosine(random.between(lowest_elevation, highest_elevation), sin_elevation, cos_elevation);
+        ray.direction = {cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation};
+        ray.key = random.bits();
+    } while (!caster_.cast(ray, nearest_range, farthest_range, hit));
+
+    const Vec3d exact = ray.origin + hit.distance * ray.direction;
+    const Shape* shape = hit.shape < 0 ? nullptr : &site_.shapes[static_cast<std::size_t>(hit.shape)];
+    const Look look = look_at(site_, shape, exact, hit.normal, random);
+    const Vec3d measured = corner_ + exact + (options_.noise * random.normal()) * ray.direction;
+
+    LasPoint point;
+    std::int32_t* const to[] = {&point.x, &point.y, &point.z};
+    for (std::size_t a = 0; a < 3; ++a)
+        *to[a] = static_cast<std::int32_t>(std::floor(measured[a] / grid_.scale[a] + 0.5));
+    const double incidence = std::max(0.1, -dot(hit.normal, ray.direction));
+    const double fading = 400 / (400 + hit.distance * hit.distance);  // half at 20 m
+    const double intensity = 60000 * look.reflectivity * incidence * fading * random.between(0.92, 1.0);
+    point.intensity = static_cast<std::uint16_t>(std::clamp(intensity, 1.0, 65535.0));
+    point.classification = look.classification;
+    point.source_id = shape ? shape->id : std::uint16_t{0};
+    const auto channel = [](double value) { return static_cast<std::uint16_t>(static_cast<int>(value) * 256); };
+    point.red = channel(look.colour[0]);
+    point.green = channel(look.colour[1]);
+    point.blue = channel(look.colour[2]);
+    return point;
+}
+
+// Casts blocks of points on several threads and hands them out in order. At most a few blocks wait for their turn.
+class BlockMaker {
+public:
+    BlockMaker(const Scanner& scanner, std::uint64_t points, unsigned threads)
+        : scanner_(scanner), points_(points), window_(4 * std::uint64_t{threads})
+    {
+        try {
+            for (unsigned i = 0; i < threads; ++i) workers_.emplace_back([this] { work(); });
+        } catch (...) {
+            stop();
+            throw;
+        }
+    }
+    ~BlockMaker() { stop(); }
+    BlockMaker(const BlockMaker&) = delete;
+    BlockMaker& operator=(const BlockMaker&) = delete;
+
+    // The next block, or nothing when it is not ready after `patience`. Rethrows what a worker threw.
+    std::optional<std::vector<LasPoint>> next(std::chrono::milliseconds patience)
+    {
+        std::unique_lock lock(mutex_);
+        ready_.wait_for(lock, patience, [&] { return failure_ || blocks_.count(taken_); });
+        if (failure_) std::rethrow_exception(failure_);
+        const auto found = blocks_.find(taken_);
+        if (found == blocks_.end()) return std::nullopt;
+        std::vector<LasPoint> block = std::move(found->second);
+        blocks_.erase(found);
+        ++taken_;
+        room_.notify_all();
+        return block;
+    }
+
+private:
+    void work()
+    {
+        try {
+            const std::uint64_t count = (points_ + block_points - 1) / block_points;
+            for (;;) {
+                std::uint64_t index;
+                {
+                    std::unique_lock lock(mutex_);
+                    room_.wait(lock, [&] { return stopping_ || begun_ >= count || begun_ < taken_ + window_; });
+                    if (stopping_ || begun_ >= count) return;
+                    index = begun_++;
+                }
+                const std::uint64_t first = index * block_points;
+                std::vector<LasPoint> block(static_cast<std::size_t>(std::min(block_points, points_ - first)));
+                for (std::size_t i = 0; i < block.size(); ++i) {
+                    block[i] = scanner_.point(first + i);
+                    if (i % 1024 == 0 && stopping_) return;
+                }
+                const std::lock_guard lock(mutex_);
+                blocks_.emplace(index, std::move(block));
+                if (index == taken_) ready_.notify_one();
+            }
+        } catch (...) {
+            const std::lock_guard lock(mutex_);
+            failure_ = std::current_exception();
+            ready_.notify_one();
+        }
+    }
+
+    void stop()
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            stopping_ = true;
+        }
+        room_.notify_all();
+        for (std::thread& worker : workers_) worker.join();
+        workers_.clear();
+    }
+
+    const Scanner& scanner_;
+    const std::uint64_t points_;
+    const std::uint64_t window_;
+    std::mutex mutex_;
+    std::condition_variable ready_, room_;
+    std::map<std::uint64_t, std::vector<LasPoint>> blocks_;  // made and not yet handed out
+    std::uint64_t begun_ = 0, taken_ = 0;
+    std::atomic<bool> stopping_{false};
+    std::exception_ptr failure_;
+    std::vector<std::thread> workers_;
+};
+
+// Calls the caller's function a few times a second and throws when it says stop.
+class Watch {
+public:
+    explicit Watch(const ProgressFunction& progress) : progress_(progress) {}
+
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+    void report(double fraction)
+    {
+        if (Clock::now() - last_ < std::chrono::milliseconds(100)) return;
+        if (!tell(fraction)) throw Error(ErrorCode::cancelled, {}, "generating the scene was cancelled");
+    }
+    // Too late to cancel.
+    void done() { tell(1); }
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    bool tell(double fraction)
+    {
+        if (!progress_) return true;
+        last_ = Clock::now();
+        ProgressUpdate update;
+        update.stage = "Scanning the scene";
+        update.fraction = fraction;
+        if (fraction > 0.01) update.seconds_left = seconds() * (1 - fraction) / fraction;
+        return progress_(update);
+    }
+
+    const ProgressFunction& progress_;
+    const Clock::time_point start_ = Clock::now();
+    Clock::time_point last_{};
+};
+
+// Seventeen significant digits give every double back; printf would follow the locale.
+std::string digits(double value)
+{
+    char text[64];
+    const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 17).ptr;
+    return std::string(text, end);
+}
+
+std::string triple(const Vec3d& v) { return "[" + digits(v[0]) + ", " + digits(v[1]) + ", " + digits(v[2]) + "]"; }
+
+std::string truth_json(const SceneOptions& options, double side, const std::vector<ScenePrimitive>& primitives)
+{
+    static constexpr const char* kinds[] = {"plane", "cylinder", "sphere"};
+    std::string text = "{\n\"points\": " + std::to_string(options.points) + ",\n\"origin\": " + triple(options.origin) +
+                       ",\n\"extent\": " + digits(side) + ",\n\"noise\": " + digits(options.noise) +
+                       ",\n\"primitives\": [";
+    for (const ScenePrimitive& p : primitives) {
+        text += p.id == 1 ? "\n" : ",\n";
+        text += "{\"kind\": \"" + std::string(kinds[static_cast<int>(p.kind)]) + "\", \"id\": " + std::to_string(p.id) +
+                ", \"point\": " + triple(p.point) + ", \"direction\": " + triple(p.direction) +
+                ", \"radius\": " + digits(p.radius) + ", \"points\": " + std::to_string(p.points) + "}";
+    }
+    return text + "\n]\n}\n";
+}
+
+double side_of(const SceneOptions& options)
+{
+    if (options.extent != 0) return options.extent;
+    const double side = std::sqrt(static_cast<double>(options.points) / points_per_square_metre);
+    return std::clamp(side, 60.0, 4000.0);
+}
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, "scene: " + what); }
+
+Grid checked_grid(const SceneOptions& options, double side)
+{
+    if (!(side >= 20 && side <= 20000))
+        refuse("the extent is " + digits(side) + " m; 20 to 20000 can be generated");
+    if (!(options.noise >= 0 && options.noise <= 1))
+        refuse("the noise is " + digits(options.noise) + " m; 0 to 1 can be generated");
+    if (!(options.scale > 0 && options.scale <= 1))
+        refuse("the scale is " + digits(options.scale) + " m; more than 0 and at most 1 was expected");
+    constexpr double headroom = 100;  // metres: ground relief, the tallest stack, range noise
+    if (!((side + headroom) / options.scale < std::numeric_limits<std::int32_t>::max()))
+        refuse("an extent of " + digits(side) + " m does not fit 32-bit integers of " + digits(options.scale) + " m");
+    Grid grid;
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (!(std::abs(options.origin[a]) <= 1e12))
+            refuse("the origin " + digits(options.origin[a]) + " is out of range");
+        grid.scale[a] = options.scale;
+        grid.offset[a] = std::floor(options.origin[a]);
+    }
+    return grid;
+}
+
+}  // namespace
+
+SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth)
+{
+    Watch watch(options.progress);
+    const double side = side_of(options);
+    const Grid grid = checked_grid(options, side);
+    if (options.points > std::numeric_limits<std::uint32_t>::max())
+        refuse(std::to_string(options.points) + " points asked for; LAS 1.2 holds at most 4294967295");
+
+    LasWriter writer(las, grid);  // early: an unwritable folder shows at once
+    watch.report(0);
+    Site site = make_site(side, options.seed);
+    const Scanner scanner(site, grid, options);
+    std::vector<std::uint64_t> counts(site.primitives.size() + 1);
+    {
+        const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+        BlockMaker maker(scanner, options.points, options.threads ? options.threads : processors);
+        for (std::uint64_t written = 0; written < options.points;) {
+            if (const auto block = maker.next(std::chrono::milliseconds(100))) {
+                writer.write(block->data(), block->size());
+                written += block->size();
+                for (const LasPoint& point : *block) ++counts[point.source_id];
+            }
+            watch.report(static_cast<double>(written) / static_cast<double>(options.points));
+        }
+    }
+    writer.finish();
+
+    SceneReport report;
+    report.primitives = std::move(site.primitives);
+    for (ScenePrimitive& primitive : report.primitives) {
+        primitive.point = options.origin + primitive.point;
+        primitive.points = counts[primitive.id];
+    }
+    if (write_truth) {
+        std::filesystem::path truth = std::filesystem::absolute(las);
+        truth.replace_extension(".truth.json");
+        const std::string text = truth_json(options, side, report.primitives);
+        replace_file(truth, text.data(), text.size());
+    }
+    watch.done();
+    report.outcome.points_in = report.outcome.points_out = options.points;
+    report.outcome.seconds = watch.seconds();
+    report.outcome.error = options.noise;
+    report.outcome.error_meaning = "standard deviation of the range, metres";
+    return report;
+}
+
+}  // namespace pcm

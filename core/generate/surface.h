@@ -1,0 +1,18 @@
+// How the surfaces of the site look: colour with brick courses, windows, road markings, and reflectivity.
+#pragma once
+
+#include "generate/determinism.h"
+#include "generate/site.h"
+
+namespace pcm::scene {
+
+struct Look {
+    Colour colour{};          // 0..255
+    double reflectivity = 0;  // 0..1, of the laser
+    std::uint8_t classification = 0;
+};
+
+// `shape` null: the ground. `point` in metres from the site's corner; `random` adds the grain.
+Look look_at(const Site& site, const Shape* shape, const Vec3d& point, const Vec3d& normal, Random& random);
+
+}  // namespace pcm::scene
