@@ -43,6 +43,21 @@ std::string printable_name(std::string_view raw)
     return name;
 }
 
+std::string quote_bytes(std::string_view bytes)
+{
+    static constexpr char digits[] = "0123456789abcdef";
+    constexpr std::size_t most = 40;
+    std::string text = "'";
+    for (const char c : bytes.substr(0, most)) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte < 0x7F)
+            text += c;
+        else
+            text += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
+    }
+    return text + (bytes.size() > most ? "...'" : "'");
+}
+
 std::string unique_name(const Schema& schema, const std::string& name)
 {
     std::string candidate = name;

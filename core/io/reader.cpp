@@ -2,6 +2,8 @@
 
 #include "cloud/file.h"
 #include "io/las_reader.h"
+#include "io/names.h"
+#include "io/ply_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -20,8 +22,14 @@ bool begins_with(std::string_view text, std::string_view start) { return text.su
 
 bool begins_like_las(std::string_view start) { return begins_with(start, "LASF"); }
 
+bool begins_like_ply(std::string_view start)
+{
+    return begins_with(start, "ply") && start.size() > 3 &&
+           std::string_view("\n\r \t").find(start[3]) != std::string_view::npos;
+}
+
 // The registry: a format is added here and nowhere else.
-constexpr std::array<Format, 1> formats{{{"las", begins_like_las, open_las}}};
+constexpr std::array<Format, 2> formats{{{"las", begins_like_las, open_las}, {"ply", begins_like_ply, open_ply}}};
 
 struct ForeignFormat {
     std::string_view start;
@@ -51,21 +59,6 @@ std::string list_of_extensions()
     std::string text;
     for (const Format& format : formats) text += (text.empty() ? "." : ", .") + std::string(format.extension);
     return text;
-}
-
-// The first bytes in a form that can stand in a message.
-std::string quoted(std::string_view bytes)
-{
-    static constexpr char digits[] = "0123456789abcdef";
-    std::string text = "'";
-    for (const char c : bytes) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte >= 0x20 && byte < 0x7F)
-            text += c;
-        else
-            text += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
-    }
-    return text + "'";
 }
 
 std::filesystem::file_status status_of(const std::filesystem::path& path)
@@ -111,7 +104,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path)
         if (extension == format.extension) return format.open(path);  // says what it expected
     for (const auto& [known, name] : foreign_extensions)
         if (extension == known) throw Error(ErrorCode::unsupported, path, "this is " + std::string(name), readable);
-    throw Error(ErrorCode::bad_format, path, "no known point cloud format: the file begins with " + quoted(start),
+    throw Error(ErrorCode::bad_format, path, "no known point cloud format: the file begins with " + quote_bytes(start),
                 readable);
 }
 

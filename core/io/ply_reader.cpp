@@ -1,0 +1,662 @@
+#include "io/ply_reader.h"
+
+#include "cloud/file.h"
+#include "io/batch_shape.h"
+#include "io/names.h"
+#include "io/ply_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t read_buffer_bytes = std::size_t{1} << 20;
+constexpr std::size_t longest_line = std::size_t{16} << 20;
+
+// Calls `f` with a value of the C++ type that `type` names.
+template <class F>
+auto with_type(ScalarType type, F&& f)
+{
+    switch (type) {
+    case ScalarType::i8: return f(std::int8_t{});
+    case ScalarType::u8: return f(std::uint8_t{});
+    case ScalarType::i16: return f(std::int16_t{});
+    case ScalarType::u16: return f(std::uint16_t{});
+    case ScalarType::i32: return f(std::int32_t{});
+    case ScalarType::u32: return f(std::uint32_t{});
+    case ScalarType::i64: return f(std::int64_t{});
+    case ScalarType::u64: return f(std::uint64_t{});
+    case ScalarType::f32: return f(float{});
+    case ScalarType::f64: break;
+    }
+    return f(double{});
+}
+
+template <std::size_t Bytes, bool Swap>
+void load_bytes(const std::byte* from, std::byte* to)
+{
+    if constexpr (Swap) {
+        for (std::size_t i = 0; i < Bytes; ++i) to[i] = from[Bytes - 1 - i];
+    } else {
+        std::memcpy(to, from, Bytes);
+    }
+}
+
+template <class T, bool Swap>
+T load(const std::byte* from)
+{
+    T value;
+    load_bytes<sizeof(T), Swap>(from, reinterpret_cast<std::byte*>(&value));
+    return value;
+}
+
+// One scalar of each of `count` records, `stride` bytes apart.
+template <class T, bool Swap>
+void widen(const std::byte* from, std::size_t stride, std::size_t count, double* to)
+{
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<double>(load<T, Swap>(from + i * stride));
+}
+
+template <std::size_t Bytes, bool Swap>
+void copy(const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
+{
+    for (std::size_t i = 0; i < count; ++i) load_bytes<Bytes, Swap>(from + i * stride, to + i * to_stride);
+}
+
+// Consecutive bytes of a file, for what cannot be addressed: instances with lists.
+class ByteStream {
+public:
+    ByteStream(const File& file, std::uint64_t start, std::uint64_t file_size)
+        : file_(file), position_(start), file_size_(file_size)
+    {
+    }
+
+    std::uint64_t position() const { return position_; }
+    std::uint64_t left() const { return file_size_ - position_; }
+
+    void skip(std::uint64_t bytes)
+    {
+        need(bytes);
+        position_ += bytes;
+    }
+    void take(std::byte* to, std::size_t bytes)
+    {
+        need(bytes);
+        if (position_ < buffer_start_ || position_ + bytes > buffer_start_ + buffer_.size()) {
+            buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(read_buffer_bytes, left())));
+            buffer_start_ = position_;
+            file_.read_at(buffer_.data(), buffer_.size(), position_);
+        }
+        std::memcpy(to, buffer_.data() + (position_ - buffer_start_), bytes);
+        position_ += bytes;
+    }
+
+private:
+    void need(std::uint64_t bytes) const
+    {
+        if (bytes > left())
+            throw Error(ErrorCode::truncated, file_.path(),
+                        "the file ends at byte " + std::to_string(file_size_) + "; " + std::to_string(bytes) +
+                            " bytes were expected from byte " + std::to_string(position_));
+    }
+
+    const File& file_;
+    std::uint64_t position_;
+    std::uint64_t file_size_;
+    std::uint64_t buffer_start_ = 0;
+    std::vector<std::byte> buffer_;
+};
+
+// The lines of a text file that are not blank, one after the other.
+class LineStream {
+public:
+    LineStream(const File& file, std::uint64_t start, std::uint64_t lines_before, char line_end)
+        : file_(file), next_byte_(start), line_(lines_before), line_end_(line_end)
+    {
+    }
+
+    // False at the end of the file. The line, without its end, is valid until the next call.
+    bool next(std::string_view& line)
+    {
+        while (raw_next(line))
+            if (line.find_first_not_of(" \t\r\v\f") != std::string_view::npos) return true;
+        return false;
+    }
+    std::uint64_t line_number() const { return line_; }
+    std::uint64_t bytes_consumed() const { return next_byte_ - (end_ - begin_); }
+
+private:
+    bool raw_next(std::string_view& line)
+    {
+        std::size_t searched = 0;
+        for (;;) {
+            const char* start = buffer_.data() + begin_;
+            const void* found = end_ > begin_ + searched
+                                    ? std::memchr(start + searched, line_end_, end_ - begin_ - searched)
+                                    : nullptr;
+            if (found) {
+                line = {start, static_cast<std::size_t>(static_cast<const char*>(found) - start)};
+                begin_ += line.size() + 1;
+                ++line_;
+                return true;
+            }
+            searched = end_ - begin_;
+            if (at_end_) {
+                if (searched == 0) return false;
+                line = {start, searched};
+                begin_ = end_;
+                ++line_;
+                return true;
+            }
+            refill();
+        }
+    }
+
+    void refill()
+    {
+        const std::size_t kept = end_ - begin_;
+        if (kept >= longest_line)
+            throw Error(ErrorCode::bad_format, file_.path(),
+                        "line " + std::to_string(line_ + 1) + " is longer than " + std::to_string(longest_line) + " bytes");
+        if (kept) std::memmove(buffer_.data(), buffer_.data() + begin_, kept);
+        buffer_.resize(std::max(kept * 2, read_buffer_bytes));
+        const std::size_t got = file_.read_some_at(buffer_.data() + kept, buffer_.size() - kept, next_byte_);
+        at_end_ = got == 0;
+        next_byte_ += got;
+        begin_ = 0;
+        end_ = kept + got;
+    }
+
+    const File& file_;
+    std::uint64_t next_byte_;  // of the file, not yet in the buffer
+    std::uint64_t line_;
+    char line_end_;
+    bool at_end_ = false;
+    std::vector<char> buffer_;
+    std::size_t begin_ = 0, end_ = 0;  // of the unread part of the buffer
+};
+
+// What from_chars leaves over: a plus sign, numbers beyond the range of T, and what Microsoft's printf writes for NaN.
+template <class T>
+bool parse_odd_real(std::string_view word, T& value)
+{
+    if (!word.empty() && word[0] == '+') {
+        word.remove_prefix(1);
+        if (word.empty() || word[0] == '-' || word[0] == '+') return false;
+    }
+    const char* const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, value);
+    const std::string_view rest(stop, static_cast<std::size_t>(end - stop));
+    const bool negative = !word.empty() && word[0] == '-';
+    if (error == std::errc::result_out_of_range && rest.empty()) {
+        double wide = 0;
+        const auto [wide_stop, wide_error] = std::from_chars(word.data(), end, wide);
+        if (wide_stop == end && wide_error == std::errc()) {  // a double that is no float
+            value = static_cast<T>(std::abs(wide) > 1 ? std::numeric_limits<T>::infinity() : T{0});
+        } else {
+            const std::size_t exponent = word.find_first_of("eE");
+            const bool tiny = exponent != std::string_view::npos ? word.substr(exponent + 1, 1) == "-"
+                                                                 : word.find_first_of("123456789") > word.find('.');
+            value = tiny ? T{0} : std::numeric_limits<T>::infinity();
+        }
+        if (negative) value = -value;
+        return true;
+    }
+    if (error != std::errc()) return false;
+    if (rest.empty()) return true;
+    if (rest.substr(0, 4) == "#INF") {
+        value = negative ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
+        return true;
+    }
+    if (rest.substr(0, 4) == "#IND" || rest.substr(0, 5) == "#QNAN" || rest.substr(0, 5) == "#SNAN") {
+        value = std::numeric_limits<T>::quiet_NaN();
+        return true;
+    }
+    return false;
+}
+
+template <class T>
+bool parse_number(std::string_view word, T& value)
+{
+    const char* const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, value);
+    if (error == std::errc() && stop == end) return true;
+    if constexpr (std::is_floating_point_v<T>) {
+        return parse_odd_real(word, value);
+    } else {
+        // "+7", and "255.0" where a whole number was promised.
+        double real = 0;
+        if (!parse_number(word, real) || real != std::floor(real)) return false;
+        if (!(real >= static_cast<double>(std::numeric_limits<T>::min()) &&
+              real < static_cast<double>(std::numeric_limits<T>::max()) + 1.0))
+            return false;
+        value = static_cast<T>(real);
+        return true;
+    }
+}
+
+std::string_view next_word(std::string_view& line)
+{
+    const auto blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    while (at != end && blank(*at)) ++at;
+    const char* const start = at;
+    while (at != end && !blank(*at)) ++at;
+    line = {at, static_cast<std::size_t>(end - at)};
+    return {start, static_cast<std::size_t>(at - start)};
+}
+
+std::string lower(std::string text)
+{
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+// Where a scalar property goes.
+struct Target {
+    int axis = -1;              // 0, 1, 2: a coordinate
+    std::size_t attribute = 0;  // else: this attribute's
+    std::size_t component = 0;
+    ScalarType type = ScalarType::f32;
+    std::size_t offset = 0;  // in a record
+};
+
+class PlyReader final : public PointReader {
+public:
+    explicit PlyReader(const std::filesystem::path& path)
+        : file_(path, File::Mode::read), file_size_(file_.size()), header_(read_ply_header(file_))
+    {
+        find_vertices();
+        plan();
+        check_bytes_hold_the_points();
+        describe();
+        batch_points_ = points_that_fit_a_batch(info_.schema);
+    }
+
+    const FileInfo& info() const override { return info_; }
+    bool read(PointBatch& batch, std::size_t max_points) override;
+    bool seekable() const override { return addressable_; }
+    void seek(std::uint64_t index) override;
+    double fraction_read() const override;
+
+private:
+    [[noreturn]] void fail(ErrorCode code, const std::string& what) const { throw Error(code, file_.path(), what); }
+    [[noreturn]] void fail_line(ErrorCode code, const std::string& what) const
+    {
+        fail(code, "line " + std::to_string(lines_->line_number()) + ": " + what);
+    }
+    bool ascii() const { return header_.encoding == PlyHeader::Encoding::ascii; }
+    const PlyElement& vertices() const { return header_.elements[vertex_element_]; }
+
+    void find_vertices();
+    void plan();
+    bool plan_group(const std::array<const char*, 3>& members, std::string_view name,
+                    std::vector<std::string>& attribute_of);
+    void check_bytes_hold_the_points();
+    void describe();
+
+    void start();
+    std::uint64_t take_list_length(const PlyProperty& list, const std::string& owner);
+    void read_lists_of(const PlyElement& element, std::uint64_t instance, std::byte* record);
+    void read_line(std::byte* record);
+    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const;
+    template <bool Swap>
+    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const;
+
+    File file_;
+    std::uint64_t file_size_;
+    PlyHeader header_;
+    FileInfo info_;
+    std::size_t vertex_element_ = 0;
+    std::vector<Target> targets_;       // of the scalar properties of a vertex, in file order
+    std::size_t record_bytes_ = 0;      // of these
+    bool addressable_ = false;          // binary, and all before and among the vertices has one size
+    std::uint64_t vertex_offset_ = 0;   // when addressable
+    std::size_t batch_points_ = 1;
+
+    std::uint64_t next_ = 0;
+    bool started_ = false;
+    std::optional<ByteStream> bytes_;   // binary, not addressable
+    std::optional<LineStream> lines_;   // ascii
+    std::vector<std::byte> buffer_;
+};
+
+void PlyReader::find_vertices()
+{
+    const std::size_t none = header_.elements.size();
+    vertex_element_ = none;
+    for (std::size_t i = 0; i < none; ++i) {
+        if (header_.elements[i].name != "vertex") continue;
+        if (vertex_element_ != none) fail(ErrorCode::bad_format, "the header has two elements 'vertex'");
+        vertex_element_ = i;
+    }
+    if (vertex_element_ == none) {
+        std::string found;
+        for (std::size_t i = 0; i < std::min<std::size_t>(none, 8); ++i)
+            found += (found.empty() ? "" : ", ") + quote_bytes(header_.elements[i].name);
+        fail(ErrorCode::bad_format,
+             "no element 'vertex'; " + (found.empty() ? "the header has no elements" : "found " + found));
+    }
+}
+
+// Marks the three properties as components of the attribute `name` when they are there, once, with one type.
+bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::string_view name,
+                           std::vector<std::string>& attribute_of)
+{
+    const std::vector<PlyProperty>& properties = vertices().properties;
+    std::array<std::size_t, 3> at{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        std::size_t found = properties.size();
+        for (std::size_t i = 0; i < properties.size(); ++i)
+            if (!properties[i].is_list && lower(properties[i].name) == members[c]) {
+                if (found != properties.size()) return false;
+                found = i;
+            }
+        if (found == properties.size()) return false;
+        at[c] = found;
+    }
+    if (properties[at[0]].type != properties[at[1]].type || properties[at[0]].type != properties[at[2]].type)
+        return false;
+    for (std::size_t c = 0; c < 3; ++c) {
+        attribute_of[at[c]] = name;
+        targets_[at[c]].component = c;
+    }
+    return true;
+}
+
+void PlyReader::plan()
+{
+    const std::vector<PlyProperty>& properties = vertices().properties;
+    targets_.assign(properties.size(), {});
+    std::vector<std::string> group_of(properties.size());
+
+    std::array<bool, 3> have{};
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+        const std::string name = lower(properties[i].name);
+        if (properties[i].is_list || name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
+        const int axis = name[0] - 'x';
+        if (std::exchange(have[static_cast<std::size_t>(axis)], true))
+            fail(ErrorCode::bad_format, "the vertices have two properties '" + name + "'");
+        targets_[i].axis = axis;
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+        if (!have[a])
+            fail(ErrorCode::bad_format, "the vertices have no property '" + std::string(1, "xyz"[a]) + "'");
+
+    using Names = std::array<const char*, 3>;
+    for (const Names& members : {Names{"red", "green", "blue"}, Names{"diffuse_red", "diffuse_green", "diffuse_blue"},
+                                 Names{"r", "g", "b"}})
+        if (plan_group(members, attribute_name::rgb, group_of)) break;
+    for (const Names& members : {Names{"nx", "ny", "nz"}, Names{"normal_x", "normal_y", "normal_z"}})
+        if (plan_group(members, attribute_name::normal, group_of)) break;
+
+    const auto has_scalar = [&](std::string_view name) {
+        return std::any_of(properties.begin(), properties.end(),
+                           [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
+    };
+    bool all_f32 = true;
+    std::vector<Target> scalars;
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+        const PlyProperty& property = properties[i];
+        if (property.is_list) {
+            info_.notes.push_back("the list '" + property.name + "' of the vertices is ignored");
+            continue;
+        }
+        Target target = targets_[i];
+        target.type = property.type;
+        target.offset = record_bytes_;
+        record_bytes_ += size_of(property.type);
+        if (target.axis >= 0) {
+            all_f32 = all_f32 && property.type == ScalarType::f32;
+        } else if (const auto group = group_of[i].empty() ? std::nullopt : info_.schema.find(group_of[i])) {
+            target.attribute = *group;  // begun by another of its members
+        } else {
+            std::string name = group_of[i].empty() ? property.name : group_of[i];
+            if (group_of[i].empty() && (name == attribute_name::rgb || name == attribute_name::normal))
+                name += "_scalar";  // these names mean three components
+            if (name == "scalar_intensity" && !has_scalar(attribute_name::intensity)) name = attribute_name::intensity;
+            // A name that a group will need later is not free.
+            while (group_of[i].empty() && std::find(group_of.begin(), group_of.end(), name) != group_of.end())
+                name += "_scalar";
+            if (info_.schema.size() == max_attributes)
+                fail(ErrorCode::unsupported, "the vertices have more than " + std::to_string(max_attributes) + " properties");
+            target.attribute = info_.schema.size();
+            info_.schema.add({unique_name(info_.schema, name), property.type, group_of[i].empty() ? 1u : 3u, 1, 0, {}});
+        }
+        scalars.push_back(target);
+    }
+    targets_ = std::move(scalars);
+    info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
+    info_.points = vertices().count;
+}
+
+// What can be known without walking through lists and lines.
+void PlyReader::check_bytes_hold_the_points()
+{
+    addressable_ = !ascii();
+    std::uint64_t offset = header_.bytes;
+    for (std::size_t i = 0; i <= vertex_element_; ++i) {
+        const PlyElement& element = header_.elements[i];
+        // In ascii a number takes a digit and a blank, but for the last one of the file.
+        const std::uint64_t least = ascii() ? 2 * element.properties.size() : element.least_bytes();
+        const std::uint64_t left = file_size_ - std::min(offset, file_size_) + (ascii() ? 1 : 0);
+        if (i == vertex_element_) vertex_offset_ = offset;
+        if (least && element.count > left / least)
+            fail(ErrorCode::truncated,
+                 "the header promises " + std::to_string(element.count) + " instances of '" + element.name + "' of at least " +
+                     std::to_string(least) + " bytes; from byte " + std::to_string(offset) +
+                     " to the end of the file there are " + std::to_string(file_size_ - std::min(offset, file_size_)));
+        offset += element.count * least;
+        if (element.has_lists()) addressable_ = false;
+    }
+}
+
+void PlyReader::describe()
+{
+    info_.format = ascii()                                                          ? "PLY ascii"
+                   : header_.encoding == PlyHeader::Encoding::little_endian ? "PLY binary little endian"
+                                                                                    : "PLY binary big endian";
+    for (const PlyElement& element : header_.elements) {
+        if (&element == &vertices() || element.count == 0) continue;
+        if (info_.notes.size() >= 100) break;
+        const std::string count = std::to_string(element.count);
+        const std::string what = element.name == "face" ? (element.count == 1 ? count + " face" : count + " faces")
+                                                        : count + " of element '" + printable_name(element.name) + "'";
+        info_.notes.push_back(what + " ignored: only the points are read");
+    }
+}
+
+// Passes over what stands before the vertices.
+void PlyReader::start()
+{
+    started_ = true;
+    if (ascii()) {
+        lines_.emplace(file_, header_.bytes, header_.lines, header_.ends_lines_with_cr ? '\r' : '\n');
+        for (std::size_t e = 0; e < vertex_element_; ++e) {
+            const PlyElement& element = header_.elements[e];
+            std::string_view line;
+            for (std::uint64_t i = 0; !element.properties.empty() && i < element.count; ++i)
+                if (!lines_->next(line))
+                    fail_line(ErrorCode::truncated, "the file ends after " + std::to_string(i) + " of " +
+                                                        std::to_string(element.count) + " lines of '" + element.name + "'");
+        }
+        return;
+    }
+    if (addressable_) return;
+    bytes_.emplace(file_, header_.bytes, file_size_);
+    for (std::size_t e = 0; e < vertex_element_; ++e) {
+        const PlyElement& element = header_.elements[e];
+        if (!element.has_lists())
+            bytes_->skip(element.count * element.least_bytes());
+        else
+            for (std::uint64_t i = 0; i < element.count; ++i) read_lists_of(element, i, nullptr);
+    }
+}
+
+std::uint64_t PlyReader::take_list_length(const PlyProperty& list, const std::string& owner)
+{
+    std::array<std::byte, 8> raw{};
+    const std::uint64_t at = bytes_->position();
+    bytes_->take(raw.data(), size_of(list.count_type));
+    const bool swap = header_.encoding == PlyHeader::Encoding::big_endian;
+    return with_type(list.count_type, [&](auto example) {
+        using T = decltype(example);
+        const T length = swap ? load<T, true>(raw.data()) : load<T, false>(raw.data());
+        if (length < T{0})
+            fail(ErrorCode::bad_format, "byte " + std::to_string(at) + ": the list '" + list.name + "' of " + owner + " has " +
+                                            std::to_string(length) + " entries");
+        return static_cast<std::uint64_t>(length);
+    });
+}
+
+// Walks through one binary instance; its scalars go to `record`, one behind the other, unless that is null.
+void PlyReader::read_lists_of(const PlyElement& element, std::uint64_t instance, std::byte* record)
+{
+    for (const PlyProperty& property : element.properties) {
+        const std::size_t bytes = size_of(property.type);
+        if (property.is_list) {
+            const std::uint64_t length =
+                take_list_length(property, element.name + " " + std::to_string(instance));
+            // A length that cannot be true must not overflow into one that can.
+            bytes_->skip(length > bytes_->left() ? length : length * bytes);
+        } else if (record) {
+            bytes_->take(record, bytes);
+            record += bytes;
+        } else {
+            bytes_->skip(bytes);
+        }
+    }
+}
+
+// One ascii vertex; its scalars go to `record` as in a little endian file.
+void PlyReader::read_line(std::byte* record)
+{
+    std::string_view line;
+    if (!lines_->next(line))
+        fail_line(ErrorCode::truncated, "the file ends after " + std::to_string(next_) + " of " +
+                                            std::to_string(info_.points) + " vertices");
+    std::string_view rest = line;
+    const auto expect_word = [&](const PlyProperty& property) {
+        const std::string_view word = next_word(rest);
+        if (word.empty())
+            fail_line(ErrorCode::bad_format, "found " + quote_bytes(line) + ", which ends before the property '" + property.name + "'");
+        return word;
+    };
+    for (const PlyProperty& property : vertices().properties) {
+        const std::string_view word = expect_word(property);
+        if (property.is_list) {
+            std::uint64_t length = 0;
+            if (!parse_number(word, length))
+                fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + ", expected the length of the list '" + property.name + "'");
+            for (std::uint64_t i = 0; i < length; ++i) expect_word(property);
+            continue;
+        }
+        const bool parsed = with_type(property.type, [&](auto value) {
+            if (!parse_number(word, value)) return false;
+            std::memcpy(record, &value, sizeof value);
+            return true;
+        });
+        if (!parsed)
+            fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + " for the property '" + property.name + "', expected a number of type " +
+                                                 std::string(name_of(property.type)));
+        record += size_of(property.type);
+    }
+    if (const std::string_view more = next_word(rest); !more.empty())
+        fail_line(ErrorCode::bad_format, "found " + quote_bytes(more) + " behind the last property, expected the end of the line");
+}
+
+template <bool Swap>
+void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const
+{
+    for (const Target& target : targets_) {
+        const std::byte* from = records + target.offset;
+        if (target.axis >= 0) {
+            double* to = batch.xyz[static_cast<std::size_t>(target.axis)].data() + first;
+            with_type(target.type,
+                      [&](auto example) { widen<decltype(example), Swap>(from, record_bytes_, count, to); });
+            continue;
+        }
+        Column& column = batch.attributes[target.attribute];
+        const std::size_t bytes = size_of(target.type), stride = column.point_bytes();
+        std::byte* to = column.data() + first * stride + target.component * bytes;
+        switch (bytes) {
+        case 1: copy<1, Swap>(from, record_bytes_, count, to, stride); break;
+        case 2: copy<2, Swap>(from, record_bytes_, count, to, stride); break;
+        case 4: copy<4, Swap>(from, record_bytes_, count, to, stride); break;
+        default: copy<8, Swap>(from, record_bytes_, count, to, stride); break;
+        }
+    }
+}
+
+void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const
+{
+    if (header_.encoding == PlyHeader::Encoding::big_endian)
+        unpack<true>(records, count, batch, first);
+    else
+        unpack<false>(records, count, batch, first);
+}
+
+bool PlyReader::read(PointBatch& batch, std::size_t max_points)
+{
+    if (!started_) start();
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(
+        info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
+    shape_batch(batch, info_.schema, false, count);
+    if (count == 0) return false;
+
+    // Small enough to stay in the cache while its fields are taken apart, unless it must be read from the file.
+    const std::size_t buffer_points =
+        std::max<std::size_t>(1, (addressable_ ? read_buffer_bytes / 4 : 16384) / record_bytes_);
+    buffer_.resize(buffer_points * record_bytes_);
+    for (std::size_t done = 0; done < count;) {
+        const std::size_t now = std::min(buffer_points, count - done);
+        if (addressable_) {
+            file_.read_at(buffer_.data(), now * record_bytes_, vertex_offset_ + next_ * record_bytes_);
+            next_ += now;
+        } else {
+            for (std::size_t i = 0; i < now; ++i, ++next_) {
+                std::byte* record = buffer_.data() + i * record_bytes_;
+                if (ascii())
+                    read_line(record);
+                else
+                    read_lists_of(vertices(), next_, record);
+            }
+        }
+        unpack(buffer_.data(), now, batch, done);
+        done += now;
+    }
+    return true;
+}
+
+void PlyReader::seek(std::uint64_t index)
+{
+    if (!addressable_) return PointReader::seek(index);
+    if (index > info_.points)
+        fail(ErrorCode::invalid_argument,
+             "point " + std::to_string(index) + " asked for, the file has " + std::to_string(info_.points));
+    next_ = index;
+}
+
+double PlyReader::fraction_read() const
+{
+    if (next_ == info_.points) return 1.0;
+    if (addressable_) return static_cast<double>(next_) / static_cast<double>(info_.points);
+    const std::uint64_t consumed = lines_ ? lines_->bytes_consumed() : bytes_ ? bytes_->position() : 0;
+    return file_size_ ? static_cast<double>(consumed) / static_cast<double>(file_size_) : 1.0;
+}
+
+}  // namespace
+
+std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path) { return std::make_unique<PlyReader>(path); }
+
+}  // namespace pcm
