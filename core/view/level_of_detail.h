@@ -43,8 +43,8 @@ public:
     bool intersects(const Box3d& source_box) const;
 
     // Pixels that `length` (source units) covers when it is seen face on at the point of the box that is nearest to the
-    // eye, but no nearer than the near plane. Exact on the view's axis. Modelviews with unequal scales along the axes get
-    // the value for the largest of them.
+    // eye, but no nearer than the near plane. Exact on the view's axis. For a modelview that scales the axes differently this
+    // is an upper bound.
     double pixels(double length, const Box3d& source_box) const;
 
     // Source coordinates.
@@ -53,8 +53,10 @@ public:
 
 private:
     struct Plane {
-        Vec3d normal;   // in source axes, pointing inwards
-        double offset;  // normal . (p - eye) + offset >= 0 inside
+        Vec3d normal;         // in source axes, pointing inwards
+        double offset;        // normal . (p - eye) + offset >= 0 inside
+        Vec3d normal_bound;   // the same sums over absolute values, from which the rounding error is bounded
+        double offset_bound;
     };
     std::array<Plane, 6> planes_{};
     Vec3d origin_{};
@@ -74,7 +76,7 @@ struct DetailLimits {
 
 inline constexpr std::uint32_t no_ancestor = 0xffffffffu;
 
-// A visible node that the selection came by. Nodes without points of their own never appear, only what is below them.
+// A visible node that the selection came by. A node without points of its own is never wanted, only what is below it.
 struct DetailNode {
     NodeId node = no_node;
     std::uint32_t ancestor = no_ancestor;  // index in `wanted` of the nearest ancestor that has points
