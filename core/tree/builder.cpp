@@ -61,51 +61,65 @@ private:
     double fraction_ = 0;
 };
 
-// Threads that stop together: the first exception of any is thrown by join().
+// What threads that work together wait on, and whether they are to stop.
+struct Signal {
+    std::mutex mutex;
+    std::condition_variable wake;
+    std::atomic<bool> stopped{false};
+
+    void stop()
+    {
+        {
+            const std::lock_guard lock(mutex);
+            stopped = true;
+        }
+        wake.notify_all();
+    }
+};
+
+// Threads that stop together: the first exception of any is thrown by join(). Declare it after all that the threads use: when it
+// dies they have ended.
 class Crew {
 public:
+    explicit Crew(Signal& signal) : signal_(signal) {}
     ~Crew()
     {
-        stop();
-        for (std::thread& thread : threads_)
-            if (thread.joinable()) thread.join();
+        signal_.stop();
+        for (std::thread& thread : threads_) thread.join();
     }
+    Crew(const Crew&) = delete;
+    Crew& operator=(const Crew&) = delete;
+
     template <class F>
     void add(F work)
     {
         threads_.emplace_back([this, work = std::move(work)]() mutable {
+            std::exception_ptr error;
             try {
                 work();
             } catch (...) {
-                const std::lock_guard lock(mutex_);
-                if (!error_) error_ = std::current_exception();
-                stopped_ = true;
+                error = std::current_exception();
             }
             {
-                const std::lock_guard lock(mutex_);
+                const std::lock_guard lock(signal_.mutex);
                 ++finished_;
+                if (error) {
+                    if (!error_) error_ = error;
+                    signal_.stopped = true;
+                }
             }
-            wake_.notify_all();
+            signal_.wake.notify_all();
         });
     }
-    void stop()
-    {
-        {
-            const std::lock_guard lock(mutex_);
-            stopped_ = true;
-        }
-        wake_.notify_all();
-    }
-    bool stopped() const { return stopped_; }
     // Waits for all threads, calling `tick` a few times a second on this thread.
     template <class F>
     void join(F&& tick)
     {
         for (;;) {
             {
-                std::unique_lock lock(mutex_);
-                wake_.wait_for(lock, std::chrono::milliseconds(100), [&] { return finished_ == threads_.size(); });
-                if (finished_ == threads_.size()) break;
+                std::unique_lock lock(signal_.mutex);
+                const auto all = [&] { return finished_ == threads_.size(); };
+                if (signal_.wake.wait_for(lock, std::chrono::milliseconds(100), all)) break;
             }
             tick();
         }
@@ -113,16 +127,11 @@ public:
         threads_.clear();
         if (error_) std::rethrow_exception(error_);
     }
-    // For work that waits on shared state guarded by this mutex.
-    std::mutex& mutex() { return mutex_; }
-    std::condition_variable& wake() { return wake_; }
 
 private:
+    Signal& signal_;
     std::vector<std::thread> threads_;
-    std::mutex mutex_;
-    std::condition_variable wake_;
     std::size_t finished_ = 0;
-    std::atomic<bool> stopped_{false};
     std::exception_ptr error_;
 };
 
@@ -402,14 +411,14 @@ public:
         PointBatch batch;
         std::size_t reader = 0;
     };
-    BatchQueue(Crew& crew, std::size_t capacity) : crew_(crew), free_(capacity) {}
+    BatchQueue(Signal& signal, std::size_t capacity) : signal_(signal), free_(capacity) {}
 
-    // The reader's side: an empty item (its storage is reused), or nothing when the crew has stopped.
+    // The reader's side: an empty item (its storage is reused), or nothing when all is to stop.
     std::optional<Item> empty_item()
     {
-        std::unique_lock lock(crew_.mutex());
-        crew_.wake().wait(lock, [&] { return !free_.empty() || crew_.stopped(); });
-        if (crew_.stopped()) return std::nullopt;
+        std::unique_lock lock(signal_.mutex);
+        signal_.wake.wait(lock, [&] { return !free_.empty() || signal_.stopped; });
+        if (signal_.stopped) return std::nullopt;
         Item item = std::move(free_.back());
         free_.pop_back();
         return item;
@@ -417,24 +426,24 @@ public:
     void push(Item item)
     {
         {
-            const std::lock_guard lock(crew_.mutex());
+            const std::lock_guard lock(signal_.mutex);
             full_.push_back(std::move(item));
         }
-        crew_.wake().notify_all();
+        signal_.wake.notify_all();
     }
     void close()
     {
         {
-            const std::lock_guard lock(crew_.mutex());
+            const std::lock_guard lock(signal_.mutex);
             closed_ = true;
         }
-        crew_.wake().notify_all();
+        signal_.wake.notify_all();
     }
     std::optional<Item> pop()
     {
-        std::unique_lock lock(crew_.mutex());
-        crew_.wake().wait(lock, [&] { return !full_.empty() || closed_ || crew_.stopped(); });
-        if (crew_.stopped() || full_.empty()) return std::nullopt;
+        std::unique_lock lock(signal_.mutex);
+        signal_.wake.wait(lock, [&] { return !full_.empty() || closed_ || signal_.stopped; });
+        if (signal_.stopped || full_.empty()) return std::nullopt;
         Item item = std::move(full_.front());
         full_.pop_front();
         return item;
@@ -442,14 +451,14 @@ public:
     void recycle(Item item)
     {
         {
-            const std::lock_guard lock(crew_.mutex());
+            const std::lock_guard lock(signal_.mutex);
             free_.push_back(std::move(item));
         }
-        crew_.wake().notify_all();
+        signal_.wake.notify_all();
     }
 
 private:
-    Crew& crew_;
+    Signal& signal_;
     std::vector<Item> free_;
     std::deque<Item> full_;
     bool closed_ = false;
@@ -516,8 +525,9 @@ private:
         Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
         scratch.add_bins(bins);
         std::vector<Observed> observed(threads_);
-        Crew crew;
-        BatchQueue queue(crew, threads_ + 2);
+        Signal signal;
+        BatchQueue queue(signal, threads_ + 2);
+        Crew crew(signal);
         for (unsigned t = 0; t < threads_; ++t)
             crew.add([&, t] {
                 Scratch::Writer writer(scratch, 0, bins, options_.memory_bytes / 4 / threads_);
@@ -675,12 +685,13 @@ private:
     void distribute(Scratch& from, std::size_t bin, Scratch& to, std::size_t first, std::size_t bins, const Put& put)
     {
         std::atomic<std::size_t> next{0};
-        Crew crew;
+        Signal signal;
+        Crew crew(signal);
         for (unsigned t = 0; t < threads_; ++t)
             crew.add([&, t] {
                 Scratch::Writer writer(to, first, bins, options_.memory_bytes / 4 / threads_);
                 std::vector<std::byte> rows;
-                for (std::size_t block; !crew.stopped() && (block = next++) < from.blocks(bin);) {
+                for (std::size_t block; !signal.stopped && (block = next++) < from.blocks(bin);) {
                     const std::size_t count = from.block_rows(bin, block);
                     rows.resize(count * from.row_bytes());
                     from.read_block(bin, block, rows.data());
@@ -792,7 +803,7 @@ private:
         };
         Walk{top, scratch, jobs}.go(0, NodePath());
 
-        Crew crew;
+        Signal signal;
         std::map<std::size_t, typename Builder::Output> waiting;  // finished ahead of their turn
         std::size_t next_commit = 0;
         std::uint64_t points_done = 0;
@@ -803,12 +814,12 @@ private:
         };
         const auto work = [&] {
             Builder builder(node_options_, drafts);
-            std::unique_lock lock(crew.mutex());
+            std::unique_lock lock(signal.mutex);
             for (;;) {
                 std::size_t mine = jobs.size();
                 bool any_left = false;
-                crew.wake().wait(lock, [&] {
-                    if (crew.stopped()) return true;
+                signal.wake.wait(lock, [&] {
+                    if (signal.stopped) return true;
                     any_left = false;
                     // Not far ahead of what is committed: finished output waits in memory.
                     std::size_t ahead = 0;
@@ -822,7 +833,7 @@ private:
                     for (std::size_t j = next_commit; j < jobs.size() && !any_left; ++j) any_left = !jobs[j].claimed;
                     return !any_left;
                 });
-                if (crew.stopped() || mine == jobs.size()) return;
+                if (signal.stopped || mine == jobs.size()) return;
                 Job& job = jobs[mine];
                 job.claimed = true;
                 typename Builder::Output output;
@@ -859,14 +870,15 @@ private:
                     committing = false;
                     ++next_commit;
                 }
-                crew.wake().notify_all();
+                signal.wake.notify_all();
             }
         };
+        Crew crew(signal);
         for (unsigned t = 0; t < build_threads_; ++t) crew.add(work);
         crew.join([&] {
             std::uint64_t done;
             {
-                const std::lock_guard lock(crew.mutex());
+                const std::lock_guard lock(signal.mutex);
                 done = points_done;
             }
             watch_.report("Building chunks", 0.4 + 0.58 * static_cast<double>(done) / static_cast<double>(observed_.points));
