@@ -1,0 +1,74 @@
+// Batches of points between the thread that reads and the threads that convert.
+#pragma once
+
+#include "cloud/point_batch.h"
+#include "tree/crew.h"
+
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace pcm {
+
+// A few at most; their storage goes round.
+class BatchQueue {
+public:
+    struct Item {
+        PointBatch batch;
+        std::size_t reader = 0;
+    };
+    BatchQueue(Signal& signal, std::size_t capacity) : signal_(signal), free_(capacity) {}
+
+    // The reader's side: an empty item (its storage is reused), or nothing when all is to stop.
+    std::optional<Item> empty_item()
+    {
+        std::unique_lock lock(signal_.mutex);
+        signal_.wake.wait(lock, [&] { return !free_.empty() || signal_.stopped; });
+        if (signal_.stopped) return std::nullopt;
+        Item item = std::move(free_.back());
+        free_.pop_back();
+        return item;
+    }
+    void push(Item item)
+    {
+        {
+            const std::lock_guard lock(signal_.mutex);
+            full_.push_back(std::move(item));
+        }
+        signal_.wake.notify_all();
+    }
+    void close()
+    {
+        {
+            const std::lock_guard lock(signal_.mutex);
+            closed_ = true;
+        }
+        signal_.wake.notify_all();
+    }
+    std::optional<Item> pop()
+    {
+        std::unique_lock lock(signal_.mutex);
+        signal_.wake.wait(lock, [&] { return !full_.empty() || closed_ || signal_.stopped; });
+        if (signal_.stopped || full_.empty()) return std::nullopt;
+        Item item = std::move(full_.front());
+        full_.pop_front();
+        return item;
+    }
+    void recycle(Item item)
+    {
+        {
+            const std::lock_guard lock(signal_.mutex);
+            free_.push_back(std::move(item));
+        }
+        signal_.wake.notify_all();
+    }
+
+private:
+    Signal& signal_;
+    std::vector<Item> free_;
+    std::deque<Item> full_;
+    bool closed_ = false;
+};
+
+}  // namespace pcm
