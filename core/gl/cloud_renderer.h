@@ -3,11 +3,12 @@
 //
 // GL thread only, except where it says otherwise. Works in compatibility and core contexts of OpenGL 3.3 and later; the
 // contexts of one share group may take turns. GLEW's function pointers must be loaded (a host like MeshLab has done it;
-// else see gl/gl_functions.h).
+// else call glewInit(), whose GLEW_ERROR_NO_GLX_DISPLAY under EGL is harmless).
 //
 //     report = renderer.draw(camera, local_origin, options);
 //     if (report.repaint) schedule another frame now;       // chunks lie ready, or the budget is still growing
-//     // else if (report.refining) set_wake's function will be called when something has arrived
+//     else if (report.refining) set_wake's function will be called when something has arrived; a slow timer besides
+//         (some 250 ms) covers chunks that another client of the same cache is loading
 #pragma once
 
 #include "cloud/geometry.h"

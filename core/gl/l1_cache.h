@@ -75,7 +75,7 @@ public:
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
     explicit L1Cache(const L1Options& options = {});
-    ~L1Cache();  // the context need not be current if release() was called or nothing was uploaded
+    ~L1Cache();  // touches no OpenGL: what release() has not freed is left to the context's end
     L1Cache(const L1Cache&) = delete;
     L1Cache& operator=(const L1Cache&) = delete;
 
@@ -88,14 +88,14 @@ public:
     void begin_frame(Owner owner);
     static constexpr std::uint64_t frames_protected = 16;
 
-    // The entry if it is resident, whatever its colour, and marks it as used in this frame. The pointer is valid until
-    // the next upload, remove_owner or release.
+    // The entry if it is resident, whatever its colour; use() also marks it as used in this frame and counts a hit. The
+    // pointer is valid until the next upload, remove_owner or release.
     const VertexEntry* use(Owner owner, NodeId node);
-    bool contains(Owner owner, NodeId node) const;
+    const VertexEntry* find(Owner owner, NodeId node) const;
 
     // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame. `rgba`
     // (4 bytes a point) is read unless `colour` is none. Evicts as needed, least recently used first, never what is
-    // protected. False when that does not make room enough (an entry of the same node is kept then) or the driver is
+    // protected. False when that does not make room enough (an entry of the same node is kept then), as when the driver is
     // out of memory. Leaves the binding of GL_COPY_WRITE_BUFFER changed.
     bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
                 const std::uint8_t* rgba);
@@ -131,10 +131,9 @@ private:
 
     bool is_protected(const Slot& slot) const;
     void drop(Order::iterator slot);
-    bool make_room(std::uint32_t pages, Order::iterator replaced);
+    bool make_room(std::size_t pages, Order::iterator replaced);
     bool add_block();
-    std::uint32_t transfer(const Slot& slot, const ChunkPositions& positions, const Vec3d& scale,
-                           const std::uint8_t* rgba);
+    void transfer(Slot& slot, const ChunkPositions& positions, const Vec3d& scale, const std::uint8_t* rgba);
 
     L1Options options_;
     std::uint32_t pages_per_block_ = 0;

@@ -47,8 +47,8 @@ public:
     // is an upper bound.
     double pixels(double length, const Box3d& source_box) const;
 
-    // Source coordinates.
-    Vec3d eye() const;
+    Vec3d local_eye() const { return eye_; }  // relative to the view's origin
+    Vec3d eye() const;                        // source coordinates
     bool orthographic() const { return orthographic_; }
 
 private:

@@ -1,0 +1,558 @@
+#include "gl/cloud_renderer.h"
+
+#include "gl/frame_budget.h"
+#include "gl/gl_state.h"
+#include "gl/shader_program.h"
+#include "gl/vertex_colours.h"
+#include "view/level_of_detail.h"
+
+#include <GL/glew.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pcm {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
+// upload is pinned in L2.
+constexpr std::size_t window_size = 32;
+
+// A chunk that could not be loaded is asked for again after this time: the network may be back.
+constexpr double retry_ms = 5000;
+
+// What loader threads leave for the next frame. Shared with the callbacks, so it outlives the renderer if need be.
+struct Inbox {
+    std::mutex mutex;
+    std::set<NodeId> arrived;
+    std::function<void()> wake;
+
+    void put(NodeId node)
+    {
+        const std::lock_guard lock(mutex);
+        const bool first = arrived.empty();
+        arrived.insert(node);
+        // Under the lock: when set_wake has returned, the former function is not running any more.
+        if (first && wake) wake();
+    }
+    std::set<NodeId> take()
+    {
+        const std::lock_guard lock(mutex);
+        return std::exchange(arrived, {});
+    }
+};
+
+struct Program {
+    ShaderProgram program;
+    GLint reference = -1, to_eye = -1, translation = -1, projection = -1, point_size = -1, height = -1,
+          uniform_colour = -1;
+
+    void build(const std::vector<std::string>& defines)
+    {
+        program = ShaderProgram("splat.vert", "splat.frag", defines);
+        reference = program.uniform("reference");
+        to_eye = program.uniform("to_eye");
+        translation = program.uniform("translation");
+        projection = program.uniform("projection");
+        point_size = program.uniform("point_size");
+        height = program.uniform("height");
+        uniform_colour = program.uniform("uniform_colour");
+    }
+};
+
+// Where a node of the window stands on its way to video memory.
+struct Arrival {
+    L2Cache::Handle chunk;  // pinned until it is uploaded or the view has no use for it
+    unsigned lost = 0;      // times it had arrived and was dropped by L2 before it was found
+};
+
+}  // namespace
+
+const char* name_of(ColourMode mode)
+{
+    switch (mode) {
+        case ColourMode::rgb: return "rgb";
+        case ColourMode::intensity: return "intensity";
+        case ColourMode::height: return "height";
+        case ColourMode::uniform: return "uniform";
+    }
+    return "";
+}
+
+struct CloudRenderer::Impl {
+    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<L1Cache> l1;
+    bool l1_is_own = false;
+    L1Cache::Owner owner = 0;
+    std::shared_ptr<Inbox> inbox = std::make_shared<Inbox>();
+    Program vertex_colour_program, height_program, uniform_program;
+    unsigned frames_since_build = 0;
+    float point_size_most = 1;
+
+    std::map<NodeId, Arrival> arrivals;
+    VertexColour arrivals_colour = VertexColour::none;  // the columns that `arrivals` hold are for this
+    std::map<NodeId, Clock::time_point> failed;
+    std::string load_error;
+    std::map<VertexColour, ColourScale> scales;
+    std::vector<std::uint8_t> rgba;
+
+    FrameBudget budget;
+    std::deque<std::pair<Camera, Vec3d>> recent_cameras;  // several views may draw in turn
+
+    // --- choice -----------------------------------------------------------------------------------------------------
+
+    ColourMode usable_mode(ColourMode asked) const
+    {
+        const Schema& schema = cloud->info().schema;
+        if (asked == ColourMode::rgb) {
+            const auto i = schema.find(attribute_name::rgb);
+            if (i && schema[*i].components >= 3) return asked;
+            asked = ColourMode::intensity;
+        }
+        if (asked == ColourMode::intensity && !schema.find(attribute_name::intensity)) asked = ColourMode::height;
+        return asked;
+    }
+
+    static VertexColour vertex_colour(ColourMode mode)
+    {
+        return mode == ColourMode::rgb         ? VertexColour::rgb
+               : mode == ColourMode::intensity ? VertexColour::intensity
+                                               : VertexColour::none;
+    }
+
+    static std::string_view attribute_of(VertexColour colour)
+    {
+        return colour == VertexColour::rgb ? attribute_name::rgb : attribute_name::intensity;
+    }
+
+    bool rests(const Camera& camera, const Vec3d& local_origin)
+    {
+        const auto same = [&](const std::pair<Camera, Vec3d>& other) {
+            return std::memcmp(&other.first, &camera, sizeof(Camera)) == 0 && other.second == local_origin;
+        };
+        if (std::any_of(recent_cameras.begin(), recent_cameras.end(), same)) return true;
+        recent_cameras.emplace_front(camera, local_origin);
+        if (recent_cameras.size() > 4) recent_cameras.pop_back();
+        return false;
+    }
+
+    // --- loading and uploading ----------------------------------------------------------------------------------------
+
+    bool has_failed(NodeId node)
+    {
+        const auto found = failed.find(node);
+        if (found == failed.end()) return false;
+        if (milliseconds_since(found->second) < retry_ms) return true;
+        failed.erase(found);
+        if (failed.empty()) load_error.clear();
+        return false;
+    }
+
+    void fail(NodeId node, std::string error)
+    {
+        failed[node] = Clock::now();
+        load_error = std::move(error);
+    }
+
+    // The first nodes in `wanted` that video memory lacks (or has with other colours), less what lies below a node that
+    // cannot be loaded: it could not be drawn anyway.
+    std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current)
+    {
+        std::vector<NodeId> window;
+        std::vector<bool> blocked(selection.wanted.size(), false);
+        for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
+            const DetailNode& node = selection.wanted[i];
+            blocked[i] = (node.ancestor != no_ancestor && blocked[node.ancestor]) ||
+                         (!current[i] && has_failed(node.node));
+            if (!current[i] && !blocked[i]) window.push_back(node.node);
+        }
+        return window;
+    }
+
+    // Takes what has come of the window from L2 and asks for the rest.
+    void load(const std::vector<NodeId>& window, VertexColour colour)
+    {
+        std::map<NodeId, Arrival> kept;
+        if (arrivals_colour == colour)
+            for (const NodeId node : window)
+                if (const auto found = arrivals.find(node); found != arrivals.end())
+                    kept.insert(arrivals.extract(found));
+        arrivals = std::move(kept);
+        arrivals_colour = colour;
+
+        ColumnSet columns = ColumnSet::only_positions();
+        if (colour != VertexColour::none)
+            columns = ColumnSet::named(cloud->info().schema, {std::string(attribute_of(colour))});
+        // Taken before looking: a chunk that arrives from here on wakes the owner again.
+        const std::set<NodeId> arrived = inbox->take();
+        std::vector<ChunkRequest> list;
+        for (const NodeId node : window) {
+            Arrival& arrival = arrivals[node];
+            if (!arrival.chunk) arrival.chunk = cloud->cache().find(node, columns);
+            if (arrival.chunk) continue;
+            if (arrived.count(node)) {
+                if (const auto error = cloud->cache().error_of(node)) {
+                    fail(node, *error);
+                    continue;
+                }
+                if (++arrival.lost >= 3) {
+                    fail(node, "chunk " + std::to_string(node) + " of " + cloud->tree()->folder().string() +
+                                   " does not stay in the point cache; give the cache more memory");
+                    continue;
+                }
+            }
+            list.push_back({node, columns});
+        }
+        // Also when nothing is missing: what an older view asked for need not be loaded any more.
+        if (!list.empty() || asked_last) {
+            asked_last = !list.empty();
+            cloud->cache().request(std::move(list), [box = inbox](NodeId node) { box->put(node); });
+        }
+    }
+    bool asked_last = false;
+
+    struct Uploads {
+        bool refused = false;  // video memory is full of what other clouds show
+        bool ready_left = false;
+    };
+
+    Uploads upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
+    {
+        Uploads uploads;
+        const auto start = Clock::now();
+        bool any = false;
+        for (const NodeId node : window) {
+            const auto found = arrivals.find(node);
+            const L2Cache::Handle chunk = found == arrivals.end() ? L2Cache::Handle() : found->second.chunk;
+            if (!chunk) {
+                // The coarsest chunk sets the scale for all, so it must come first.
+                if (colour != VertexColour::none && !scales.count(colour) && !has_failed(node)) break;
+                continue;
+            }
+            if (any && milliseconds_since(start) >= budget_ms) {
+                uploads.ready_left = true;
+                break;
+            }
+            const std::uint8_t* colours = nullptr;
+            if (colour != VertexColour::none) {
+                const Column& column = *chunk->attributes[*cloud->info().schema.find(attribute_of(colour))];
+                if (!scales.count(colour)) scales[colour] = ColourScale::of(column, colour);
+                make_colours(column, scales[colour], rgba);
+                colours = rgba.data();
+            }
+            if (!l1->upload(owner, node, *chunk->positions, cloud->info().grid.scale, colour, colours)) {
+                uploads.refused = true;
+                break;
+            }
+            any = true;
+            arrivals.erase(found);
+        }
+        return uploads;
+    }
+
+    // --- drawing ------------------------------------------------------------------------------------------------------
+
+    void build_programs(bool compatibility)
+    {
+        if (uniform_program.program) return;
+        vertex_colour_program.build({"VERTEX_COLOUR"});
+        height_program.build({"HEIGHT_COLOUR"});
+        uniform_program.build({});
+        float range[2] = {1, 1};
+        glGetFloatv(compatibility ? GL_ALIASED_POINT_SIZE_RANGE : GL_POINT_SIZE_RANGE, range);
+        point_size_most = std::max(1.0f, range[1]);
+        frames_since_build = 0;
+    }
+
+    void release_programs()
+    {
+        vertex_colour_program.program.release();
+        height_program.program.release();
+        uniform_program.program.release();
+    }
+
+    void set_common(const Program& program, const Camera& camera, const RenderOptions& options) const
+    {
+        glUseProgram(program.program.id());
+        float projection[16];
+        for (std::size_t i = 0; i < 16; ++i) projection[i] = static_cast<float>(camera.projection[i]);
+        glUniformMatrix4fv(program.projection, 1, GL_FALSE, projection);
+        float to_eye[9];
+        for (std::size_t column = 0; column < 3; ++column)
+            for (std::size_t row = 0; row < 3; ++row)
+                to_eye[column * 3 + row] =
+                    static_cast<float>(camera.modelview[column * 4 + row] / camera.modelview[15]);
+        glUniformMatrix3fv(program.to_eye, 1, GL_FALSE, to_eye);
+        glUniform1f(program.point_size, std::clamp(options.point_size_px, 1.0f, point_size_most));
+        glUniform3fv(program.uniform_colour, 1, options.uniform_colour.data());
+    }
+
+    // See shaders/splat.vert: the reference is the point of the chunk's box nearest to the eye.
+    void set_chunk(const Program& program, const VertexEntry& entry, const Camera& camera, const Vec3d& local_origin,
+                   const Vec3d& local_eye) const
+    {
+        const TreeInfo& info = cloud->info();
+        double local_reference[3];
+        float reference[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+            // Where the grid's offset is the local origin, the large numbers cancel exactly.
+            const double chunk_origin = static_cast<double>(entry.origin[a]) * info.grid.scale[a] +
+                                        (info.grid.offset[a] - local_origin[a]);
+            reference[a] = static_cast<float>(std::clamp(local_eye[a] - chunk_origin, 0.0, entry.extent[a]));
+            local_reference[a] = chunk_origin + static_cast<double>(reference[a]);
+        }
+        float translation[3];
+        for (std::size_t row = 0; row < 3; ++row) {
+            double sum = camera.modelview[12 + row];
+            for (std::size_t column = 0; column < 3; ++column)
+                sum += camera.modelview[column * 4 + row] * local_reference[column];
+            translation[row] = static_cast<float>(sum / camera.modelview[15]);
+        }
+        glUniform3fv(program.reference, 1, reference);
+        glUniform3fv(program.translation, 1, translation);
+        if (program.height >= 0) {
+            const double bottom = static_cast<double>(info.box.min[2]);
+            const double top = static_cast<double>(info.box.max[2]);
+            const double range = (top - bottom) * info.grid.scale[2];
+            const double above = (static_cast<double>(entry.origin[2]) - bottom) * info.grid.scale[2];
+            const bool flat = !(range > 0);
+            glUniform2f(program.height, flat ? 0.0f : static_cast<float>(1 / range),
+                        flat ? 0.5f : static_cast<float>(above / range));
+        }
+    }
+
+    static void draw_entry(const VertexEntry& entry, bool with_colour)
+    {
+        std::vector<GLint> first;
+        std::vector<GLsizei> count;
+        const auto stride = static_cast<GLsizei>(entry.stride());
+        for (std::size_t i = 0; i < entry.ranges.size();) {
+            const std::uint32_t buffer = entry.ranges[i].buffer;
+            first.clear();
+            count.clear();
+            for (; i < entry.ranges.size() && entry.ranges[i].buffer == buffer; ++i) {
+                first.push_back(entry.ranges[i].first);
+                count.push_back(entry.ranges[i].count);
+            }
+            glBindBuffer(GL_ARRAY_BUFFER, buffer);
+            glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, stride, nullptr);
+            if (with_colour)
+                glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, reinterpret_cast<const void*>(12));
+            glMultiDrawArrays(GL_POINTS, first.data(), count.data(), static_cast<GLsizei>(first.size()));
+        }
+    }
+
+    void draw_nodes(const DetailSelection& selection, const DrawSet& set, const Camera& camera,
+                    const Vec3d& local_origin, const Vec3d& local_eye, const RenderOptions& options, ColourMode mode,
+                    bool compatibility, FrameReport& report)
+    {
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_LESS);
+        glDepthMask(GL_TRUE);
+        glDisable(GL_BLEND);
+        glEnable(GL_PROGRAM_POINT_SIZE);
+        if (compatibility) {
+            // Sprites are squares of exactly the asked size, as points in a core context are; plain legacy points have
+            // their size and place rounded to whole pixels.
+            glEnable(GL_POINT_SPRITE);
+            glDisable(GL_POINT_SMOOTH);
+        }
+        // Not kept: contexts of a share group do not share vertex arrays.
+        GLuint vertex_array = 0;
+        glGenVertexArrays(1, &vertex_array);
+        glBindVertexArray(vertex_array);
+        glEnableVertexAttribArray(0);
+
+        // An entry with the colours of another mode is drawn with those until its own have come; one without any is
+        // drawn in one colour.
+        const bool reads_colour = mode == ColourMode::rgb || mode == ColourMode::intensity;
+        const auto pass = [&](const Program& program, bool with_colour) {
+            bool prepared = false;
+            for (const std::uint32_t i : set.drawn) {
+                const VertexEntry* entry = l1->find(owner, selection.wanted[i].node);
+                if (!entry || (reads_colour && with_colour != (entry->colour != VertexColour::none))) continue;
+                if (!prepared) set_common(program, camera, options);
+                prepared = true;
+                set_chunk(program, *entry, camera, local_origin, local_eye);
+                draw_entry(*entry, with_colour);
+                report.points_drawn += entry->points;
+                ++report.nodes_drawn;
+            }
+        };
+        if (reads_colour) {
+            glEnableVertexAttribArray(1);
+            pass(vertex_colour_program, true);
+            glDisableVertexAttribArray(1);
+            pass(uniform_program, false);
+        } else {
+            pass(mode == ColourMode::height ? height_program : uniform_program, false);
+        }
+        glBindVertexArray(0);
+        glDeleteVertexArrays(1, &vertex_array);
+    }
+
+    FrameReport draw(const Camera& camera, const Vec3d& local_origin, const RenderOptions& options)
+    {
+        const auto start = Clock::now();
+        FrameReport report;
+        const ColourMode mode = usable_mode(options.colour);
+        const VertexColour colour = vertex_colour(mode);
+        report.colour_used = mode;
+
+        View view;
+        std::copy_n(camera.modelview, 16, view.modelview.begin());
+        std::copy_n(camera.projection, 16, view.projection.begin());
+        view.origin = local_origin;
+        view.width = camera.viewport[2];
+        view.height = camera.viewport[3];
+        const auto frustum = Frustum::of(view);
+        if (!frustum) return report;
+
+        const auto& nodes = cloud->tree()->nodes();
+        const bool resting = rests(camera, local_origin);
+        const double budget_ms = resting ? std::max(options.rest_budget_ms, options.frame_budget_ms)
+                                         : options.frame_budget_ms;
+        DetailLimits limits;
+        limits.target_px = options.target_spacing_px;
+        limits.point_budget = budget.points(budget_ms, nodes.empty() ? 0 : nodes[0].points, options.point_budget);
+        report.effective_point_budget = limits.point_budget;
+        // Counted as if all entries had colour: those of another mode stay until there is need for their room.
+        limits.page_points = L1Cache::points_per_page(VertexColour::rgb);
+        limits.page_budget = l1->pages_available(owner);
+        const DetailSelection selection = select_detail(*cloud->tree(), view, limits);
+
+        l1->begin_frame(owner);
+        std::vector<bool> current(selection.wanted.size());
+        for (std::size_t i = 0; i < selection.wanted.size(); ++i) {
+            const VertexEntry* entry = l1->use(owner, selection.wanted[i].node);
+            current[i] = entry && (colour == VertexColour::none || entry->colour == colour);
+        }
+        const std::vector<NodeId> window = window_of(selection, current);
+        load(window, colour);
+
+        const GlStateGuard state;
+        build_programs(state.compatibility());
+        const Uploads uploads = upload(window, colour, options.upload_budget_ms);
+
+        const DrawSet set = choose_drawable(
+            selection, [&](const DetailNode& node) { return l1->find(owner, node.node) != nullptr; });
+        // The first frames pay for the driver's compilation and tell nothing.
+        const bool measure = frames_since_build >= 1 && !set.drawn.empty() && budget.wants_measure();
+        ++frames_since_build;
+        if (measure) glFinish();  // so that what the host and the uploads have queued is not counted
+        const auto draw_start = Clock::now();
+        const Vec3d eye = frustum->local_eye();
+        draw_nodes(selection, set, camera, local_origin, eye, options, mode, state.compatibility(), report);
+        if (measure) {
+            glFinish();
+            budget.measured(report.points_drawn, milliseconds_since(draw_start));
+        } else if (!set.drawn.empty()) {
+            budget.not_measured();
+        }
+
+        report.screen_error_px = set.error_px;
+        report.nodes_wanted = selection.wanted.size();
+        std::size_t on_their_way = 0;
+        for (const NodeId node : window) on_their_way += arrivals.count(node) && !has_failed(node);
+        for (const DetailNode& node : selection.wanted) {
+            const VertexEntry* entry = l1->find(owner, node.node);
+            report.nodes_missing += !entry || (colour != VertexColour::none && entry->colour != colour);
+        }
+        report.measured_ms = budget.last_measured_ms();
+        const double rest_ms = std::max(options.rest_budget_ms, options.frame_budget_ms);
+        const bool budget_grows = selection.budget_reached && limits.point_budget < options.point_budget &&
+                                  budget.can_grow(rest_ms, options.point_budget);
+        report.repaint = uploads.ready_left || budget_grows;
+        // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
+        report.refining = report.repaint || (on_their_way > 0 && !uploads.refused);
+        if (selection.wanted.empty() && selection.budget_reached)
+            report.error = "the point budget or the video memory is too small for the first chunk of " +
+                           cloud->tree()->folder().string();
+        if (!failed.empty()) report.error = load_error;
+        report.frame_ms = milliseconds_since(start);
+        return report;
+    }
+};
+
+CloudRenderer::CloudRenderer(std::shared_ptr<PointCloud> cloud, const L1Options& l1)
+    : CloudRenderer(std::move(cloud), std::make_shared<L1Cache>(l1))
+{
+    impl_->l1_is_own = true;
+}
+
+CloudRenderer::CloudRenderer(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
+    : impl_(std::make_unique<Impl>())
+{
+    impl_->cloud = std::move(cloud);
+    impl_->l1 = std::move(l1);
+    impl_->owner = impl_->l1->add_owner();
+}
+
+CloudRenderer::~CloudRenderer()
+{
+    set_wake({});
+    if (impl_->asked_last) impl_->cloud->cache().request({});  // nobody waits for it any more
+    impl_->l1->remove_owner(impl_->owner);
+}
+
+FrameReport CloudRenderer::draw(const Camera& camera, const Vec3d& local_origin, const RenderOptions& options)
+{
+    FrameReport report;
+    if (!gl_functions_loaded()) {
+        report.error = "OpenGL 3.3 is not available: its functions are not loaded (glewInit), or the driver lacks them";
+        return report;
+    }
+    drain_gl_errors();
+    std::string failure;
+    try {
+        report = impl_->draw(camera, local_origin, options);
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    const std::string gl_errors = drain_gl_errors();
+    if (!gl_errors.empty()) report.error = "OpenGL error while drawing: " + gl_errors;
+    if (!failure.empty()) report.error = failure;
+    return report;
+}
+
+void CloudRenderer::set_wake(std::function<void()> wake)
+{
+    const std::lock_guard lock(impl_->inbox->mutex);
+    impl_->inbox->wake = std::move(wake);
+}
+
+void CloudRenderer::release()
+{
+    impl_->release_programs();
+    impl_->arrivals.clear();
+    if (impl_->l1_is_own) {
+        impl_->l1->release();
+        return;
+    }
+    impl_->l1->remove_owner(impl_->owner);
+    impl_->owner = impl_->l1->add_owner();
+}
+
+const std::shared_ptr<PointCloud>& CloudRenderer::cloud() const { return impl_->cloud; }
+
+const std::shared_ptr<L1Cache>& CloudRenderer::l1() const { return impl_->l1; }
+
+}  // namespace pcm

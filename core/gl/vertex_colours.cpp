@@ -1,0 +1,83 @@
+#include "gl/vertex_colours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace pcm {
+
+namespace {
+
+// Calls `use` with the column's values as what they are.
+template <class Use>
+void with_type(const Column& column, const Use& use)
+{
+    switch (column.type()) {
+        case ScalarType::i8: return use(column.as<std::int8_t>());
+        case ScalarType::u8: return use(column.as<std::uint8_t>());
+        case ScalarType::i16: return use(column.as<std::int16_t>());
+        case ScalarType::u16: return use(column.as<std::uint16_t>());
+        case ScalarType::i32: return use(column.as<std::int32_t>());
+        case ScalarType::u32: return use(column.as<std::uint32_t>());
+        case ScalarType::i64: return use(column.as<std::int64_t>());
+        case ScalarType::u64: return use(column.as<std::uint64_t>());
+        case ScalarType::f32: return use(column.as<float>());
+        case ScalarType::f64: return use(column.as<double>());
+    }
+}
+
+}  // namespace
+
+ColourScale ColourScale::of(const Column& column, VertexColour colour)
+{
+    std::vector<double> values;
+    const std::size_t scalars = column.size() * column.components();
+    values.reserve(scalars);
+    double type_maximum = 1;
+    with_type(column, [&](const auto* raw) {
+        using T = std::remove_cv_t<std::remove_pointer_t<decltype(raw)>>;
+        if constexpr (std::is_integral_v<T>) type_maximum = static_cast<double>(std::numeric_limits<T>::max());
+        for (std::size_t i = 0; i < scalars; ++i) {
+            const auto value = static_cast<double>(raw[i]);
+            if (std::isfinite(value)) values.push_back(value);
+        }
+    });
+    if (values.empty()) return {};
+    if (colour == VertexColour::rgb) {
+        const double most = *std::max_element(values.begin(), values.end());
+        if (type_maximum == 1) return {0, most > 1 ? 255.0 : 1.0};
+        return {0, type_maximum > 255 && most <= 255 ? 255.0 : type_maximum};
+    }
+    const auto percentile = [&](double fraction) {
+        const auto place = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+        std::nth_element(values.begin(), place, values.end());
+        return *place;
+    };
+    ColourScale scale{percentile(0.005), percentile(0.995)};
+    // All alike: show it bright rather than black.
+    if (!(scale.high > scale.low)) scale = {scale.low - 1, scale.low};
+    return scale;
+}
+
+void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba)
+{
+    const std::size_t points = column.size();
+    const std::size_t components = column.components();
+    rgba.resize(4 * points);
+    const double low = scale.low;
+    const double factor = 255 / (scale.high - scale.low);
+    with_type(column, [&](const auto* raw) {
+        const auto byte = [&](std::size_t i) {
+            const double v = (static_cast<double>(raw[i]) - low) * factor + 0.5;
+            return static_cast<std::uint8_t>(v >= 255 ? 255 : v > 0 ? v : 0);  // false for what is not a number: 0
+        };
+        for (std::size_t p = 0; p < points; ++p) {
+            std::uint8_t* to = rgba.data() + 4 * p;
+            for (std::size_t c = 0; c < 3; ++c) to[c] = byte(p * components + std::min(c, components - 1));
+            to[3] = 255;
+        }
+    });
+}
+
+}  // namespace pcm

@@ -1,0 +1,27 @@
+// Turns an attribute of any type into the bytes that the rasteriser reads.
+#pragma once
+
+#include "bpc/chunk.h"
+#include "gl/l1_cache.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk, which
+// is a sample of the whole, so that every chunk of a picture has the same scale.
+struct ColourScale {
+    double low = 0;
+    double high = 1;
+
+    // Integer rgb: the type's range, or 0..255 when a 16-bit or wider type holds no more than that (many LAS files do).
+    // Floating rgb: 0..1, or 0..255 when values are above 1. Intensity: from the 0.5th to the 99.5th percentile, as
+    // sensors fill very different parts of the range.
+    static ColourScale of(const Column& column, VertexColour colour);
+};
+
+// RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component. Values that are not numbers are black.
+void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba);
+
+}  // namespace pcm
