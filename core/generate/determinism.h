@@ -26,22 +26,30 @@ inline std::uint64_t hash(std::uint64_t a, std::uint64_t b)
 // 0 <= unit < 1
 inline double to_unit(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
+// The next whole number at or below x, which must be far below 2^63. (std::floor is a function call on plain x86-64.)
+inline std::int64_t whole_below(double x)
+{
+    const auto toward_zero = static_cast<std::int64_t>(x);
+    return toward_zero - (static_cast<double>(toward_zero) > x ? 1 : 0);
+}
+
 // Sine and cosine of `turns` full turns, to about 1e-15.
 inline void sine_cosine(double turns, double& sine, double& cosine)
 {
-    const double quarter = std::floor(4.0 * turns + 0.5);
-    const double x = (turns - 0.25 * quarter) * 6.283185307179586476925;  // within a quarter of pi
+    const std::int64_t quarter = whole_below(4.0 * turns + 0.5);
+    const double x = (turns - 0.25 * static_cast<double>(quarter)) * 6.283185307179586476925;  // within a quarter of pi
     const double y = x * x;
-    const double s =
-        x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 + y * (-1.0 / 39916800 + y * (1.0 / 6227020800)))))));
-    const double c =
-        1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y * (1.0 / 479001600))))));
-    switch (static_cast<std::int64_t>(quarter) & 3) {
-    case 0: sine = s, cosine = c; break;
-    case 1: sine = c, cosine = -s; break;
-    case 2: sine = -s, cosine = -c; break;
-    default: sine = -c, cosine = s; break;
-    }
+    // Taylor series; the first terms left out are below 1e-15.
+    double s = 1.0 / 6227020800 + y * (-1.0 / 1307674368000);
+    s = 1.0 / 362880 + y * (-1.0 / 39916800 + y * s);
+    s = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * s))));
+    double c = 1.0 / 479001600 + y * (-1.0 / 87178291200);
+    c = 1.0 / 40320 + y * (-1.0 / 3628800 + y * c);
+    c = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * c)));
+    // Without branches: which quarter it is cannot be predicted.
+    const bool odd = quarter & 1;
+    sine = (odd ? c : s) * static_cast<double>(1 - (quarter & 2));
+    cosine = (odd ? s : c) * static_cast<double>(1 - ((quarter + 1) & 2));
 }
 
 // Natural logarithm of a positive normal number, to about 1e-14.
@@ -59,8 +67,9 @@ inline double logarithm(double x)
     }
     const double s = (m - 1) / (m + 1);
     const double y = s * s;
-    const double series =
-        2 * s * (1 + y * (1.0 / 3 + y * (1.0 / 5 + y * (1.0 / 7 + y * (1.0 / 9 + y * (1.0 / 11 + y * (1.0 / 13 + y * (1.0 / 15 + y * (1.0 / 17)))))))));
+    double series = 1.0 / 13 + y * (1.0 / 15 + y * (1.0 / 17 + y * (1.0 / 19)));
+    series = 1.0 / 7 + y * (1.0 / 9 + y * (1.0 / 11 + y * series));
+    series = 2 * s * (1 + y * (1.0 / 3 + y * (1.0 / 5 + y * series)));
     return series + static_cast<double>(exponent) * 0.693147180559945309417;
 }
 

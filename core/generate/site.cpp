@@ -274,7 +274,8 @@ void Architect::houses(double x, double y, double half, Random& random)
             const double half_x = cell * random.between(0.55, 0.68);
             const double half_y = cell * random.between(0.42, 0.55);
             const double eaves = (random.chance(0.5) ? 3.0 : 5.6) + 0.1 * cell;
-            const double turns = random.between(-0.02, 0.02) + (random.chance(0.5) ? 0.25 : 0);
+            double turns = random.between(-0.02, 0.02);
+            if (random.chance(0.5)) turns += 0.25;
             const Frame frame({cx, cy, ground(cx, cy)}, turns);
             house(frame, half_x, half_y, eaves, eaves + half_y * random.between(0.55, 0.9), random);
             if (random.chance(0.7)) tree(cx + 0.85 * cell, cy + 0.85 * cell, random.between(4, 6.5), random);
@@ -383,8 +384,13 @@ void Architect::sphere_tanks(double x, double y, double half, Random& random)
 void Architect::park(double x, double y, double half, Random& random)
 {
     const int count = 7 + random.below(6);
-    for (int i = 0; i < count; ++i)
-        tree(x + half * random.between(-0.85, 0.85), y + half * random.between(-0.85, 0.85), random.between(4.5, 10), random);
+    for (int i = 0; i < count; ++i) {
+        // In statements of their own: in which order the arguments of a call are evaluated is up to the compiler.
+        const double east = random.between(-0.85, 0.85);
+        const double north = random.between(-0.85, 0.85);
+        const double height = random.between(4.5, 10);
+        tree(x + half * east, y + half * north, height, random);
+    }
 }
 
 void Architect::street_trees()
@@ -459,6 +465,9 @@ Site Architect::build()
 Box3d Shape::box() const
 {
     Box3d box;
+    // A dome is no wider than its rim where that is above the sphere's middle.
+    const double rim = lowest - centre[2];
+    const double girth = rim > 0 ? std::sqrt(std::max(0.0, radius * radius - rim * rim)) : radius;
     for (std::size_t a = 0; a < 3; ++a) {
         double below = 0, above = 0;
         switch (kind) {
@@ -471,7 +480,7 @@ Box3d Shape::box() const
         case Kind::cylinder:
             below = above = std::abs(n[a]) * half_v + radius * std::sqrt(std::max(0.0, 1 - n[a] * n[a]));
             break;
-        case Kind::sphere:
+        case Kind::sphere: below = above = a == 2 ? radius : girth; break;
         case Kind::crown: below = above = radius; break;
         }
         box.min[a] = centre[a] - below - 1e-9;

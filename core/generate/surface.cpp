@@ -6,7 +6,9 @@
 namespace pcm::scene {
 namespace {
 
-double fraction(double x) { return x - std::floor(x); }
+double floor(double x) { return static_cast<double>(whole_below(x)); }
+
+double fraction(double x) { return x - floor(x); }
 
 Colour blend(const Colour& a, const Colour& b, double share)
 {
@@ -22,7 +24,7 @@ double cell_value(double i, double j, std::uint64_t seed)
 // Value noise 0..1 with cells of one unit.
 double smooth_noise(double x, double y, std::uint64_t seed)
 {
-    const double i = std::floor(x), j = std::floor(y);
+    const double i = floor(x), j = floor(y);
     const double fx = x - i, fy = y - j;
     const double sx = fx * fx * (3 - 2 * fx), sy = fy * fy * (3 - 2 * fy);
     const double low = cell_value(i, j, seed) * (1 - sx) + cell_value(i + 1, j, seed) * sx;
@@ -35,7 +37,7 @@ Look ground_look(const Site& site, const Vec3d& p)
     Look look;
     look.classification = 2;
     // Distance from the middle of the nearest street in either direction.
-    const auto from_street = [&](double x) { return std::abs(x - site.block * std::floor(x / site.block + 0.5)); };
+    const auto from_street = [&](double x) { return std::abs(x - site.block * floor(x / site.block + 0.5)); };
     const double dx = from_street(p[0]), dy = from_street(p[1]);
     const double street = std::min(dx, dy);
     const double along = dx < dy ? p[1] : p[0];
@@ -94,12 +96,12 @@ Look shape_look(const Shape& s, const Vec3d& p)
             look.reflectivity = is_frame ? 0.6 : 0.12;
             break;
         }
-        const double course = std::floor(b / 0.16);
+        const double course = floor(b / 0.16);
         const double offset = fraction(0.5 * course) * 0.3;
         if (fraction(b / 0.16) < 0.12 || (!round && fraction((a + offset) / 0.3) < 0.05))
             look.colour = {190, 182, 170};
         else
-            look.colour = blend(s.colour, {96, 48, 40}, 0.35 * cell_value(std::floor((a + offset) / 0.3), course, s.id));
+            look.colour = blend(s.colour, {96, 48, 40}, 0.35 * cell_value(floor((a + offset) / 0.3), course, s.id));
         look.reflectivity = 0.38;
         break;
     }
@@ -123,8 +125,8 @@ Look shape_look(const Shape& s, const Vec3d& p)
         break;
     }
     case Material::tiles: {
-        const double row = std::floor(b / 0.32);
-        look.colour = blend(s.colour, {58, 40, 36}, 0.25 * cell_value(std::floor(a / 0.24), row, s.id));
+        const double row = floor(b / 0.32);
+        look.colour = blend(s.colour, {58, 40, 36}, 0.25 * cell_value(floor(a / 0.24), row, s.id));
         if (fraction(b / 0.32) < 0.14) look.colour = blend(look.colour, {30, 24, 24}, 0.4);
         look.reflectivity = 0.33;
         break;
