@@ -154,6 +154,11 @@ struct CloudRenderer::Impl {
         return false;
     }
 
+    static bool is_current(const VertexEntry* entry, VertexColour colour)
+    {
+        return entry && (colour == VertexColour::none || entry->colour == colour);
+    }
+
     // --- loading and uploading ----------------------------------------------------------------------------------------
 
     bool has_failed(NodeId node)
@@ -442,8 +447,7 @@ struct CloudRenderer::Impl {
         l1->begin_frame(owner);
         std::vector<bool> current(selection.wanted.size());
         for (std::size_t i = 0; i < selection.wanted.size(); ++i) {
-            const VertexEntry* entry = l1->use(owner, selection.wanted[i].node);
-            current[i] = entry && (colour == VertexColour::none || entry->colour == colour);
+            current[i] = is_current(l1->use(owner, selection.wanted[i].node), colour);
         }
         const std::vector<NodeId> window = window_of(selection, current);
         load(window, colour);
@@ -470,19 +474,22 @@ struct CloudRenderer::Impl {
 
         report.screen_error_px = set.error_px;
         report.nodes_wanted = selection.wanted.size();
-        std::size_t on_their_way = 0;
-        for (const NodeId node : window) on_their_way += arrivals.count(node) && !has_failed(node);
-        for (const DetailNode& node : selection.wanted) {
-            const VertexEntry* entry = l1->find(owner, node.node);
-            report.nodes_missing += !entry || (colour != VertexColour::none && entry->colour != colour);
+        for (std::size_t i = 0; i < selection.wanted.size(); ++i) {
+            current[i] = is_current(l1->find(owner, selection.wanted[i].node), colour);
+            report.nodes_missing += !current[i];
         }
+        // What failed is missing for the time being and not waited for.
+        const bool more_to_come = !uploads.refused && !window_of(selection, current).empty();
+        bool asked = false;
+        for (const auto& [node, arrival] : arrivals) asked = asked || (!arrival.chunk && !has_failed(node));
         report.measured_ms = budget.last_measured_ms();
         const double rest_ms = std::max(options.rest_budget_ms, options.frame_budget_ms);
         const bool budget_grows = selection.budget_reached && limits.point_budget < options.point_budget &&
                                   budget.can_grow(rest_ms, options.point_budget);
-        report.repaint = uploads.ready_left || budget_grows;
-        // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
-        report.refining = report.repaint || (on_their_way > 0 && !uploads.refused);
+        // Also when the window is through and the next one has not been asked for. When video memory refuses, waiting
+        // helps nothing: it is full of what is on the screen.
+        report.repaint = uploads.ready_left || budget_grows || (more_to_come && !asked);
+        report.refining = report.repaint || more_to_come;
         if (selection.wanted.empty() && selection.budget_reached)
             report.error = "the point budget or the video memory is too small for the first chunk of " +
                            cloud->tree()->folder().string();

@@ -49,12 +49,14 @@ ColourScale ColourScale::of(const Column& column, VertexColour colour)
         if (type_maximum == 1) return {0, most > 1 ? 255.0 : 1.0};
         return {0, type_maximum > 255 && most <= 255 ? 255.0 : type_maximum};
     }
-    const auto percentile = [&](double fraction) {
-        const auto place = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+    const auto ranked = [&](double rank) {
+        const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
         std::nth_element(values.begin(), place, values.end());
         return *place;
     };
-    ColourScale scale{percentile(0.005), percentile(0.995)};
+    // Rounded outwards: of a few values, the extremes.
+    const auto last = static_cast<double>(values.size() - 1);
+    ColourScale scale{ranked(std::floor(0.005 * last)), ranked(std::ceil(0.995 * last))};
     // All alike: show it bright rather than black.
     if (!(scale.high > scale.low)) scale = {scale.low - 1, scale.low};
     return scale;

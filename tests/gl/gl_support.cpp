@@ -1,0 +1,173 @@
+#include "gl_support.h"
+
+#include "gl/gl_state.h"
+#include "tree/builder.h"
+
+#include <EGL/eglext.h>
+
+#include <cmath>
+
+namespace pcm::test {
+
+std::unique_ptr<GlContext> GlContext::make(Profile profile, std::string& why, const GlContext* share)
+{
+    static const EGLDisplay display = [] {
+        const auto get = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+        EGLDisplay d = get ? get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr) : EGL_NO_DISPLAY;
+        if (d == EGL_NO_DISPLAY || !eglInitialize(d, nullptr, nullptr)) {
+            d = eglGetDisplay(EGL_DEFAULT_DISPLAY);
+            if (d != EGL_NO_DISPLAY && !eglInitialize(d, nullptr, nullptr)) d = EGL_NO_DISPLAY;
+        }
+        return d;
+    }();
+    if (display == EGL_NO_DISPLAY) {
+        why = "no EGL display";
+        return nullptr;
+    }
+    if (!eglBindAPI(EGL_OPENGL_API)) {
+        why = "EGL has no desktop OpenGL";
+        return nullptr;
+    }
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT
+                                                          : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT,
+                                 EGL_NONE};
+    std::unique_ptr<GlContext> context(new GlContext);
+    context->display_ = display;
+    context->context_ = eglCreateContext(display, EGL_NO_CONFIG_KHR, share ? share->context_ : EGL_NO_CONTEXT, attributes);
+    if (context->context_ == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context_)) {
+        why = "eglCreateContext or eglMakeCurrent failed with " + std::to_string(eglGetError());
+        return nullptr;
+    }
+    glewExperimental = GL_TRUE;
+    glewInit();  // complains that there is no GLX display, after having loaded the functions
+    drain_gl_errors();
+    if (!gl_functions_loaded()) {
+        why = "GLEW found no functions";
+        return nullptr;
+    }
+    return context;
+}
+
+GlContext::~GlContext()
+{
+    if (context_ == EGL_NO_CONTEXT) return;
+    if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display_, context_);
+}
+
+void GlContext::make_current() const { eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_); }
+
+Framebuffer::Framebuffer(int width, int height) : width_(width), height_(height)
+{
+    glGenFramebuffers(1, &framebuffer_);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glGenRenderbuffers(1, &colour_);
+    glBindRenderbuffer(GL_RENDERBUFFER, colour_);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
+    glGenRenderbuffers(1, &depth_);
+    glBindRenderbuffer(GL_RENDERBUFFER, depth_);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+    EXPECT_EQ(glCheckFramebufferStatus(GL_FRAMEBUFFER), static_cast<GLenum>(GL_FRAMEBUFFER_COMPLETE));
+    glViewport(0, 0, width, height);
+    clear();
+}
+
+Framebuffer::~Framebuffer()
+{
+    glDeleteFramebuffers(1, &framebuffer_);
+    glDeleteRenderbuffers(1, &colour_);
+    glDeleteRenderbuffers(1, &depth_);
+}
+
+void Framebuffer::clear() const
+{
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+std::vector<Pixel> Framebuffer::read() const
+{
+    std::vector<Pixel> pixels(static_cast<std::size_t>(width_ * height_));
+    glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    return pixels;
+}
+
+Matrix identity() { return translation(0, 0, 0); }
+
+Matrix product(const Matrix& a, const Matrix& b)
+{
+    Matrix c{};
+    for (std::size_t column = 0; column < 4; ++column)
+        for (std::size_t row = 0; row < 4; ++row)
+            for (std::size_t k = 0; k < 4; ++k) c[column * 4 + row] += a[k * 4 + row] * b[column * 4 + k];
+    return c;
+}
+
+Matrix translation(double x, double y, double z) { return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1}; }
+
+Matrix rotation_x(double radians)
+{
+    const double c = std::cos(radians);
+    const double s = std::sin(radians);
+    return {1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, 0, 0, 0, 1};
+}
+
+Matrix perspective(double vertical_angle, double aspect, double near, double far)
+{
+    const double f = 1 / std::tan(vertical_angle / 2);
+    return {f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near), 0};
+}
+
+Matrix orthographic(double half_width, double half_height, double near, double far)
+{
+    return {1 / half_width, 0, 0, 0, 0, 1 / half_height, 0, 0, 0, 0, -2 / (far - near), 0,
+            0, 0, -(far + near) / (far - near), 1};
+}
+
+Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, int height)
+{
+    Camera camera{};
+    std::copy(modelview.begin(), modelview.end(), camera.modelview);
+    std::copy(projection.begin(), projection.end(), camera.projection);
+    camera.viewport[2] = width;
+    camera.viewport[3] = height;
+    return camera;
+}
+
+std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
+                                       const std::vector<LasPoint>& points, std::uint32_t chunk_points)
+{
+    LasWriter writer(folder / (name + ".las"), grid);
+    writer.write(points.data(), points.size());
+    writer.finish();
+    BuildOptions options;
+    options.chunk_points = chunk_points;
+    options.threads = 2;
+    options.memory_bytes = std::uint64_t(128) << 20;
+    build_tree({folder / (name + ".las")}, folder / (name + ".pct"), options);
+    return PointCloud::open(folder / (name + ".pct"));
+}
+
+FrameReport draw_until_done(CloudRenderer& renderer, const Framebuffer& framebuffer, const Camera& camera,
+                            const Vec3d& origin, const RenderOptions& options, int most)
+{
+    FrameReport report;
+    for (int frame = 0; frame < most; ++frame) {
+        framebuffer.clear();
+        report = renderer.draw(camera, origin, options);
+        if (!report.error.empty()) {
+            ADD_FAILURE() << report.error;
+            return report;
+        }
+        if (!report.refining) return report;
+        if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ADD_FAILURE() << "still refining after " << most << " frames";
+    return report;
+}
+
+}  // namespace pcm::test

@@ -1,0 +1,86 @@
+// An OpenGL context without a window, a framebuffer to draw into, and small trees to draw.
+#pragma once
+
+#include "support.h"
+
+#include "gl/cloud_renderer.h"
+#include "io/las_writer.h"
+
+#include <GL/glew.h>
+
+#include <EGL/egl.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace pcm::test {
+
+enum class Profile { compatibility, core };
+
+// Current on the thread that made it, until it dies. `share` may be null.
+class GlContext {
+public:
+    // Null, with the reason in `why`, when this machine cannot make one.
+    static std::unique_ptr<GlContext> make(Profile profile, std::string& why, const GlContext* share = nullptr);
+    ~GlContext();
+    GlContext(const GlContext&) = delete;
+    GlContext& operator=(const GlContext&) = delete;
+    void make_current() const;
+
+private:
+    GlContext() = default;
+    EGLDisplay display_ = EGL_NO_DISPLAY;
+    EGLContext context_ = EGL_NO_CONTEXT;
+};
+
+struct Pixel {
+    std::uint8_t r, g, b, a;
+    bool operator==(const Pixel& o) const { return r == o.r && g == o.g && b == o.b && a == o.a; }
+};
+
+// Colour and depth, bound and its viewport set while it lives. Row 0 is the lowest.
+class Framebuffer {
+public:
+    Framebuffer(int width, int height);
+    ~Framebuffer();
+    Framebuffer(const Framebuffer&) = delete;
+    Framebuffer& operator=(const Framebuffer&) = delete;
+    void clear() const;
+    std::vector<Pixel> read() const;
+    int width() const { return width_; }
+    int height() const { return height_; }
+
+private:
+    int width_, height_;
+    GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
+};
+
+// Column-major matrices.
+using Matrix = std::array<double, 16>;
+Matrix identity();
+Matrix product(const Matrix& a, const Matrix& b);
+Matrix translation(double x, double y, double z);
+Matrix rotation_x(double radians);
+Matrix perspective(double vertical_angle, double aspect, double near, double far);
+Matrix orthographic(double half_width, double half_height, double near, double far);
+Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, int height);
+
+// Writes the points as LAS on the grid, builds a tree and opens it.
+std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
+                                       const std::vector<LasPoint>& points, std::uint32_t chunk_points = 5000);
+
+// Draws until nothing more will come; the last report. Fails the test after `most` frames.
+FrameReport draw_until_done(CloudRenderer& renderer, const Framebuffer& framebuffer, const Camera& camera,
+                            const Vec3d& origin, const RenderOptions& options, int most = 5000);
+
+}  // namespace pcm::test
+
+// Skips the test, saying so, where no context can be made.
+#define PCM_REQUIRE_GL(name, profile)                                \
+    std::string name##_why;                                          \
+    const auto name = pcm::test::GlContext::make(profile, name##_why); \
+    if (!name) GTEST_SKIP() << "no OpenGL context on this machine: " << name##_why

@@ -1,0 +1,45 @@
+#include "gl_support.h"
+
+#include "cloud/error.h"
+#include "gl/shader_program.h"
+
+using namespace pcm;
+using namespace pcm::test;
+
+TEST(ShaderProgram, BuildsEveryPermutationInBothProfiles)
+{
+    for (const Profile profile : {Profile::compatibility, Profile::core}) {
+        PCM_REQUIRE_GL(context, profile);
+        for (const std::vector<std::string>& defines :
+             std::vector<std::vector<std::string>>{{}, {"VERTEX_COLOUR"}, {"HEIGHT_COLOUR"}}) {
+            ShaderProgram program("splat.vert", "splat.frag", defines);
+            EXPECT_TRUE(program);
+            EXPECT_GE(program.uniform("projection"), 0);
+            program.release();
+            EXPECT_FALSE(program);
+        }
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    }
+}
+
+TEST(ShaderProgram, AnErrorNamesFilePermutationAndTheDriversReason)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    try {
+        // A permutation that breaks the source: `position` becomes a keyword.
+        ShaderProgram program("splat.vert", "splat.frag", {"VERTEX_COLOUR", "position while"});
+        FAIL() << "compiled";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::unsupported);
+        const std::string text = error.what();
+        EXPECT_NE(text.find("splat.vert"), std::string::npos) << text;
+        EXPECT_NE(text.find("position while"), std::string::npos) << text;
+        EXPECT_NE(text.find("8"), std::string::npos) << text;  // the line of the file where it stands
+    }
+    try {
+        ShaderProgram program("teapot.vert", "splat.frag");
+        FAIL() << "compiled";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::not_found);
+    }
+}
