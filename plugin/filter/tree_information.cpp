@@ -1,0 +1,67 @@
+#include "filter/tree_information.h"
+
+#include "host/text.h"
+
+#include <algorithm>
+
+namespace pcm::host {
+
+std::vector<std::string> tree_information(const Tree& tree)
+{
+    const TreeInfo& info = tree.info();
+    std::vector<std::string> lines;
+    lines.push_back("Tree: " + tree.folder().string());
+    for (const std::string& source : info.sources) lines.push_back("Built of: " + source);
+    lines.push_back("Points: " + grouped(info.points));
+    if (info.points_skipped)
+        lines.push_back("Left out: " + grouped(info.points_skipped) + " points without a finite position");
+    if (info.points) {
+        const Box3d bounds = info.bounds();
+        lines.push_back("Bounds, source coordinates: " + exact(bounds.min) + " to " + exact(bounds.max));
+    }
+    lines.push_back("Scale: " + exact(info.grid.scale));
+    lines.push_back("Origin: " + exact(info.grid.offset));
+    lines.push_back("Largest position error: " + exact(info.position_error) + " source units, of " +
+                    std::string(name_of(info.position_type)) + " positions");
+    for (const Attribute& attribute : info.schema) {
+        std::string line = "Attribute: " + attribute.name + ", " + std::string(name_of(attribute.type));
+        if (attribute.components > 1) line += " x " + std::to_string(attribute.components);
+        if (attribute.scale != 1 || attribute.offset != 0)
+            line += ", times " + exact(attribute.scale) + " plus " + exact(attribute.offset);
+        lines.push_back(line);
+    }
+
+    struct Level {
+        std::uint64_t nodes = 0, points = 0;
+        double finest = 0, coarsest = 0;
+    };
+    std::vector<Level> levels(info.levels);
+    for (const Node& node : tree.nodes()) {
+        Level& level = levels[node.level];
+        ++level.nodes;
+        level.points += node.points;
+        if (node.spacing > 0) {
+            level.finest = level.finest > 0 ? std::min(level.finest, node.spacing) : node.spacing;
+            level.coarsest = std::max(level.coarsest, node.spacing);
+        }
+    }
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const Level& level = levels[i];
+        std::string line = "Level " + std::to_string(i) + ": " + grouped(level.points) + " points in " +
+                           grouped(level.nodes) + (level.nodes == 1 ? " chunk" : " chunks");
+        if (level.coarsest > 0 && brief(level.finest) == brief(level.coarsest))
+            line += ", spacing " + brief(level.coarsest);
+        else if (level.coarsest > 0)
+            line += ", spacing " + brief(level.finest) + " to " + brief(level.coarsest);
+        else
+            line += ", nothing is missing from here on";
+        lines.push_back(line);
+    }
+    lines.push_back("Size: " + bytes_text(info.bytes) +
+                    (info.points ? ", " + brief(static_cast<double>(info.bytes) / static_cast<double>(info.points)) +
+                                       " bytes a point"
+                                 : std::string()));
+    return lines;
+}
+
+}  // namespace pcm::host

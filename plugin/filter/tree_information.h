@@ -1,0 +1,13 @@
+// What a tree holds, in lines for the log.
+#pragma once
+
+#include "tree/tree.h"
+
+#include <string>
+#include <vector>
+
+namespace pcm::host {
+
+std::vector<std::string> tree_information(const Tree& tree);
+
+}  // namespace pcm::host

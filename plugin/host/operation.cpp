@@ -1,0 +1,93 @@
+#include "host/operation.h"
+
+#include "cloud/error.h"
+
+#include <QApplication>
+#include <QCoreApplication>
+#include <QEvent>
+#include <QKeyEvent>
+
+#include <algorithm>
+#include <string>
+
+namespace pcm::host {
+
+namespace {
+
+Operation* current = nullptr;
+
+std::string time_left(double seconds)
+{
+    if (seconds < 0) return {};
+    const auto whole = static_cast<long>(seconds + 0.5);
+    return whole >= 90 ? ", " + std::to_string((whole + 30) / 60) + " min left" : ", " + std::to_string(whole) + " s left";
+}
+
+}  // namespace
+
+Operation::Operation(vcg::CallBackPos* callback) : callback_(callback)
+{
+    refuse_second();
+    current = this;
+    since_events_.start();
+    QCoreApplication::instance()->installEventFilter(this);
+}
+
+Operation::~Operation()
+{
+    QCoreApplication::instance()->removeEventFilter(this);
+    current = nullptr;
+}
+
+void Operation::refuse_second()
+{
+    if (current)
+        throw Error(ErrorCode::invalid_argument, {}, "another point cloud is being read or built",
+                    "wait until it is finished, or press Esc to cancel it");
+}
+
+ProgressFunction Operation::progress()
+{
+    return [this](const ProgressUpdate& update) { return report(update); };
+}
+
+bool Operation::report(const ProgressUpdate& update)
+{
+    // meshlabserver has no window, and prints these texts one after the other.
+    const char* const end = QApplication::activeWindow() ? " (Esc cancels)" : "\n";
+    const std::string text = std::string(update.stage) + time_left(update.seconds_left) + end;
+    if (callback_) callback_(static_cast<int>(std::clamp(update.fraction, 0.0, 1.0) * 100), text.c_str());
+    // MeshLab's callback does nothing until the percentage changes, which may take minutes.
+    if (since_events_.elapsed() > 200) {
+        QCoreApplication::processEvents(QEventLoop::AllEvents, 50);
+        since_events_.start();
+    }
+    return !cancelled_;
+}
+
+bool Operation::eventFilter(QObject* receiver, QEvent* event)
+{
+    switch (event->type()) {
+    case QEvent::KeyPress:
+        if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancelled_ = true;
+        return true;
+    case QEvent::Close:
+        event->ignore();  // else the window would take our silence for consent
+        return true;
+    case QEvent::KeyRelease:
+    case QEvent::Shortcut:
+    case QEvent::ShortcutOverride:
+    case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonRelease:
+    case QEvent::MouseButtonDblClick:
+    case QEvent::Wheel:
+    case QEvent::ContextMenu:
+    case QEvent::Drop:
+    case QEvent::DragEnter:
+    case QEvent::TouchBegin:
+    case QEvent::TabletPress: return true;
+    default: return QObject::eventFilter(receiver, event);
+    }
+}
+
+}  // namespace pcm::host

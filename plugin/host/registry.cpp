@@ -1,0 +1,118 @@
+#include "host/registry.h"
+
+#include "host/origin.h"
+
+#include <meshlab/glarea.h>
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <thread>
+
+namespace pcm::host {
+
+Registry& Registry::instance()
+{
+    static Registry* const registry = new Registry;
+    return *registry;
+}
+
+std::shared_ptr<PointCloud> Registry::open(const std::filesystem::path& path)
+{
+    L2Options cache;
+    cache.threads = std::clamp(std::thread::hardware_concurrency() / 2, 1u, 4u);
+
+    for (auto it = clouds_.begin(); it != clouds_.end();) it = it->second.expired() ? clouds_.erase(it) : std::next(it);
+    std::error_code ignored;
+    const std::filesystem::path folder = path.filename() == index_file_name ? path.parent_path() : path;
+    const std::string canonical = std::filesystem::canonical(folder.empty() ? "." : folder, ignored).string();
+    struct stat index {};
+    if (canonical.empty() || stat((canonical + "/" + index_file_name).c_str(), &index) != 0)
+        return PointCloud::open(path, cache);  // which says what is wrong
+    const TreeKey key(canonical, index.st_dev, index.st_ino,
+                      std::int64_t(index.st_mtim.tv_sec) * 1'000'000'000 + index.st_mtim.tv_nsec);
+    if (const auto found = clouds_.find(key); found != clouds_.end())
+        if (auto cloud = found->second.lock()) return cloud;
+    auto cloud = PointCloud::open(canonical, cache);
+    clouds_[key] = cloud;
+    return cloud;
+}
+
+Vec3d Registry::origin_for(MeshDocument& document, const Box3d& box)
+{
+    watch(document);
+    const auto found = origins_.find(&document);
+    if (found != origins_.end()) return found->second;
+    return origins_[&document] = choose_origin(box);
+}
+
+std::optional<Vec3d> Registry::origin_of(const MeshDocument& document) const
+{
+    const auto found = origins_.find(&document);
+    if (found == origins_.end()) return std::nullopt;
+    return found->second;
+}
+
+void Registry::attach(MeshModel& layer, TreeLayer tree)
+{
+    MeshDocument& document = *layer.parent;
+    watch(document);
+    auto tag = vcg::tri::Allocator<CMeshO>::GetPerMeshAttribute<std::string>(layer.cm, tree_tag);
+    tag() = tree.cloud->tree()->folder().string();
+    layers_[{&document, layer.id()}] = std::move(tree);
+    emit attached(&document, layer.id());
+}
+
+void Registry::detach(MeshModel& layer)
+{
+    if (layers_.erase({layer.parent, layer.id()}) == 0) return;
+    vcg::tri::Allocator<CMeshO>::DeletePerMeshAttribute(layer.cm, tree_tag);
+    emit detached(layer.parent, layer.id());
+}
+
+std::optional<TreeLayer> Registry::find(const MeshModel& layer) const
+{
+    const auto found = layers_.find({layer.parent, layer.id()});
+    if (found == layers_.end()) return std::nullopt;
+    return found->second;
+}
+
+void Registry::watch(MeshDocument& document)
+{
+    if (!watched_.insert(&document).second) return;
+    MeshDocument* const key = &document;
+    connect(key, &MeshDocument::meshRemoved, this, [this, key](int mesh_id) { layer_removed(key, mesh_id); });
+    connect(key, &QObject::destroyed, this, [this, key] { document_destroyed(key); });
+}
+
+void Registry::layer_removed(MeshDocument* document, int mesh_id)
+{
+    // MeshLab forgets to: it would call the decorators of the removed layer with a null reference.
+    for (GLArea* view : views_of(*document)) view->iPerMeshDecoratorsListMap.remove(mesh_id);
+    if (layers_.erase({document, mesh_id}) != 0) emit detached(document, mesh_id);
+    // In an empty document nothing depends on the origin any more; the next cloud may be somewhere else altogether.
+    if (document->meshList.empty()) origins_.erase(document);
+}
+
+void Registry::document_destroyed(MeshDocument* document)
+{
+    for (auto it = layers_.begin(); it != layers_.end();)
+        it = it->first.first == document ? layers_.erase(it) : std::next(it);
+    origins_.erase(document);
+    watched_.erase(document);
+}
+
+std::vector<GLArea*> views_of(const MeshDocument& document)
+{
+    // GLArea's symbols are not exported by MeshLab, so no qobject_cast; its inline members work.
+    std::vector<GLArea*> views;
+    const auto widgets = QApplication::allWidgets();
+    for (QWidget* widget : widgets) {
+        if (!widget->inherits("GLArea")) continue;
+        auto* view = static_cast<GLArea*>(widget);
+        if (view->md() == &document) views.push_back(view);
+    }
+    return views;
+}
+
+}  // namespace pcm::host

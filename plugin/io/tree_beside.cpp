@@ -1,0 +1,77 @@
+#include "io/tree_beside.h"
+
+#include "host/text.h"
+#include "tree/builder.h"
+#include "tree/tree.h"
+
+#include <unistd.h>
+
+namespace pcm::host {
+
+namespace fs = std::filesystem;
+
+fs::path tree_path_beside(const fs::path& file)
+{
+    fs::path tree = file;
+    return tree.replace_extension(tree_extension);
+}
+
+bool tree_is_current(const fs::path& tree, const fs::path& file, std::uint64_t file_points)
+{
+    if (!is_tree(tree)) return false;
+    std::shared_ptr<const Tree> opened;
+    try {
+        opened = Tree::open(tree);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::interrupted_build) return false;
+        throw;
+    }
+    const TreeInfo& info = opened->info();
+    if (info.sources.size() != 1 || fs::path(info.sources[0]).filename() != file.filename()) return false;
+    if (info.points + info.points_skipped != file_points) return false;
+    std::error_code ignored;
+    return fs::last_write_time(file, ignored) <= fs::last_write_time(tree / index_file_name, ignored);
+}
+
+namespace {
+
+// Whether replacing the tree destroys nothing that this file does not hold.
+bool is_tree_of(const fs::path& tree, const fs::path& file)
+{
+    try {
+        const auto opened = Tree::open(tree);
+        return opened->info().sources.size() == 1 && fs::path(opened->info().sources[0]).filename() == file.filename();
+    } catch (const Error& error) {
+        return error.code() == ErrorCode::interrupted_build;
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo& info, const ProgressFunction& progress)
+{
+    const fs::path tree = tree_path_beside(file);
+    if (tree_is_current(tree, file, info.points)) return {"The tree " + tree.string() + " is up to date."};
+    const bool replace = fs::exists(tree);
+    if (replace && !is_tree_of(tree, file))
+        throw Error(ErrorCode::exists, tree, "is in the way: a tree of " + file.filename().string() + " would go there",
+                    "move it away, or build the tree elsewhere with the filter Build Point Cloud Tree");
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (access(folder.c_str(), W_OK | X_OK) != 0)
+        throw Error(ErrorCode::permission, folder,
+                    "cannot be written: " + file.filename().string() + " has " + grouped(info.points) +
+                        " points and is opened by way of a tree beside it",
+                    "build the tree elsewhere with the filter Build Point Cloud Tree");
+    BuildOptions options;
+    options.overwrite = replace;
+    options.progress = progress;
+    const BuildReport report = build_tree({file}, tree, options);
+    std::vector<std::string> lines{"Built " + tree.string() + " of " + grouped(report.outcome.points_out) + " points in " +
+                                   brief(report.outcome.seconds) + " s."};
+    if (report.points_skipped)
+        lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
+    lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+    return lines;
+}
+
+}  // namespace pcm::host

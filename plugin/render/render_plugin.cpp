@@ -1,0 +1,106 @@
+#include "render/render_plugin.h"
+
+#include "host/registry.h"
+#include "host/text.h"
+#include "render/view.h"
+
+#include <meshlab/glarea.h>
+
+#include <QPointer>
+#include <QTimer>
+
+using namespace pcm;
+using namespace pcm::host;
+
+PointCloudDecorator::PointCloudDecorator()
+{
+    typeList << 0;
+    auto* action = new QAction(decorationName(0), this);
+    action->setCheckable(true);
+    actionList << action;
+
+    Registry& registry = Registry::instance();
+    connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_when_idle);
+    connect(&registry, &Registry::detached, this, [](MeshDocument* document, int mesh_id) {
+        for (GLArea* area : views_of(*document))
+            if (View* view = View::find(area)) view->forget(mesh_id);
+    });
+}
+
+QString PointCloudDecorator::decorationInfo(FilterIDType) const
+{
+    return "Draws all of a point cloud tree at the detail that the view asks for, loading in the background.";
+}
+
+bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& layer, QString& reason) const
+{
+    if (Registry::instance().find(layer)) return true;
+    reason = "the layer '" + layer.label() +
+             "' shows no point cloud tree. Open a tree's index.pct or a LAS file of more than 1,000,000 points, or build a "
+             "tree with the filter Build Point Cloud Tree";
+    return false;
+}
+
+void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_settings(parameters); }
+
+bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
+{
+    if (!Registry::instance().find(layer)) return false;
+    View::of(area, action)->begin(layer);
+    return true;
+}
+
+void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area,
+                                       QPainter*, GLLogStream& document_log)
+{
+    const auto tree = Registry::instance().find(layer);
+    if (!tree) return;
+    QString text;
+    try {
+        text = View::of(area, action)->draw(layer, *tree, read_settings(*parameters));
+    } catch (...) {  // MeshLab's painting knows no exceptions
+        text = QString::fromStdString(current_error()).toHtmlEscaped();
+    }
+    // MeshLab empties this list only when it shows it.
+    if (area->infoAreaVisible) document_log.RealTimeLog("Point Cloud", layer.label(), text);
+}
+
+void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
+{
+    // MeshLab ends and starts every decorator after each filter and import. A real end has taken ours off the list before.
+    if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action)) return;
+    if (View* view = View::find(area)) view->end(layer.id());
+}
+
+void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParameterList*, GLArea* area)
+{
+    if (View* view = View::find(area)) view->close();
+}
+
+void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
+{
+    constexpr int wait_ms = 20;
+    QPointer<MeshDocument> alive(document);
+    QTimer::singleShot(document->isBusy() ? wait_ms : 0, this, [this, alive, mesh_id] {
+        if (!alive) return;
+        if (alive->isBusy()) return show_when_idle(alive, mesh_id);
+        if (MeshModel* layer = alive->getMesh(mesh_id)) switch_on(*alive, *layer);
+    });
+}
+
+void PointCloudDecorator::switch_on(MeshDocument& document, MeshModel& layer)
+{
+    QAction* const action = actionList.front();
+    for (GLArea* area : views_of(document)) {
+        // What GLArea::setDecorator does, but for this layer rather than the current one: meanwhile another may be that.
+        QList<QAction*>& decorators = area->iPerMeshDecoratorsListMap[layer.id()];
+        area->makeCurrent();
+        if (startDecorate(action, layer, area->glas.currentGlobalParamSet, area) && !decorators.contains(action))
+            decorators.push_back(action);
+        area->update();
+        QMetaObject::invokeMethod(area, "updateMainWindowMenus");
+    }
+    // So that the layer panel lists our parameters.
+    for (QWidget* window : QApplication::topLevelWidgets())
+        if (window->inherits("MainWindow")) QMetaObject::invokeMethod(window, "updateLayerDialog");
+}

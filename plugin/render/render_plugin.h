@@ -1,0 +1,35 @@
+// The decorator that draws point cloud trees.
+//
+// A decorator rather than one of MeshLab's render plugins: those are exclusive and must draw every layer themselves. Ours
+// draws after MeshLab's own layers and before the edit tools, so that the two depth-test together and tools such as
+// measuring work on our points.
+#pragma once
+
+#include <common/interfaces.h>
+
+class PointCloudDecorator : public QObject, public MeshDecorateInterface {
+    Q_OBJECT
+    MESHLAB_PLUGIN_IID_EXPORTER(MESH_DECORATE_INTERFACE_IID)
+    Q_INTERFACES(MeshDecorateInterface)
+
+public:
+    PointCloudDecorator();
+    QString pluginName() const override { return "DecoratePointCloud"; }
+    QString decorationName(FilterIDType) const override { return "Show Point Cloud"; }
+    QString decorationInfo(FilterIDType) const override;
+    int getDecorationClass(QAction*) const override { return PerMesh; }
+    bool isDecorationApplicable(QAction* action, const MeshModel& layer, QString& reason) const override;
+    void initGlobalParameterSet(QAction* action, RichParameterList& parameters) override;
+
+    bool startDecorate(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area) override;
+    void decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area,
+                      QPainter* painter, GLLogStream& log) override;
+    void decorateDoc(QAction*, MeshDocument&, const RichParameterList*, GLArea*, QPainter*, GLLogStream&) override {}
+    void endDecorate(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area) override;
+    void endDecorate(QAction* action, MeshDocument& document, const RichParameterList* parameters, GLArea* area) override;
+
+private:
+    // A tree that is opened is shown; MeshLab's decorators are off until asked for.
+    void show_when_idle(MeshDocument* document, int mesh_id);
+    void switch_on(MeshDocument& document, MeshModel& layer);
+};

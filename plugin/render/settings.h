@@ -1,0 +1,21 @@
+// What a user can set about the drawing of point clouds, as MeshLab's parameters.
+#pragma once
+
+#include "gl/cloud_renderer.h"
+
+#include <common/interfaces.h>
+
+namespace pcm::host {
+
+struct Settings {
+    RenderOptions render;
+    std::uint64_t l1_bytes = 0;
+    std::uint64_t l2_bytes = 0;
+};
+
+void add_settings(RichParameterList& parameters);
+
+// Values outside their range are taken as the nearest one inside.
+Settings read_settings(const RichParameterList& parameters);
+
+}  // namespace pcm::host
