@@ -1,0 +1,294 @@
+#include "driver.h"
+
+#include <common/GLLogStream.h>
+#include <common/interfaces.h>
+#include <meshlab/glarea.h>
+
+#include <QAbstractButton>
+#include <QApplication>
+#include <QComboBox>
+#include <QFile>
+#include <QGridLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QMainWindow>
+#include <QMenu>
+#include <QMessageBox>
+#include <QScreen>
+#include <QTimer>
+#include <QVariantMap>
+#include <QtTest/QTest>
+
+#include <cstdio>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace {
+
+constexpr int patience_ms = 60000;  // of a command that waits for something; a noisy machine is slow, not wrong
+
+void say(const QString& text)
+{
+    std::printf("driver: %s\n", qPrintable(text));
+    std::fflush(stdout);
+}
+
+long resident_bytes(const char* key)
+{
+    QFile file("/proc/self/status");
+    if (!file.open(QIODevice::ReadOnly)) return 0;
+    for (const QByteArray& line : file.readAll().split('\n'))
+        if (line.startsWith(key)) return line.mid(static_cast<int>(qstrlen(key))).simplified().split(' ')[0].toLong() * 1024;
+    return 0;
+}
+
+}  // namespace
+
+TestDriver::TestDriver()
+{
+    const QByteArray name = qgetenv("PCM_TEST_SCRIPT");
+    if (name.isEmpty()) return;
+    QFile file(QString::fromLocal8Bit(name));
+    if (!file.open(QIODevice::ReadOnly)) fail("cannot read the script " + QString(name));
+    for (const QString& line : QString::fromUtf8(file.readAll()).split('\n'))
+        if (!line.trimmed().isEmpty() && !line.startsWith('#')) script_ << line.trimmed();
+    started_.start();
+    QTimer::singleShot(50, this, SLOT(step()));
+}
+
+void TestDriver::fail(const QString& why)
+{
+    say("FAILED: " + why);
+    ::_exit(3);
+}
+
+QMainWindow* TestDriver::window() const
+{
+    for (QWidget* widget : qApp->topLevelWidgets())
+        if (widget->inherits("MainWindow")) return qobject_cast<QMainWindow*>(widget);
+    return nullptr;
+}
+
+GLArea* TestDriver::area() const
+{
+    if (!window()) return nullptr;
+    for (QWidget* widget : window()->findChildren<QWidget*>())
+        if (widget->inherits("GLArea") && widget->isVisible()) return static_cast<GLArea*>(widget);
+    return nullptr;
+}
+
+MeshDocument* TestDriver::document() const { return area() ? area()->md() : nullptr; }
+
+QString TestDriver::status() const
+{
+    // MeshLab empties the overlaid text as soon as it has drawn it; the view keeps what it says.
+    if (!area()) return {};
+    const QVariantMap state = area()->property("pcm_state").toMap();
+    if (!state["drawing"].toBool()) return "no cloud";
+    return QString("%1 points, %2, frame %3 %4")
+        .arg(state["points"].toULongLong())
+        .arg(state["complete"].toBool() ? "complete" : "refining")
+        .arg(state["frame"].toInt())
+        .arg(state["error"].toString());
+}
+
+int TestDriver::frame() const { return area() ? area()->property("pcm_state").toMap()["frame"].toInt() : 0; }
+
+QString TestDriver::log() const
+{
+    QString text;
+    if (MeshDocument* md = document())
+        for (const auto& line : md->Log.logStringList()) text += line.second + "\n";
+    return text;
+}
+
+QWidget* TestDriver::field(const QString& parameter) const
+{
+    // A filter's dialog shows a grid: the parameter's label, and beside it what one types or chooses in.
+    for (QWidget* widget : qApp->allWidgets()) {
+        auto* label = qobject_cast<QLabel*>(widget);
+        if (!label || !label->isVisible() || !label->text().remove(QRegExp("<[^>]*>")).startsWith(parameter)) continue;
+        QWidget* best = nullptr;
+        int best_distance = 1 << 30;
+        for (QWidget* other : label->window()->findChildren<QWidget*>()) {
+            if (!other->isVisible() || !(qobject_cast<QLineEdit*>(other) || qobject_cast<QComboBox*>(other))) continue;
+            const QPoint d = other->mapToGlobal(QPoint(0, other->height() / 2)) -
+                             label->mapToGlobal(QPoint(0, label->height() / 2));
+            if (d.x() < 0 || std::abs(d.y()) > label->height()) continue;
+            if (d.x() < best_distance) {
+                best_distance = d.x();
+                best = other;
+            }
+        }
+        if (best) return best;
+    }
+    return nullptr;
+}
+
+TestDriver::Done TestDriver::until(bool condition, const QString& what)
+{
+    if (condition) return Done::yes;
+    if (waiting_.elapsed() > patience_ms)
+        fail("waited in vain for " + what + "\nstatus:\n" + status() + "\nlog:\n" + log() + "\nlast message: " + shown_);
+    return Done::not_yet;
+}
+
+// Modal dialogs run their own event loop inside the command that opened them, so the next step is scheduled before a command
+// runs; a command that waits is tried again.
+void TestDriver::step()
+{
+    if (next_ >= script_.size()) return;
+    if (!window()) {
+        QTimer::singleShot(50, this, SLOT(step()));
+        return;
+    }
+    const int mine = next_;
+    const QString line = script_[mine];
+    const QString command = line.section(' ', 0, 0), argument = line.section(' ', 1).trimmed();
+    first_try_ = !waiting_.isValid();
+    if (first_try_) {
+        waiting_.start();
+        say(line);
+    }
+    next_ = mine + 1;
+    QTimer::singleShot(20, this, SLOT(step()));
+    const auto fresh = waiting_;
+    if (run(command, argument) == Done::not_yet) {
+        next_ = mine;
+        waiting_ = fresh;
+    } else if (next_ == mine + 1) {
+        waiting_.invalidate();
+    }
+}
+
+TestDriver::Done TestDriver::run(const QString& command, const QString& argument)
+{
+    if (command == "wait-view") return until(area() != nullptr, "a view");
+    if (command == "wait-layers")
+        return until(document() && document()->meshList.size() == argument.toInt(), argument + " layers");
+    if (command == "wait-status") {
+        // Of a frame that begins now: what the last one said may be of another view.
+        if (first_try_) {
+            frame_before_ = frame();
+            if (area()) area()->update();
+        }
+        return until(frame() > frame_before_ && status().contains(argument), "status '" + argument + "'");
+    }
+    if (command == "wait-no-status") return until(!status().contains(argument), "no status '" + argument + "'");
+    if (command == "wait-log") return until(log().contains(argument), "log '" + argument + "'");
+    if (command == "wait-dialog") {
+        auto* dialog = qobject_cast<QDialog*>(qApp->activeModalWidget());
+        return until(dialog != nullptr, "a modal dialog");
+    }
+    if (command == "pause") return until(waiting_.elapsed() >= argument.toInt(), "the end of a pause");
+    if (command == "time") {
+        say(QString("time %1 %2 ms").arg(argument).arg(started_.elapsed()));
+        return Done::yes;
+    }
+    if (command == "memory") {
+        say(QString("memory %1 now %2 peak %3").arg(argument).arg(resident_bytes("VmRSS:")).arg(resident_bytes("VmHWM:")));
+        return Done::yes;
+    }
+    if (command == "print-status") {
+        say("status " + status().replace('\n', " | "));
+        return Done::yes;
+    }
+    if (command == "import") {
+        bool opened = false;
+        // Queued: an error shows a modal box, and the script must go on to press it.
+        QMetaObject::invokeMethod(window(), "importMesh", Qt::DirectConnection, Q_RETURN_ARG(bool, opened),
+                                  Q_ARG(QString, argument));
+        say(QString("import gave %1").arg(opened));
+        return Done::yes;
+    }
+    if (command == "trigger") {
+        QList<QAction*> actions = window()->findChildren<QAction*>();
+        for (QMenu* menu : window()->findChildren<QMenu*>()) actions += menu->actions();
+        for (QAction* action : actions) {
+            if (action->text().remove('&') != argument) continue;
+            if (!action->isEnabled()) fail("action '" + argument + "' is disabled");
+            QTimer::singleShot(0, action, SLOT(trigger()));
+            return Done::yes;
+        }
+        fail("no action '" + argument + "'");
+    }
+    if (command == "press") {  // a button of whatever dialog is open
+        for (QWidget* widget : qApp->allWidgets())
+            if (auto* button = qobject_cast<QAbstractButton*>(widget))
+                if (button->isVisible() && button->text().remove('&') == argument) {
+                    if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
+                        shown_ = box->text() + " " + box->informativeText();
+                        say("message: " + shown_);
+                    }
+                    QTimer::singleShot(0, button, SLOT(click()));
+                    return Done::yes;
+                }
+        return until(false, "a button '" + argument + "'");
+    }
+    if (command == "expect-message") {
+        if (!shown_.contains(argument)) fail("the message was '" + shown_ + "', not '" + argument + "'");
+        return Done::yes;
+    }
+    if (command == "set") {  // set Parameter label = value
+        const QString parameter = argument.section('=', 0, 0).trimmed(), value = argument.section('=', 1).trimmed();
+        QWidget* widget = field(parameter);
+        if (!widget) return until(false, "a field '" + parameter + "'");
+        if (auto* edit = qobject_cast<QLineEdit*>(widget)) {
+            edit->setText(value);
+            QMetaObject::invokeMethod(edit, "editingFinished");
+        } else if (auto* combo = qobject_cast<QComboBox*>(widget)) {
+            if (combo->findText(value) < 0) fail("'" + parameter + "' offers no '" + value + "'");
+            combo->setCurrentText(value);
+        }
+        return Done::yes;
+    }
+    if (command == "drag") {  // drag x0 y0 x1 y1 steps: fractions of the view
+        const QStringList p = argument.split(' ');
+        GLArea* view = area();
+        const auto at = [&](int i) { return QPoint(int(p[i].toDouble() * view->width()), int(p[i + 1].toDouble() * view->height())); };
+        const QPoint from = at(0), to = at(2);
+        const int steps = p.size() > 4 ? p[4].toInt() : 10;
+        QTest::mousePress(view, Qt::LeftButton, Qt::NoModifier, from);
+        for (int i = 1; i <= steps; ++i) {
+            const QPoint now = from + (to - from) * i / steps;
+            QMouseEvent move(QEvent::MouseMove, now, view->mapToGlobal(now), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
+            qApp->sendEvent(view, &move);
+        }
+        QTest::mouseRelease(view, Qt::LeftButton, Qt::NoModifier, to);
+        return Done::yes;
+    }
+    if (command == "wheel") {
+        GLArea* view = area();
+        const QPoint centre(view->width() / 2, view->height() / 2);
+        QWheelEvent event(centre, view->mapToGlobal(centre), QPoint(), QPoint(0, argument.toInt() * 120), Qt::NoButton,
+                          Qt::NoModifier, Qt::NoScrollPhase, false);
+        qApp->sendEvent(view, &event);
+        return Done::yes;
+    }
+    if (command == "resize") {
+        const QStringList p = argument.split(' ');
+        window()->showNormal();
+        window()->resize(p[0].toInt(), p[1].toInt());
+        return Done::yes;
+    }
+    if (command == "picture") {  // what the view shows, without MeshLab's texts
+        GLArea* view = area();
+        view->infoAreaVisible = false;
+        view->showTrackBall(false);
+        const QImage image = view->grabFrameBuffer();
+        view->infoAreaVisible = true;
+        view->showTrackBall(true);
+        if (!image.save(argument)) fail("cannot write " + argument);
+        say(QString("picture %1 %2x%3").arg(argument).arg(image.width()).arg(image.height()));
+        return Done::yes;
+    }
+    if (command == "screen") {
+        if (!QGuiApplication::primaryScreen()->grabWindow(0).save(argument)) fail("cannot write " + argument);
+        return Done::yes;
+    }
+    if (command == "quit") {  // as the user does it
+        QTimer::singleShot(0, window(), SLOT(close()));
+        return Done::yes;
+    }
+    fail("unknown command " + command);
+}

@@ -1,0 +1,117 @@
+"""Runs the real meshlab and meshlabserver, with our plugins and the test driver, on a display of their own."""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from xml.sax.saxutils import quoteattr
+
+BUILD = pathlib.Path(os.environ["PCM_BUILD_DIR"])
+SOURCE = pathlib.Path(os.environ["PCM_SOURCE_DIR"])
+PCM = BUILD / "bin" / "pcm"
+COMPARE = BUILD / "bin" / "compare_pictures"
+REFERENCE = SOURCE / "tests" / "e2e" / "reference"
+# Pictures and logs stay here, to be looked at.
+RESULTS = BUILD / "e2e-results"
+
+DISPLAY = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1600x1200x24"]
+
+
+class Run:
+    """What a program printed, how it ended, what the driver measured."""
+
+    def __init__(self, code, text):
+        self.code = code
+        self.text = text
+
+    def times(self):
+        return {m[1]: int(m[2]) for m in re.finditer(r"driver: time (\S+) (\d+) ms", self.text)}
+
+    def memory(self):
+        return {m[1]: (int(m[2]), int(m[3])) for m in re.finditer(r"driver: memory (\S+) now (\d+) peak (\d+)", self.text)}
+
+
+def pcm(*arguments):
+    """Runs the pcm command and returns the object it prints."""
+    done = subprocess.run([str(PCM), *map(str, arguments), "--json"], capture_output=True, text=True, timeout=600)
+    if done.returncode != 0:
+        raise AssertionError(f"pcm {arguments} ended with {done.returncode}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+def compare(a, b):
+    """The share of pixels that differ, and the shares that are drawn, of two pictures."""
+    done = subprocess.run([str(COMPARE), str(a), str(b)], capture_output=True, text=True, timeout=60, check=True)
+    return json.loads(done.stdout)
+
+
+class MeshLabTest(unittest.TestCase):
+    """A test with a folder of its own and a MeshLab of its own settings."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.prefix = BUILD / "e2e-meshlab"
+        subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix], check=True, capture_output=True, timeout=60)
+        plugins = next(cls.prefix.glob("lib/*/meshlab/plugins"))
+        driver = plugins / "libpcm_test_driver.so"
+        if not driver.exists():
+            driver.symlink_to(BUILD / "test-plugins" / "libpcm_test_driver.so")
+        RESULTS.mkdir(exist_ok=True)
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
+                                XDG_RUNTIME_DIR=str(self.folder / "runtime"), LIBGL_ALWAYS_SOFTWARE="1")
+        (self.folder / "config").mkdir()
+        (self.folder / "runtime").mkdir(mode=0o700)
+
+    def result(self, name):
+        """Where a picture of this test is kept."""
+        return RESULTS / f"{type(self).__name__}-{self._testMethodName}-{name}"
+
+    def run_program(self, command, timeout):
+        done = subprocess.run([*DISPLAY, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors="replace", env=self.environment, cwd=self.folder, timeout=timeout)
+        self.result("log.txt").write_text(done.stdout)
+        return Run(done.returncode, done.stdout)
+
+    def gui(self, script, *arguments, timeout=240):
+        """MeshLab with a window manager, playing the driver's script."""
+        (self.folder / "script.txt").write_text(script)
+        self.environment["PCM_TEST_SCRIPT"] = str(self.folder / "script.txt")
+        launcher = self.folder / "launch.sh"
+        launcher.write_text('#!/bin/sh\nopenbox &\nmanager=$!\n"$@"\ncode=$?\nkill $manager\nexit $code\n')
+        launcher.chmod(0o755)
+        return self.run_program([launcher, self.prefix / "bin" / "meshlab", *arguments], timeout)
+
+    def server(self, filters, *arguments, timeout=240):
+        """meshlabserver with a script of filters: [(name, {parameter: (type, value)})]."""
+        lines = ["<!DOCTYPE FilterScript>", "<FilterScript>"]
+        for name, parameters in filters:
+            lines.append(f" <filter name={quoteattr(name)}>")
+            for key, (kind, value) in parameters.items():
+                lines.append(f"  <Param type={quoteattr(kind)} value={quoteattr(str(value))} name={quoteattr(key)}/>")
+            lines.append(" </filter>")
+        lines.append("</FilterScript>")
+        script = self.folder / "script.mlx"
+        script.write_text("\n".join(lines) + "\n")
+        self.environment.pop("PCM_TEST_SCRIPT", None)
+        return self.run_program([self.prefix / "bin" / "meshlabserver", *arguments, "-s", script], timeout)
+
+    def assertDriven(self, run):
+        """The script ran to its end and MeshLab quit by itself."""
+        self.assertNotIn("driver: FAILED", run.text)
+        self.assertEqual(run.code, 0, run.text[-3000:])
+
+    def generate(self, name, points, *options):
+        """A generated cloud and its tree."""
+        las = self.folder / f"{name}.las"
+        pcm("generate", "--points", points, *options, "--no-truth", las)
+        tree = self.folder / f"{name}.pct"
+        pcm("build", las, "-o", tree)
+        return las, tree

@@ -1,0 +1,76 @@
+"""meshlabserver: scripts build trees and ask about them, with no window."""
+
+import unittest
+
+from meshlab import MeshLabTest, pcm
+
+
+def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False):
+    return ("Build Point Cloud Tree", {
+        "Inputs": ("RichString", inputs), "Output": ("RichString", output), "MemoryMB": ("RichInt", memory),
+        "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
+        "Overwrite": ("RichBool", "true" if overwrite else "false"), "Open": ("RichBool", "true" if opened else "false")})
+
+
+def information(tree=""):
+    return ("Point Cloud Tree Information", {"Tree": ("RichString", tree)})
+
+
+class Server(MeshLabTest):
+    def setUp(self):
+        super().setUp()
+        self.las = self.folder / "a b.las"  # a space in the name
+        pcm("generate", "--points", 120000, "--seed", 3, "--origin", "5000000,4800000,100", "--no-truth", self.las)
+
+    def test_builds_and_informs(self):
+        tree = self.folder / "out.pct"
+        run = self.server([build(self.las, tree), information(tree)])
+        self.assertEqual(run.code, 0, run.text)
+        self.assertIn("120,000 points", run.text)
+        info = pcm("info", tree)
+        self.assertEqual(info["points"], 120000)
+        for corner in ("min", "max"):
+            for value in info["bounds"][corner]:
+                # Source coordinates, to the last digit.
+                self.assertIn(repr(value).removesuffix(".0"), run.text)
+        self.assertEqual(pcm("verify", tree)["faults"], [])
+
+    def test_default_output_and_layer(self):
+        # Without a layer to begin with, the tree becomes one, and the second filter speaks of it.
+        run = self.server([build(self.las, opened=True), information()])
+        self.assertEqual(run.code, 0, run.text)
+        self.assertEqual(pcm("info", self.folder / "a b.pct")["points"], 120000)
+
+    def test_opens_trees_and_las(self):
+        pcm("build", self.las, "-o", self.folder / "t.pct")
+        for name in ("t.pct", "t.pct/index.pct", "a b.las"):
+            with self.subTest(name):
+                run = self.server([information(self.folder / "t.pct")], "-i", self.folder / name)
+                self.assertEqual(run.code, 0, run.text)
+
+    def assertRefused(self, filters, *words):
+        run = self.server(filters)
+        self.assertNotEqual(run.code, 0, run.text)
+        for word in words:
+            self.assertIn(word, run.text)
+
+    def test_refuses_with_path_and_reason(self):
+        self.assertRefused([build(self.folder / "none.las")], "none.las", "no such file")
+        self.assertRefused([build("")], "no input")
+        self.assertRefused([information(self.folder)], str(self.folder), "no point cloud tree")
+        self.assertRefused([build(self.las, memory=1)], "Memory")
+        broken = self.folder / "broken.las"
+        broken.write_bytes(self.las.read_bytes()[:100000])
+        self.assertRefused([build(broken)], "broken.las", "100000")
+        # Nothing is left of the attempts.
+        self.assertFalse(list(self.folder.glob("*.pct*")))
+
+    def test_refuses_to_overwrite(self):
+        pcm("build", self.las, "-o", self.folder / "t.pct")
+        self.assertRefused([build(self.las, self.folder / "t.pct")], "t.pct")
+        run = self.server([build(self.las, self.folder / "t.pct", overwrite=True)])
+        self.assertEqual(run.code, 0, run.text)
+
+
+if __name__ == "__main__":
+    unittest.main()
