@@ -1,7 +1,7 @@
 // Random numbers and elementary functions that give the same bits on every machine.
 //
-// The C library's sin, cos and log may differ in the last bit between versions and processors; these use only +, -, *, /
-// and sqrt, which IEEE 754 fixes (and which the compiler must not fuse: -ffp-contract=off).
+// The C library's sin, cos and log may differ in the last bit between versions and processors; these use only +, -, *,
+// / and sqrt, which IEEE 754 fixes (and which the compiler must not fuse: -ffp-contract=off).
 #pragma once
 
 #include <cmath>

@@ -57,43 +57,44 @@ bool meet_cylinder(const Ray& ray, const Shape& s, double nearest, double farthe
 bool meet(const Ray& ray, const Shape& s, std::uint64_t index, double nearest, double farthest, double& distance)
 {
     switch (s.kind) {
-    case Shape::Kind::rectangle:
-    case Shape::Kind::disc: {
-        const double across = dot(ray.direction, s.n);
-        if (across == 0) return false;
-        const double t = dot(s.centre - ray.origin, s.n) / across;
-        if (!(t > nearest && t < farthest)) return false;
-        const Vec3d p = ray.origin + t * ray.direction - s.centre;
-        const double a = dot(p, s.u), b = dot(p, s.v);
-        if (s.kind == Shape::Kind::disc) {
-            if (a * a + b * b > s.radius * s.radius) return false;
-        } else if (std::abs(a) > s.half_u || b < -s.half_v ||
-                   b > s.half_v + s.gable * (1 - std::abs(a) / s.half_u)) {
+        case Shape::Kind::rectangle:
+        case Shape::Kind::disc: {
+            const double across = dot(ray.direction, s.n);
+            if (across == 0) return false;
+            const double t = dot(s.centre - ray.origin, s.n) / across;
+            if (!(t > nearest && t < farthest)) return false;
+            const Vec3d p = ray.origin + t * ray.direction - s.centre;
+            const double a = dot(p, s.u), b = dot(p, s.v);
+            if (s.kind == Shape::Kind::disc) {
+                if (a * a + b * b > s.radius * s.radius) return false;
+            } else if (std::abs(a) > s.half_u || b < -s.half_v ||
+                       b > s.half_v + s.gable * (1 - std::abs(a) / s.half_u)) {
+                return false;
+            }
+            distance = t;
+            return true;
+        }
+        case Shape::Kind::cylinder:
+            return meet_cylinder(ray, s, nearest, farthest, distance);
+        case Shape::Kind::sphere: {
+            double enter, leave;
+            if (!meet_sphere(ray, s.centre, s.radius, enter, leave)) return false;
+            for (const double t : {enter, leave})
+                if (t > nearest && t < farthest && ray.origin[2] + t * ray.direction[2] >= s.lowest) {
+                    distance = t;
+                    return true;
+                }
             return false;
         }
-        distance = t;
-        return true;
-    }
-    case Shape::Kind::cylinder: return meet_cylinder(ray, s, nearest, farthest, distance);
-    case Shape::Kind::sphere: {
-        double enter, leave;
-        if (!meet_sphere(ray, s.centre, s.radius, enter, leave)) return false;
-        for (const double t : {enter, leave})
-            if (t > nearest && t < farthest && ray.origin[2] + t * ray.direction[2] >= s.lowest) {
-                distance = t;
-                return true;
-            }
-        return false;
-    }
-    case Shape::Kind::crown: {
-        double enter, leave;
-        if (!meet_sphere(ray, s.centre, s.radius, enter, leave)) return false;
-        const double start = std::max(enter, nearest);
-        const double t = start - logarithm(1 - to_unit(hash(ray.key, index))) / leaves_per_metre;
-        if (!(t < leave && t < farthest)) return false;
-        distance = t;
-        return true;
-    }
+        case Shape::Kind::crown: {
+            double enter, leave;
+            if (!meet_sphere(ray, s.centre, s.radius, enter, leave)) return false;
+            const double start = std::max(enter, nearest);
+            const double t = start - logarithm(1 - to_unit(hash(ray.key, index))) / leaves_per_metre;
+            if (!(t < leave && t < farthest)) return false;
+            distance = t;
+            return true;
+        }
     }
     return false;
 }
@@ -213,7 +214,8 @@ void RayCaster::split(std::uint32_t index, std::vector<Box3d>& boxes)
 }
 
 // Walks along the ray in steps that cannot cross the ground: f(t), the height over the ground, falls no faster than
-// `approach`, and f(t + s) >= f + f' s - bend s^2 / 2, because the ground is nowhere steeper or more curved than it says.
+// `approach`, and f(t + s) >= f + f' s - bend s^2 / 2, because the ground is nowhere steeper or more curved than it
+// says.
 bool RayCaster::meet_ground(const Ray& ray, double nearest, double farthest, double& distance) const
 {
     const double flat2 = ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1];

@@ -26,7 +26,7 @@ namespace {
 using namespace scene;
 
 constexpr double points_per_square_metre = 2500;
-constexpr double nearest_range = 0.6, farthest_range = 150;  // metres
+constexpr double nearest_range = 0.6, farthest_range = 150;                       // metres
 constexpr double lowest_elevation = -50.0 / 360, highest_elevation = 50.0 / 360;  // turns
 constexpr std::uint64_t block_points = 8192;
 
@@ -53,8 +53,8 @@ LasPoint Scanner::point(std::uint64_t number) const
     // One station after the other, as real scans lie in their files; all get the same share.
     const std::uint64_t stations = site_.stations.size();
     const std::uint64_t whole = options_.points / stations, longer = options_.points % stations;
-    const std::uint64_t station = number < longer * (whole + 1) ? number / (whole + 1)
-                                                                : longer + (number - longer * (whole + 1)) / whole;
+    const std::uint64_t station =
+        number < longer * (whole + 1) ? number / (whole + 1) : longer + (number - longer * (whole + 1)) / whole;
     Random random(hash(options_.seed, number));
     Ray ray;
     ray.origin = site_.stations[station];
@@ -243,8 +243,7 @@ double side_of(const SceneOptions& options)
 
 Grid checked_grid(const SceneOptions& options, double side)
 {
-    if (!(side >= 20 && side <= 20000))
-        refuse("the extent is " + digits(side) + " m; 20 to 20000 can be generated");
+    if (!(side >= 20 && side <= 20000)) refuse("the extent is " + digits(side) + " m; 20 to 20000 can be generated");
     if (!(options.noise >= 0 && options.noise <= 1))
         refuse("the noise is " + digits(options.noise) + " m; 0 to 1 can be generated");
     if (!(options.scale > 0 && options.scale <= 1))

@@ -211,7 +211,8 @@ void Architect::walls(const Frame& frame, double half_x, double half_y, double b
     rectangle(frame.at(0, -half_y, middle), frame.x, up, half_x, half_z, 0, material, colour, classification);
     rectangle(frame.at(0, half_y, middle), -1.0 * frame.x, up, half_x, half_z, 0, material, colour, classification);
     rectangle(frame.at(half_x, 0, middle), frame.y, up, half_y, half_z, gable, material, colour, classification);
-    rectangle(frame.at(-half_x, 0, middle), -1.0 * frame.y, up, half_y, half_z, gable, material, colour, classification);
+    rectangle(frame.at(-half_x, 0, middle), -1.0 * frame.y, up, half_y, half_z, gable, material, colour,
+              classification);
 }
 
 void Architect::house(const Frame& frame, double half_x, double half_y, double eaves, double ridge, Random& random)
@@ -245,8 +246,8 @@ void Architect::hall(const Frame& frame, double half_x, double half_y, double he
               class_building);
     // Ducts along the roof, and a scanner that sees them.
     const Colour steel{186, 190, 194};
-    cylinder(frame.at(-0.8 * half_x, 0.45 * half_y, height + 0.5), frame.at(0.8 * half_x, 0.45 * half_y, height + 0.5), 0.35,
-             Material::metal, steel);
+    cylinder(frame.at(-0.8 * half_x, 0.45 * half_y, height + 0.5), frame.at(0.8 * half_x, 0.45 * half_y, height + 0.5),
+             0.35, Material::metal, steel);
     cylinder(frame.at(-0.5 * half_x, -0.5 * half_y, height), frame.at(-0.5 * half_x, -0.5 * half_y, height + 2.2), 0.45,
              Material::metal, steel);
     disc(frame.at(-0.5 * half_x, -0.5 * half_y, height + 2.2), 0.45, Material::metal, {150, 152, 156});
@@ -442,12 +443,24 @@ Site Architect::build()
             if (!town && random.chance(0.08)) kind = 5;
             if (i < 2 && j < 2) kind = (i == 0) ? (j == 0 ? 0 : 1) : (j == 0 ? 2 : 3);
             switch (kind) {
-            case 0: houses(x, y, half, random); break;
-            case 1: works(x, y, half, random); break;
-            case 2: tank_farm(x, y, half, random); break;
-            case 3: pipe_rack(x, y, half, random); break;
-            case 4: sphere_tanks(x, y, half, random); break;
-            default: park(x, y, half, random); break;
+                case 0:
+                    houses(x, y, half, random);
+                    break;
+                case 1:
+                    works(x, y, half, random);
+                    break;
+                case 2:
+                    tank_farm(x, y, half, random);
+                    break;
+                case 3:
+                    pipe_rack(x, y, half, random);
+                    break;
+                case 4:
+                    sphere_tanks(x, y, half, random);
+                    break;
+                default:
+                    park(x, y, half, random);
+                    break;
             }
             // Small sites have no block to spare for spheres.
             if (blocks_ <= 2 && kind == 3 && room_for(1)) {
@@ -471,17 +484,23 @@ Box3d Shape::box() const
     for (std::size_t a = 0; a < 3; ++a) {
         double below = 0, above = 0;
         switch (kind) {
-        case Kind::rectangle:
-            below = above = std::abs(u[a]) * half_u + std::abs(v[a]) * half_v;
-            above += std::max(0.0, v[a] * gable);
-            below += std::max(0.0, -v[a] * gable);
-            break;
-        case Kind::disc: below = above = radius * std::sqrt(std::max(0.0, 1 - n[a] * n[a])); break;
-        case Kind::cylinder:
-            below = above = std::abs(n[a]) * half_v + radius * std::sqrt(std::max(0.0, 1 - n[a] * n[a]));
-            break;
-        case Kind::sphere: below = above = a == 2 ? radius : girth; break;
-        case Kind::crown: below = above = radius; break;
+            case Kind::rectangle:
+                below = above = std::abs(u[a]) * half_u + std::abs(v[a]) * half_v;
+                above += std::max(0.0, v[a] * gable);
+                below += std::max(0.0, -v[a] * gable);
+                break;
+            case Kind::disc:
+                below = above = radius * std::sqrt(std::max(0.0, 1 - n[a] * n[a]));
+                break;
+            case Kind::cylinder:
+                below = above = std::abs(n[a]) * half_v + radius * std::sqrt(std::max(0.0, 1 - n[a] * n[a]));
+                break;
+            case Kind::sphere:
+                below = above = a == 2 ? radius : girth;
+                break;
+            case Kind::crown:
+                below = above = radius;
+                break;
         }
         box.min[a] = centre[a] - below - 1e-9;
         box.max[a] = centre[a] + above + 1e-9;

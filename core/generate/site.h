@@ -34,10 +34,10 @@ struct Shape {
     Colour colour{};
     Vec3d centre{};
     Vec3d u{1, 0, 0}, v{0, 1, 0}, n{0, 0, 1};  // orthonormal; n: normal of the plane, axis of the cylinder
-    double half_u = 0, half_v = 0;  // rectangle; half_v is also half the length of a cylinder
-    double gable = 0;               // height of a gable over the rectangle's upper edge, its tip at u = 0
-    double radius = 0;              // disc, cylinder, sphere, crown
-    double lowest = -1e9;           // of a dome: the sphere is cut off below this height
+    double half_u = 0, half_v = 0;             // rectangle; half_v is also half the length of a cylinder
+    double gable = 0;                          // height of a gable over the rectangle's upper edge, its tip at u = 0
+    double radius = 0;                         // disc, cylinder, sphere, crown
+    double lowest = -1e9;                      // of a dome: the sphere is cut off below this height
 
     Box3d box() const;
 };
@@ -66,14 +66,14 @@ private:
 };
 
 struct Site {
-    double side = 0;   // metres
-    double block = 0;  // distance of parallel streets
-    double street = 0; // half the width of a street
+    double side = 0;    // metres
+    double block = 0;   // distance of parallel streets
+    double street = 0;  // half the width of a street
     std::uint64_t seed = 0;
     Ground ground;
     std::vector<Shape> shapes;
-    std::vector<Vec3d> stations;              // where the scanner's head is
-    std::vector<ScenePrimitive> primitives;   // primitives[id - 1], in metres from the corner
+    std::vector<Vec3d> stations;             // where the scanner's head is
+    std::vector<ScenePrimitive> primitives;  // primitives[id - 1], in metres from the corner
 };
 
 Site make_site(double side, std::uint64_t seed);

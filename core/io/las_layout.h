@@ -1,5 +1,5 @@
-// Byte layout of LAS files, shared by reader and writer. Offsets are bytes from the start of the structure; everything is
-// little-endian. From the ASPRS LAS specifications 1.0 to 1.4 R15.
+// Byte layout of LAS files, shared by reader and writer. Offsets are bytes from the start of the structure; everything
+// is little-endian. From the ASPRS LAS specifications 1.0 to 1.4 R15.
 #pragma once
 
 #include <array>
@@ -45,9 +45,9 @@ inline constexpr std::size_t box = 179;                 // f64: max x, min x, ma
 inline constexpr std::size_t size_1_0 = 227;            // of 1.0, 1.1 and 1.2
 inline constexpr std::size_t waveform_start = 227;      // u64, since 1.3
 inline constexpr std::size_t size_1_3 = 235;
-inline constexpr std::size_t evlr_start = 235;          // u64, since 1.4
-inline constexpr std::size_t evlr_count = 243;          // u32
-inline constexpr std::size_t point_count_64 = 247;      // u64
+inline constexpr std::size_t evlr_start = 235;      // u64, since 1.4
+inline constexpr std::size_t evlr_count = 243;      // u32
+inline constexpr std::size_t point_count_64 = 247;  // u64
 inline constexpr std::size_t size_1_4 = 375;
 }  // namespace header
 

@@ -53,14 +53,20 @@ void copy_field(const Field& field, const std::byte* records, std::size_t stride
         return;
     }
     switch (field.bytes) {
-    case 1: return copy_strided<1>(from, stride, count, to);
-    case 2: return copy_strided<2>(from, stride, count, to);
-    case 4: return copy_strided<4>(from, stride, count, to);
-    case 6: return copy_strided<6>(from, stride, count, to);
-    case 8: return copy_strided<8>(from, stride, count, to);
-    case 12: return copy_strided<12>(from, stride, count, to);
-    default:
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * field.bytes, from + i * stride, field.bytes);
+        case 1:
+            return copy_strided<1>(from, stride, count, to);
+        case 2:
+            return copy_strided<2>(from, stride, count, to);
+        case 4:
+            return copy_strided<4>(from, stride, count, to);
+        case 6:
+            return copy_strided<6>(from, stride, count, to);
+        case 8:
+            return copy_strided<8>(from, stride, count, to);
+        case 12:
+            return copy_strided<12>(from, stride, count, to);
+        default:
+            for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * field.bytes, from + i * stride, field.bytes);
     }
 }
 
@@ -142,8 +148,8 @@ void LasReader::read_header()
     if (got < 4 || std::memcmp(bytes.data(), "LASF", 4) != 0)
         fail(ErrorCode::bad_format, "not a LAS file: it does not begin with 'LASF'");
     if (got < at::size_1_0)
-        fail(ErrorCode::truncated, "the file ends at byte " + std::to_string(got) +
-                                       " within the LAS header, which has at least 227 bytes");
+        fail(ErrorCode::truncated,
+             "the file ends at byte " + std::to_string(got) + " within the LAS header, which has at least 227 bytes");
 
     const auto version_major = las::load<std::uint8_t>(&bytes[at::version_major]);
     version_minor_ = las::load<std::uint8_t>(&bytes[at::version_minor]);
@@ -169,8 +175,8 @@ void LasReader::read_header()
         fail(ErrorCode::bad_format, "the header says it has " + std::to_string(header_size_) + " bytes; " + version +
                                         " has at least " + std::to_string(least_header));
     if (header_size_ > file_size_ || (version_minor_ >= 4 && got < at::size_1_4))
-        fail(ErrorCode::truncated, "the header has " + std::to_string(header_size_) + " bytes, the file only " +
-                                       std::to_string(file_size_));
+        fail(ErrorCode::truncated,
+             "the header has " + std::to_string(header_size_) + " bytes, the file only " + std::to_string(file_size_));
 
     point_offset_ = las::load<std::uint32_t>(&bytes[at::point_offset]);
     if (point_offset_ < header_size_)
@@ -229,11 +235,11 @@ void LasReader::read_grid(const std::byte* header)
         grid.scale[a] = las::load<double>(header + at::scale + 8 * a);
         grid.offset[a] = las::load<double>(header + at::offset + 8 * a);
         if (!(grid.scale[a] > 0) || !std::isfinite(grid.scale[a]))
-            fail(ErrorCode::bad_format, "the scale of " + axis + " is " + std::to_string(grid.scale[a]) +
-                                            "; a positive number was expected");
+            fail(ErrorCode::bad_format,
+                 "the scale of " + axis + " is " + std::to_string(grid.scale[a]) + "; a positive number was expected");
         if (!std::isfinite(grid.offset[a]))
-            fail(ErrorCode::bad_format, "the offset of " + axis + " is " + std::to_string(grid.offset[a]) +
-                                            "; a finite number was expected");
+            fail(ErrorCode::bad_format,
+                 "the offset of " + axis + " is " + std::to_string(grid.offset[a]) + "; a finite number was expected");
         box.max[a] = las::load<double>(header + at::box + 16 * a);
         box.min[a] = las::load<double>(header + at::box + 16 * a + 8);
         box_is_finite = box_is_finite && std::isfinite(box.min[a]) && std::isfinite(box.max[a]);
@@ -247,7 +253,8 @@ void LasReader::read_grid(const std::byte* header)
 bool LasReader::keep(const std::string& prefix, Record& record, std::uint64_t offset, std::uint64_t length)
 {
     const std::string key = prefix + record.user_id + "/" + std::to_string(record.id);
-    constexpr std::uint64_t overhead = 128;  // of an entry: a file of nothing but empty records must not fill the memory
+    constexpr std::uint64_t overhead =
+        128;  // of an entry: a file of nothing but empty records must not fill the memory
     if (max_metadata_bytes - metadata_bytes_ < overhead || length > max_metadata_bytes - metadata_bytes_ - overhead) {
         note(key + " of " + std::to_string(length) + " bytes is not kept: metadata are limited to " +
              std::to_string(max_metadata_bytes) + " bytes");
@@ -526,8 +533,8 @@ bool LasReader::read(PointBatch& batch, std::size_t max_points)
 void LasReader::seek(std::uint64_t index)
 {
     if (index > info_.points)
-        fail(ErrorCode::invalid_argument, "point " + std::to_string(index) + " asked for, the file has " +
-                                              std::to_string(info_.points));
+        fail(ErrorCode::invalid_argument,
+             "point " + std::to_string(index) + " asked for, the file has " + std::to_string(info_.points));
     next_ = index;
 }
 

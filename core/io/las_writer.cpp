@@ -121,7 +121,8 @@ void LasWriter::write(const LasPoint* points, std::size_t count)
     if (count > most_points - self.points)
         throw Error(ErrorCode::invalid_argument, self.path,
                     "LAS 1.2 counts points in 32 bits and cannot hold more than 4294967295; " +
-                        std::to_string(self.points) + " are written and " + std::to_string(count) + " more were asked for",
+                        std::to_string(self.points) + " are written and " + std::to_string(count) +
+                        " more were asked for",
                     "write several files");
     while (count) {
         const std::size_t room = (buffer_bytes - self.buffer.size()) / record_length;

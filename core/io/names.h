@@ -8,8 +8,8 @@
 
 namespace pcm {
 
-// Cut at the first NUL, without blanks at the ends; control characters, and every byte beyond ASCII when the text is not
-// valid UTF-8, become '_'. May be empty.
+// Cut at the first NUL, without blanks at the ends; control characters, and every byte beyond ASCII when the text is
+// not valid UTF-8, become '_'. May be empty.
 std::string printable_name(std::string_view raw);
 
 // Bytes of a file in a form that can stand in a message: 'abc\x00', cut short after some dozens.

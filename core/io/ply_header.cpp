@@ -31,12 +31,12 @@ std::string_view next_word(std::string_view& line)
 std::optional<ScalarType> scalar_type(std::string_view word)
 {
     static constexpr std::pair<std::string_view, ScalarType> types[] = {
-        {"char", ScalarType::i8},      {"int8", ScalarType::i8},    {"uchar", ScalarType::u8},
-        {"uint8", ScalarType::u8},     {"short", ScalarType::i16},  {"int16", ScalarType::i16},
-        {"ushort", ScalarType::u16},   {"uint16", ScalarType::u16}, {"int", ScalarType::i32},
-        {"int32", ScalarType::i32},    {"uint", ScalarType::u32},   {"uint32", ScalarType::u32},
-        {"float", ScalarType::f32},    {"float32", ScalarType::f32}, {"double", ScalarType::f64},
-        {"float64", ScalarType::f64},  {"int64", ScalarType::i64},  {"uint64", ScalarType::u64},
+        {"char", ScalarType::i8},     {"int8", ScalarType::i8},     {"uchar", ScalarType::u8},
+        {"uint8", ScalarType::u8},    {"short", ScalarType::i16},   {"int16", ScalarType::i16},
+        {"ushort", ScalarType::u16},  {"uint16", ScalarType::u16},  {"int", ScalarType::i32},
+        {"int32", ScalarType::i32},   {"uint", ScalarType::u32},    {"uint32", ScalarType::u32},
+        {"float", ScalarType::f32},   {"float32", ScalarType::f32}, {"double", ScalarType::f64},
+        {"float64", ScalarType::f64}, {"int64", ScalarType::i64},   {"uint64", ScalarType::u64},
     };
     for (const auto& [name, type] : types)
         if (name == word) return type;
@@ -81,7 +81,8 @@ std::string_view HeaderParser::next_line()
 ScalarType HeaderParser::type_of(std::string_view word) const
 {
     const auto type = scalar_type(word);
-    if (!type) fail("found the type " + quote_bytes(word) + ", expected char, uchar, short, ushort, int, uint, float, double");
+    if (!type)
+        fail("found the type " + quote_bytes(word) + ", expected char, uchar, short, ushort, int, uint, float, double");
     return *type;
 }
 
@@ -98,7 +99,8 @@ void HeaderParser::parse_format(std::string_view rest)
         fail("found the format " + quote_bytes(name) + ", expected ascii, binary_little_endian or binary_big_endian");
     const std::string_view version = next_word(rest);
     if (version != "1.0")
-        throw Error(ErrorCode::unsupported, file_.path(), "PLY version " + quote_bytes(version) + " found; 1.0 can be read");
+        throw Error(ErrorCode::unsupported, file_.path(),
+                    "PLY version " + quote_bytes(version) + " found; 1.0 can be read");
     has_format_ = true;
 }
 
@@ -153,7 +155,8 @@ PlyHeader HeaderParser::parse()
         else if (keyword == "property")
             parse_property(rest);
         else
-            fail("found " + quote_bytes(line) + ", expected format, comment, obj_info, element, property or end_header");
+            fail("found " + quote_bytes(line) +
+                 ", expected format, comment, obj_info, element, property or end_header");
     }
     if (!has_format_) fail("the header has no 'format' line");
     return std::move(header_);

@@ -32,8 +32,8 @@ struct PlyElement {
 struct PlyHeader {
     enum class Encoding { ascii, little_endian, big_endian } encoding = Encoding::ascii;
     std::vector<PlyElement> elements;
-    std::uint64_t bytes = 0;  // the data begin here
-    std::uint64_t lines = 0;  // of the header
+    std::uint64_t bytes = 0;          // the data begin here
+    std::uint64_t lines = 0;          // of the header
     bool ends_lines_with_cr = false;  // with CR alone, as old Macintosh files do
 };
 

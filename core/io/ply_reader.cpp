@@ -26,16 +26,26 @@ template <class F>
 auto with_type(ScalarType type, F&& f)
 {
     switch (type) {
-    case ScalarType::i8: return f(std::int8_t{});
-    case ScalarType::u8: return f(std::uint8_t{});
-    case ScalarType::i16: return f(std::int16_t{});
-    case ScalarType::u16: return f(std::uint16_t{});
-    case ScalarType::i32: return f(std::int32_t{});
-    case ScalarType::u32: return f(std::uint32_t{});
-    case ScalarType::i64: return f(std::int64_t{});
-    case ScalarType::u64: return f(std::uint64_t{});
-    case ScalarType::f32: return f(float{});
-    case ScalarType::f64: break;
+        case ScalarType::i8:
+            return f(std::int8_t{});
+        case ScalarType::u8:
+            return f(std::uint8_t{});
+        case ScalarType::i16:
+            return f(std::int16_t{});
+        case ScalarType::u16:
+            return f(std::uint16_t{});
+        case ScalarType::i32:
+            return f(std::int32_t{});
+        case ScalarType::u32:
+            return f(std::uint32_t{});
+        case ScalarType::i64:
+            return f(std::int64_t{});
+        case ScalarType::u64:
+            return f(std::uint64_t{});
+        case ScalarType::f32:
+            return f(float{});
+        case ScalarType::f64:
+            break;
     }
     return f(double{});
 }
@@ -139,9 +149,8 @@ private:
         std::size_t searched = 0;
         for (;;) {
             const char* start = buffer_.data() + begin_;
-            const void* found = end_ > begin_ + searched
-                                    ? std::memchr(start + searched, line_end_, end_ - begin_ - searched)
-                                    : nullptr;
+            const void* found =
+                end_ > begin_ + searched ? std::memchr(start + searched, line_end_, end_ - begin_ - searched) : nullptr;
             if (found) {
                 line = {start, static_cast<std::size_t>(static_cast<const char*>(found) - start)};
                 begin_ += line.size() + 1;
@@ -164,8 +173,9 @@ private:
     {
         const std::size_t kept = end_ - begin_;
         if (kept >= longest_line)
-            throw Error(ErrorCode::bad_format, file_.path(),
-                        "line " + std::to_string(line_ + 1) + " is longer than " + std::to_string(longest_line) + " bytes");
+            throw Error(
+                ErrorCode::bad_format, file_.path(),
+                "line " + std::to_string(line_ + 1) + " is longer than " + std::to_string(longest_line) + " bytes");
         if (kept) std::memmove(buffer_.data(), buffer_.data() + begin_, kept);
         buffer_.resize(std::max(kept * 2, read_buffer_bytes));
         const std::size_t got = file_.read_some_at(buffer_.data() + kept, buffer_.size() - kept, next_byte_);
@@ -318,16 +328,16 @@ private:
     PlyHeader header_;
     FileInfo info_;
     std::size_t vertex_element_ = 0;
-    std::vector<Target> targets_;       // of the scalar properties of a vertex, in file order
-    std::size_t record_bytes_ = 0;      // of these
-    bool addressable_ = false;          // binary, and all before and among the vertices has one size
-    std::uint64_t vertex_offset_ = 0;   // when addressable
+    std::vector<Target> targets_;      // of the scalar properties of a vertex, in file order
+    std::size_t record_bytes_ = 0;     // of these
+    bool addressable_ = false;         // binary, and all before and among the vertices has one size
+    std::uint64_t vertex_offset_ = 0;  // when addressable
     std::size_t batch_points_ = 1;
 
     std::uint64_t next_ = 0;
     bool started_ = false;
-    std::optional<ByteStream> bytes_;   // binary, not addressable
-    std::optional<LineStream> lines_;   // ascii
+    std::optional<ByteStream> bytes_;  // binary, not addressable
+    std::optional<LineStream> lines_;  // ascii
     std::vector<std::byte> buffer_;
 };
 
@@ -390,12 +400,11 @@ void PlyReader::plan()
         targets_[i].axis = axis;
     }
     for (std::size_t a = 0; a < 3; ++a)
-        if (!have[a])
-            fail(ErrorCode::bad_format, "the vertices have no property '" + std::string(1, "xyz"[a]) + "'");
+        if (!have[a]) fail(ErrorCode::bad_format, "the vertices have no property '" + std::string(1, "xyz"[a]) + "'");
 
     using Names = std::array<const char*, 3>;
-    for (const Names& members : {Names{"red", "green", "blue"}, Names{"diffuse_red", "diffuse_green", "diffuse_blue"},
-                                 Names{"r", "g", "b"}})
+    for (const Names& members :
+         {Names{"red", "green", "blue"}, Names{"diffuse_red", "diffuse_green", "diffuse_blue"}, Names{"r", "g", "b"}})
         if (plan_group(members, attribute_name::rgb, group_of)) break;
     for (const Names& members : {Names{"nx", "ny", "nz"}, Names{"normal_x", "normal_y", "normal_z"}})
         if (plan_group(members, attribute_name::normal, group_of)) break;
@@ -429,7 +438,8 @@ void PlyReader::plan()
             while (group_of[i].empty() && std::find(group_of.begin(), group_of.end(), name) != group_of.end())
                 name += "_scalar";
             if (info_.schema.size() == max_attributes)
-                fail(ErrorCode::unsupported, "the vertices have more than " + std::to_string(max_attributes) + " properties");
+                fail(ErrorCode::unsupported,
+                     "the vertices have more than " + std::to_string(max_attributes) + " properties");
             target.attribute = info_.schema.size();
             info_.schema.add({unique_name(info_.schema, name), property.type, group_of[i].empty() ? 1u : 3u, 1, 0, {}});
         }
@@ -453,8 +463,8 @@ void PlyReader::check_bytes_hold_the_points()
         if (i == vertex_element_) vertex_offset_ = offset;
         if (least && element.count > left / least)
             fail(ErrorCode::truncated,
-                 "the header promises " + std::to_string(element.count) + " instances of '" + element.name + "' of at least " +
-                     std::to_string(least) + " bytes; from byte " + std::to_string(offset) +
+                 "the header promises " + std::to_string(element.count) + " instances of '" + element.name +
+                     "' of at least " + std::to_string(least) + " bytes; from byte " + std::to_string(offset) +
                      " to the end of the file there are " + std::to_string(file_size_ - std::min(offset, file_size_)));
         offset += element.count * least;
         if (element.has_lists()) addressable_ = false;
@@ -463,9 +473,9 @@ void PlyReader::check_bytes_hold_the_points()
 
 void PlyReader::describe()
 {
-    info_.format = ascii()                                                          ? "PLY ascii"
+    info_.format = ascii()                                                  ? "PLY ascii"
                    : header_.encoding == PlyHeader::Encoding::little_endian ? "PLY binary little endian"
-                                                                                    : "PLY binary big endian";
+                                                                            : "PLY binary big endian";
     for (const PlyElement& element : header_.elements) {
         if (&element == &vertices() || element.count == 0) continue;
         if (info_.notes.size() >= 100) break;
@@ -488,7 +498,8 @@ void PlyReader::start()
             for (std::uint64_t i = 0; !element.properties.empty() && i < element.count; ++i)
                 if (!lines_->next(line))
                     fail_line(ErrorCode::truncated, "the file ends after " + std::to_string(i) + " of " +
-                                                        std::to_string(element.count) + " lines of '" + element.name + "'");
+                                                        std::to_string(element.count) + " lines of '" + element.name +
+                                                        "'");
         }
         return;
     }
@@ -513,8 +524,8 @@ std::uint64_t PlyReader::take_list_length(const PlyProperty& list, const std::st
         using T = decltype(example);
         const T length = swap ? load<T, true>(raw.data()) : load<T, false>(raw.data());
         if (length < T{0})
-            fail(ErrorCode::bad_format, "byte " + std::to_string(at) + ": the list '" + list.name + "' of " + owner + " has " +
-                                            std::to_string(length) + " entries");
+            fail(ErrorCode::bad_format, "byte " + std::to_string(at) + ": the list '" + list.name + "' of " + owner +
+                                            " has " + std::to_string(length) + " entries");
         return static_cast<std::uint64_t>(length);
     });
 }
@@ -525,8 +536,7 @@ void PlyReader::read_lists_of(const PlyElement& element, std::uint64_t instance,
     for (const PlyProperty& property : element.properties) {
         const std::size_t bytes = size_of(property.type);
         if (property.is_list) {
-            const std::uint64_t length =
-                take_list_length(property, element.name + " " + std::to_string(instance));
+            const std::uint64_t length = take_list_length(property, element.name + " " + std::to_string(instance));
             // A length that cannot be true must not overflow into one that can.
             bytes_->skip(length > bytes_->left() ? length : length * bytes);
         } else if (record) {
@@ -543,13 +553,14 @@ void PlyReader::read_line(std::byte* record)
 {
     std::string_view line;
     if (!lines_->next(line))
-        fail_line(ErrorCode::truncated, "the file ends after " + std::to_string(next_) + " of " +
-                                            std::to_string(info_.points) + " vertices");
+        fail_line(ErrorCode::truncated,
+                  "the file ends after " + std::to_string(next_) + " of " + std::to_string(info_.points) + " vertices");
     std::string_view rest = line;
     const auto expect_word = [&](const PlyProperty& property) {
         const std::string_view word = next_word(rest);
         if (word.empty())
-            fail_line(ErrorCode::bad_format, "found " + quote_bytes(line) + ", which ends before the property '" + property.name + "'");
+            fail_line(ErrorCode::bad_format,
+                      "found " + quote_bytes(line) + ", which ends before the property '" + property.name + "'");
         return word;
     };
     for (const PlyProperty& property : vertices().properties) {
@@ -557,7 +568,8 @@ void PlyReader::read_line(std::byte* record)
         if (property.is_list) {
             std::uint64_t length = 0;
             if (!parse_number(word, length))
-                fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + ", expected the length of the list '" + property.name + "'");
+                fail_line(ErrorCode::bad_format,
+                          "found " + quote_bytes(word) + ", expected the length of the list '" + property.name + "'");
             for (std::uint64_t i = 0; i < length; ++i) expect_word(property);
             continue;
         }
@@ -567,12 +579,13 @@ void PlyReader::read_line(std::byte* record)
             return true;
         });
         if (!parsed)
-            fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + " for the property '" + property.name + "', expected a number of type " +
-                                                 std::string(name_of(property.type)));
+            fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + " for the property '" + property.name +
+                                                 "', expected a number of type " + std::string(name_of(property.type)));
         record += size_of(property.type);
     }
     if (const std::string_view more = next_word(rest); !more.empty())
-        fail_line(ErrorCode::bad_format, "found " + quote_bytes(more) + " behind the last property, expected the end of the line");
+        fail_line(ErrorCode::bad_format,
+                  "found " + quote_bytes(more) + " behind the last property, expected the end of the line");
 }
 
 template <bool Swap>
@@ -590,10 +603,18 @@ void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& 
         const std::size_t bytes = size_of(target.type), stride = column.point_bytes();
         std::byte* to = column.data() + first * stride + target.component * bytes;
         switch (bytes) {
-        case 1: copy<1, Swap>(from, record_bytes_, count, to, stride); break;
-        case 2: copy<2, Swap>(from, record_bytes_, count, to, stride); break;
-        case 4: copy<4, Swap>(from, record_bytes_, count, to, stride); break;
-        default: copy<8, Swap>(from, record_bytes_, count, to, stride); break;
+            case 1:
+                copy<1, Swap>(from, record_bytes_, count, to, stride);
+                break;
+            case 2:
+                copy<2, Swap>(from, record_bytes_, count, to, stride);
+                break;
+            case 4:
+                copy<4, Swap>(from, record_bytes_, count, to, stride);
+                break;
+            default:
+                copy<8, Swap>(from, record_bytes_, count, to, stride);
+                break;
         }
     }
 }
@@ -609,8 +630,8 @@ void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& 
 bool PlyReader::read(PointBatch& batch, std::size_t max_points)
 {
     if (!started_) start();
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(
-        info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
+    const auto count = static_cast<std::size_t>(
+        std::min<std::uint64_t>(info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
     shape_batch(batch, info_.schema, false, count);
     if (count == 0) return false;
 

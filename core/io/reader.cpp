@@ -36,13 +36,14 @@ struct ForeignFormat {
     std::string_view name;
 };
 constexpr ForeignFormat foreign_formats[] = {
-    {"ASTM-E57", "an E57 file"},     {"# .PCD", "a PCD file"},   {"[Expe/PointSet", "an Expe point set"},
-    {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"},  {"%PDF", "a PDF file"},
+    {"ASTM-E57", "an E57 file"},     {"# .PCD", "a PCD file"},  {"[Expe/PointSet", "an Expe point set"},
+    {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"}, {"%PDF", "a PDF file"},
     {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"laz", "a LAZ file"}, {"e57", "an E57 file"}, {"pcd", "a PCD file"}, {"pts", "a PTS file"}, {"ptx", "a PTX file"},
-    {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"}, {"obj", "an OBJ file"}, {"stl", "an STL file"},
+    {"laz", "a LAZ file"},  {"e57", "an E57 file"}, {"pcd", "a PCD file"},  {"pts", "a PTS file"},
+    {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
+    {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };
 
 std::string extension_of(const std::filesystem::path& path)

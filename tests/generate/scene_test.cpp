@@ -10,7 +10,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -42,9 +41,12 @@ std::vector<Point> points_of(const std::filesystem::path& las)
     while (reader->read(batch, default_batch_points))
         for (std::size_t i = 0; i < batch.size; ++i) {
             const auto* colour = batch.attributes[rgb].as<std::uint16_t>() + 3 * i;
-            points.push_back({reader->info().grid->to_source(Vec3i{batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]}),
-                              batch.attributes[id].as<std::uint16_t>()[i], batch.attributes[intensity].as<std::uint16_t>()[i],
-                              batch.attributes[classification].as<std::uint8_t>()[i], {colour[0], colour[1], colour[2]}});
+            points.push_back({reader->info().grid->to_source(
+                                  Vec3i{batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]}),
+                              batch.attributes[id].as<std::uint16_t>()[i],
+                              batch.attributes[intensity].as<std::uint16_t>()[i],
+                              batch.attributes[classification].as<std::uint8_t>()[i],
+                              {colour[0], colour[1], colour[2]}});
         }
     return points;
 }
@@ -55,9 +57,12 @@ double distance_to(const ScenePrimitive& p, const Vec3d& q)
     const double along = d[0] * p.direction[0] + d[1] * p.direction[1] + d[2] * p.direction[2];
     const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     switch (p.kind) {
-    case ScenePrimitive::Kind::plane: return std::abs(along);
-    case ScenePrimitive::Kind::cylinder: return std::abs(std::sqrt(std::max(0.0, length * length - along * along)) - p.radius);
-    case ScenePrimitive::Kind::sphere: return std::abs(length - p.radius);
+        case ScenePrimitive::Kind::plane:
+            return std::abs(along);
+        case ScenePrimitive::Kind::cylinder:
+            return std::abs(std::sqrt(std::max(0.0, length * length - along * along)) - p.radius);
+        case ScenePrimitive::Kind::sphere:
+            return std::abs(length - p.radius);
     }
     return 0;
 }
@@ -105,7 +110,8 @@ TEST(Scene, TheSameBytesOnEveryMachine)
     TemporaryFolder folder;
     generate_scene(folder / "a.las", small_scene(50000, 200));  // all kinds of blocks
     std::uint64_t fingerprint = 0xCBF29CE484222325u;
-    for (const char c : read_bytes(folder / "a.las")) fingerprint = (fingerprint ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+    for (const char c : read_bytes(folder / "a.las"))
+        fingerprint = (fingerprint ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
     EXPECT_EQ(fingerprint, std::uint64_t{8007447486992788620u});
 }
 
@@ -135,7 +141,8 @@ TEST(Scene, PointsLieOnTheirPrimitives)
             EXPECT_EQ(p.id, i + 1);
             EXPECT_EQ(p.points, counts[i + 1]);
             if (p.points > 500) ++seen[p.kind];
-            const double length = std::sqrt(p.direction[0] * p.direction[0] + p.direction[1] * p.direction[1] + p.direction[2] * p.direction[2]);
+            const double length = std::sqrt(p.direction[0] * p.direction[0] + p.direction[1] * p.direction[1] +
+                                            p.direction[2] * p.direction[2]);
             EXPECT_NEAR(length, p.kind == ScenePrimitive::Kind::sphere ? 0 : 1, 1e-12);
             EXPECT_EQ(p.radius > 0, p.kind != ScenePrimitive::Kind::plane);
             // The noise is really there: no primitive is better than the incidence can make it.
@@ -157,9 +164,10 @@ TEST(Scene, TruthFileSaysWhatTheReportSays)
     const SceneReport report = generate_scene(folder / "site.las", options);
     const std::string json = read_bytes(folder / "site.truth.json");
     const auto header = [&](const std::string& key) {
-        std::smatch found;
-        const std::regex pattern("\"" + key + "\": ([^\n]*),\n");
-        return std::regex_search(json, found, pattern) ? found[1].str() : std::string("missing");
+        const std::string label = "\"" + key + "\": ";
+        const std::size_t start = json.find(label);
+        if (start == std::string::npos) return std::string("missing");
+        return json.substr(start + label.size(), json.find(",\n", start) - start - label.size());
     };
     EXPECT_EQ(header("points"), "30000");
     EXPECT_EQ(std::stod(header("extent")), 90);
@@ -179,8 +187,13 @@ TEST(Scene, TruthFileSaysWhatTheReportSays)
         Vec3d at{}, direction{};
         double radius = 0;
         unsigned long long points = 0;
-        ASSERT_EQ(std::sscanf(line.c_str(), "{\"kind\": \"%15[a-z]\", \"id\": %d, \"point\": [%lf, %lf, %lf], \"direction\": [%lf, %lf, %lf], \"radius\": %lf, \"points\": %llu}",
-                              kind, &id, &at[0], &at[1], &at[2], &direction[0], &direction[1], &direction[2], &radius, &points), 10) << line;
+        ASSERT_EQ(std::sscanf(line.c_str(),
+                              "{\"kind\": \"%15[a-z]\", \"id\": %d, \"point\": [%lf, %lf, %lf], \"direction\": [%lf, "
+                              "%lf, %lf], \"radius\": %lf, \"points\": %llu}",
+                              kind, &id, &at[0], &at[1], &at[2], &direction[0], &direction[1], &direction[2], &radius,
+                              &points),
+                  10)
+            << line;
         static const std::string kinds[] = {"plane", "cylinder", "sphere"};
         EXPECT_EQ(kind, kinds[static_cast<int>(p.kind)]);
         EXPECT_EQ(id, p.id);
@@ -204,7 +217,8 @@ TEST(Scene, OriginIsHonoured)
         options.origin = origin;
         generate_scene(folder / "far.las", options, false);
         const auto reader = open_reader(folder / "far.las");
-        EXPECT_EQ(reader->info().grid->offset, (Vec3d{std::floor(origin[0]), std::floor(origin[1]), std::floor(origin[2])}));
+        EXPECT_EQ(reader->info().grid->offset,
+                  (Vec3d{std::floor(origin[0]), std::floor(origin[1]), std::floor(origin[2])}));
         EXPECT_EQ(reader->info().grid->scale, (Vec3d{options.scale, options.scale, options.scale}));
         const auto near = points_of(folder / "near.las"), far = points_of(folder / "far.las");
         for (std::size_t i = 0; i < near.size(); ++i)
@@ -256,7 +270,8 @@ TEST(Scene, DensityFallsWithTheDistance)
     std::array<double, 3> count{};  // in rings 2..4, 4..8, 8..16 m
     const std::size_t slack = site.stations.size();
     for (std::size_t i = middle * share + slack; i < (middle + 1) * share - slack; ++i) {
-        const double r = std::hypot(points[i].position[0] - options.origin[0] - station[0], points[i].position[1] - options.origin[1] - station[1]);
+        const double r = std::hypot(points[i].position[0] - options.origin[0] - station[0],
+                                    points[i].position[1] - options.origin[1] - station[1]);
         if (points[i].classification != 2) continue;
         for (std::size_t ring = 0; ring < 3; ++ring)
             if (r >= 2 * (1 << ring) && r < 4 * (1 << ring)) ++count[ring];
@@ -308,7 +323,8 @@ TEST(Scene, NothingIsSeenThroughWalls)
     const double skin = 6 * options.noise + 2 * options.scale;
     for (const Point& p : points_of(folder / "a.las")) {
         const Vec3d d = p.position - options.origin - roof->centre;
-        const double inside = std::min({roof->half_u - std::abs(dot(d, roof->u)), roof->half_v - std::abs(dot(d, roof->v)), -d[2]});
+        const double inside =
+            std::min({roof->half_u - std::abs(dot(d, roof->u)), roof->half_v - std::abs(dot(d, roof->v)), -d[2]});
         ASSERT_LE(inside, skin);
         on_the_walls += inside > -skin;
     }
@@ -367,11 +383,11 @@ TEST(Scene, RefusesWhatItCannotMake)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<std::function<void(SceneOptions&)>> mistakes = {
-        [](SceneOptions& o) { o.extent = 5; },          [](SceneOptions& o) { o.extent = -1; },
-        [=](SceneOptions& o) { o.extent = nan; },       [](SceneOptions& o) { o.noise = -0.1; },
-        [=](SceneOptions& o) { o.noise = nan; },        [](SceneOptions& o) { o.scale = 0; },
-        [=](SceneOptions& o) { o.scale = nan; },        [=](SceneOptions& o) { o.origin[1] = nan; },
-        [](SceneOptions& o) { o.scale = 1e-8; },        [](SceneOptions& o) { o.points = 4294967296u; },
+        [](SceneOptions& o) { o.extent = 5; },    [](SceneOptions& o) { o.extent = -1; },
+        [=](SceneOptions& o) { o.extent = nan; }, [](SceneOptions& o) { o.noise = -0.1; },
+        [=](SceneOptions& o) { o.noise = nan; },  [](SceneOptions& o) { o.scale = 0; },
+        [=](SceneOptions& o) { o.scale = nan; },  [=](SceneOptions& o) { o.origin[1] = nan; },
+        [](SceneOptions& o) { o.scale = 1e-8; },  [](SceneOptions& o) { o.points = 4294967296u; },
     };
     TemporaryFolder folder;
     for (std::size_t i = 0; i < mistakes.size(); ++i) {

@@ -101,7 +101,8 @@ inline void append(PointBatch& all, const PointBatch& more)
     all.resize(before + more.size);
     for (std::size_t a = 0; a < 3; ++a) {
         if (more.gridded)
-            std::copy(more.grid_xyz[a].begin(), more.grid_xyz[a].end(), all.grid_xyz[a].begin() + static_cast<std::ptrdiff_t>(before));
+            std::copy(more.grid_xyz[a].begin(), more.grid_xyz[a].end(),
+                      all.grid_xyz[a].begin() + static_cast<std::ptrdiff_t>(before));
         else
             std::copy(more.xyz[a].begin(), more.xyz[a].end(), all.xyz[a].begin() + static_cast<std::ptrdiff_t>(before));
     }

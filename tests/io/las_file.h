@@ -141,16 +141,27 @@ struct LasFile {
         for (int axis = 0; axis < 3; ++axis) to.put(10.0 + axis).put(-10.0 - axis);
         if (version >= 3) to.put(std::uint64_t{0});
         if (version >= 4) {
-            to.put(static_cast<std::uint64_t>(evlrs.empty() ? 0 : evlr_start)).put(static_cast<std::uint32_t>(evlrs.size()));
+            to.put(static_cast<std::uint64_t>(evlrs.empty() ? 0 : evlr_start))
+                .put(static_cast<std::uint32_t>(evlrs.size()));
             to.put(static_cast<std::uint64_t>(count));
             for (int i = 0; i < 15; ++i) to.put(std::uint64_t{0});
         }
         EXPECT_EQ(to.data.size(), header_size());
         for (const LasVlr& vlr : vlrs)
-            to.put(std::uint16_t{0}).text(vlr.user_id, 16).put(vlr.id).put(static_cast<std::uint16_t>(vlr.payload.size())).text("described", 32).raw(vlr.payload);
+            to.put(std::uint16_t{0})
+                .text(vlr.user_id, 16)
+                .put(vlr.id)
+                .put(static_cast<std::uint16_t>(vlr.payload.size()))
+                .text("described", 32)
+                .raw(vlr.payload);
         for (const LasRecord& record : records) put_record(to, record, format);
         for (const LasVlr& vlr : evlrs)
-            to.put(std::uint16_t{0}).text(vlr.user_id, 16).put(vlr.id).put(static_cast<std::uint64_t>(vlr.payload.size())).text("described", 32).raw(vlr.payload);
+            to.put(std::uint16_t{0})
+                .text(vlr.user_id, 16)
+                .put(vlr.id)
+                .put(static_cast<std::uint64_t>(vlr.payload.size()))
+                .text("described", 32)
+                .raw(vlr.payload);
         return to.data;
     }
 };
@@ -167,8 +178,8 @@ LasFile random_las(Random& random, int version, int format, std::size_t points, 
 }
 
 // One entry of the Extra Bytes VLR.
-inline std::string extra_descriptor(int type, int options, const std::string& name, std::array<double, 3> scale = {0, 0, 0},
-                                    std::array<double, 3> offset = {0, 0, 0})
+inline std::string extra_descriptor(int type, int options, const std::string& name,
+                                    std::array<double, 3> scale = {0, 0, 0}, std::array<double, 3> offset = {0, 0, 0})
 {
     Bytes to;
     to.put(std::uint16_t{0}).put(static_cast<std::uint8_t>(type)).put(static_cast<std::uint8_t>(options));

@@ -60,7 +60,8 @@ TEST_P(LasFormats, EveryFieldComesBack)
     TemporaryFolder folder;
     for (const std::size_t extra : {0, 5}) {
         LasFile file = random_las(random, version, format, 1500, extra);
-        file.vlrs = {{"LASF_Projection", 34735, std::string("\0\1\2\3", 4)}, {"LASF_Projection", 2112, "WKT"}, {"empty", 0, ""}};
+        file.vlrs = {
+            {"LASF_Projection", 34735, std::string("\0\1\2\3", 4)}, {"LASF_Projection", 2112, "WKT"}, {"empty", 0, ""}};
         if (version >= 4) file.evlrs = {{"far", 9, std::string(70000, 'e')}};
         const auto path = write_file(folder / "a.las", file.bytes());
 
@@ -137,12 +138,14 @@ TEST(LasReader, BatchesOfAnySizeGiveTheSame)
     TemporaryFolder folder;
     const auto path = write_file(folder / "a.las", random_las(random, 4, 10, 3000, 1000).bytes());
     const Whole whole = read_whole(path);
-    for (const std::size_t batch : {std::size_t{1}, std::size_t{7}, std::size_t{1024}, std::size_t{2999}, std::size_t{3000}, std::size_t{1} << 40}) {
+    for (const std::size_t batch : {std::size_t{1}, std::size_t{7}, std::size_t{1024}, std::size_t{2999},
+                                    std::size_t{3000}, std::size_t{1} << 40}) {
         const Whole other = read_whole(path, batch);
         ASSERT_EQ(other.points.grid_xyz, whole.points.grid_xyz);
         for (std::size_t a = 0; a < whole.points.attributes.size(); ++a)
             ASSERT_EQ(std::memcmp(other.points.attributes[a].data(), whole.points.attributes[a].data(),
-                                  whole.points.attributes[a].bytes()), 0);
+                                  whole.points.attributes[a].bytes()),
+                      0);
     }
 }
 
@@ -174,7 +177,8 @@ TEST(LasReader, EveryTruncationIsRefusedAtOpen)
             const auto path = write_file(folder / "a.las", bytes.substr(0, length));
             const Error error = error_of([&] { open_reader(path); });
             ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
-            ASSERT_EQ(error.code(), length < 4 ? ErrorCode::bad_format : ErrorCode::truncated) << length << error.what();
+            ASSERT_EQ(error.code(), length < 4 ? ErrorCode::bad_format : ErrorCode::truncated)
+                << length << error.what();
         }
         EXPECT_EQ(read_whole(write_file(folder / "a.las", bytes)).points.size, 3u);
     }
@@ -299,24 +303,26 @@ TEST(LasReader, DamagedVlrsDoNotHideThePoints)
         EXPECT_FALSE(whole.info.notes.empty());
         return whole.info.metadata.size();
     };
-    EXPECT_EQ(read_damaged(100, 0xFFFFFFFFu), 4u);                                   // VLR count
-    EXPECT_EQ(read_damaged(375 + 59 + 20, std::uint16_t{6}), 3u);                    // length of the second VLR
-    EXPECT_EQ(read_damaged(243, 0xFFFFFFFFu), 4u);                                   // EVLR count
-    EXPECT_EQ(read_damaged(235, std::uint64_t{0}), 2u);                              // EVLRs in the header
-    EXPECT_EQ(read_damaged(235, ~std::uint64_t{0}), 2u);                             // EVLRs nowhere
-    EXPECT_EQ(read_damaged(good.size() - 65 + 20, ~std::uint64_t{0}), 3u);           // length of the second EVLR
+    EXPECT_EQ(read_damaged(100, 0xFFFFFFFFu), 4u);                          // VLR count
+    EXPECT_EQ(read_damaged(375 + 59 + 20, std::uint16_t{6}), 3u);           // length of the second VLR
+    EXPECT_EQ(read_damaged(243, 0xFFFFFFFFu), 4u);                          // EVLR count
+    EXPECT_EQ(read_damaged(235, std::uint64_t{0}), 2u);                     // EVLRs in the header
+    EXPECT_EQ(read_damaged(235, ~std::uint64_t{0}), 2u);                    // EVLRs nowhere
+    EXPECT_EQ(read_damaged(good.size() - 65 + 20, ~std::uint64_t{0}), 3u);  // length of the second EVLR
 }
 
 TEST(LasReader, ExtraBytesOfEveryType)
 {
-    static constexpr ScalarType types[] = {ScalarType::u8,  ScalarType::i8,  ScalarType::u16, ScalarType::i16, ScalarType::u32,
-                                           ScalarType::i32, ScalarType::u64, ScalarType::i64, ScalarType::f32, ScalarType::f64};
+    static constexpr ScalarType types[] = {ScalarType::u8,  ScalarType::i8,  ScalarType::u16, ScalarType::i16,
+                                           ScalarType::u32, ScalarType::i32, ScalarType::u64, ScalarType::i64,
+                                           ScalarType::f32, ScalarType::f64};
     std::mt19937_64 random(12);
     TemporaryFolder folder;
     std::string descriptors;
     std::size_t extra = 0;
     for (int type = 1; type <= 30; ++type) {
-        descriptors += extra_descriptor(type, type % 3 ? 0x18 : 0, "field " + std::to_string(type), {0.5, 0.5, 0.5}, {-7, -7, -7});
+        descriptors +=
+            extra_descriptor(type, type % 3 ? 0x18 : 0, "field " + std::to_string(type), {0.5, 0.5, 0.5}, {-7, -7, -7});
         extra += size_of(types[(type - 1) % 10]) * static_cast<std::size_t>((type - 1) / 10 + 1);
     }
     descriptors += extra_descriptor(0, 3, "plain");
@@ -334,7 +340,9 @@ TEST(LasReader, ExtraBytesOfEveryType)
             EXPECT_EQ(attribute.components, components);
             for (std::size_t i = 0; i < 40; ++i)
                 ASSERT_EQ(std::memcmp(whole.points.attributes[*index].data() + i * attribute.bytes(),
-                                      file.records[i].extra.data() + at, attribute.bytes()), 0) << name;
+                                      file.records[i].extra.data() + at, attribute.bytes()),
+                          0)
+                    << name;
             at += attribute.bytes();
         };
         for (int type = 1; type <= 30; ++type) {
@@ -357,8 +365,8 @@ TEST(LasReader, ExtraBytesNamesAndScalesThatClash)
     TemporaryFolder folder;
     LasFile file = random_las(random, 2, 0, 3, 2 + 2 + 2 + 6 + 1);
     file.vlrs = {{"LASF_Spec", 4,
-                  extra_descriptor(3, 0, "intensity") + extra_descriptor(3, 0, "same") + extra_descriptor(3, 0, "same") +
-                      extra_descriptor(23, 0x08, "mixed", {1, 2, 3}) +
+                  extra_descriptor(3, 0, "intensity") + extra_descriptor(3, 0, "same") +
+                      extra_descriptor(3, 0, "same") + extra_descriptor(23, 0x08, "mixed", {1, 2, 3}) +
                       extra_descriptor(1, 0x08, std::string("ctl\x01", 4), {0, 0, 0})}};
     const Whole whole = read_whole(write_file(folder / "a.las", file.bytes()));
     for (const char* name : {"intensity", "intensity_2", "same", "same_2", "mixed[0]", "mixed[1]", "mixed[2]", "ctl_"})
@@ -367,7 +375,8 @@ TEST(LasReader, ExtraBytesNamesAndScalesThatClash)
     EXPECT_EQ(whole.info.schema[*whole.info.schema.find("ctl_")].scale, 1.0);
     EXPECT_TRUE(any_mentions(whole.info.notes, "scale or offset"));
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto low = static_cast<unsigned char>(file.records[i].extra[10]), high = static_cast<unsigned char>(file.records[i].extra[11]);
+        const auto low = static_cast<unsigned char>(file.records[i].extra[10]),
+                   high = static_cast<unsigned char>(file.records[i].extra[11]);
         EXPECT_EQ(whole.raw<std::uint16_t>("mixed[2]", i), low | high << 8);
     }
 }
@@ -407,7 +416,8 @@ TEST(LasReader, LongRecords)
     EXPECT_EQ(points, 1500u);
     const Whole whole = read_whole(path);
     for (const std::size_t i : {0, 700, 1499})
-        EXPECT_EQ(whole.raw<std::uint8_t>("extra_bytes", i, 65514), static_cast<std::uint8_t>(file.records[i].extra[65514]));
+        EXPECT_EQ(whole.raw<std::uint8_t>("extra_bytes", i, 65514),
+                  static_cast<std::uint8_t>(file.records[i].extra[65514]));
 }
 
 }  // namespace

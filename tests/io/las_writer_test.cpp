@@ -88,12 +88,27 @@ TEST(LasWriter, HeaderOfOnePoint)
     writer.finish();
 
     Bytes expected;
-    expected.raw("LASF").put(0u).text("", 16).put(std::uint8_t{1}).put(std::uint8_t{2}).text("OTHER", 32).text("pcm", 32);
+    expected.raw("LASF")
+        .put(0u)
+        .text("", 16)
+        .put(std::uint8_t{1})
+        .put(std::uint8_t{2})
+        .text("OTHER", 32)
+        .text("pcm", 32);
     expected.put(std::uint16_t{1}).put(std::uint16_t{2025}).put(std::uint16_t{227}).put(227u).put(0u);
     expected.put(std::uint8_t{2}).put(std::uint16_t{26}).put(1u).put(1u).put(0u).put(0u).put(0u).put(0u);
     for (const double value : {1., 1., 1., 0., 0., 0., 1., 1., 2., 2., 3., 3.}) expected.put(value);
-    expected.put(1).put(2).put(3).put(std::uint16_t{0x0405}).put(std::uint8_t{9}).put(std::uint8_t{6}).put(std::uint16_t{0});
-    expected.put(std::uint16_t{0x0708}).put(std::uint16_t{0x090A}).put(std::uint16_t{0x0B0C}).put(std::uint16_t{0x0D0E});
+    expected.put(1)
+        .put(2)
+        .put(3)
+        .put(std::uint16_t{0x0405})
+        .put(std::uint8_t{9})
+        .put(std::uint8_t{6})
+        .put(std::uint16_t{0});
+    expected.put(std::uint16_t{0x0708})
+        .put(std::uint16_t{0x090A})
+        .put(std::uint16_t{0x0B0C})
+        .put(std::uint16_t{0x0D0E});
     EXPECT_EQ(read_bytes(folder / "a.las"), expected.data);
 }
 
@@ -144,8 +159,12 @@ TEST(LasWriter, RefusesWritingAfterTheEnd)
 TEST(LasWriter, RefusesGridsThatAreNone)
 {
     TemporaryFolder folder;
-    for (const double scale : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-        EXPECT_EQ(error_of([&] { LasWriter(folder / "a.las", Grid{{1, scale, 1}, {0, 0, 0}}); }).code(), ErrorCode::invalid_argument);
+    for (const double scale :
+         {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+        EXPECT_EQ(error_of([&] {
+                      LasWriter(folder / "a.las", Grid{{1, scale, 1}, {0, 0, 0}});
+                  }).code(),
+                  ErrorCode::invalid_argument);
     EXPECT_EQ(files_in(folder.path()), 0u);
 }
 

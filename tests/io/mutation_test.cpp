@@ -33,8 +33,9 @@ std::vector<std::string> las_seeds()
     std::vector<std::string> seeds;
     for (const auto& [version, format] : {std::pair{0, 0}, {2, 2}, {3, 5}, {4, 10}}) {
         LasFile file = random_las(random, version, format, 6, 12);
-        file.vlrs = {{"LASF_Projection", 34735, "abcdefgh"},
-                     {"LASF_Spec", 4, extra_descriptor(5, 0x18, "a", {1, 1, 1}) + extra_descriptor(23, 8, "b", {1, 2, 3})}};
+        file.vlrs = {
+            {"LASF_Projection", 34735, "abcdefgh"},
+            {"LASF_Spec", 4, extra_descriptor(5, 0x18, "a", {1, 1, 1}) + extra_descriptor(23, 8, "b", {1, 2, 3})}};
         if (version == 4) file.evlrs = {{"far", 1, "abcdefgh"}};
         seeds.push_back(file.bytes());
     }
@@ -44,13 +45,27 @@ std::vector<std::string> las_seeds()
 std::vector<std::string> ply_seeds()
 {
     Bytes lists, plain;
-    lists.raw("ply\nformat binary_big_endian 1.0\nelement face 2\nproperty list uchar int v\nelement vertex 2\nproperty float x\nproperty list uchar uchar l\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n");
+    lists.raw(
+        "ply\nformat binary_big_endian 1.0\nelement face 2\nproperty list uchar int v\nelement vertex 2\nproperty "
+        "float x\nproperty list uchar uchar l\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar "
+        "green\nproperty uchar blue\nend_header\n");
     for (int i = 0; i < 2; ++i) lists.put(std::uint8_t{1}).put_big_endian(7);
-    for (int i = 0; i < 2; ++i) lists.put_big_endian(1.f).put(std::uint8_t{2}).put(std::uint16_t{0}).put_big_endian(2.f).put_big_endian(3.f).put(std::uint8_t{1}).put(std::uint16_t{5});
-    plain.raw("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n");
+    for (int i = 0; i < 2; ++i)
+        lists.put_big_endian(1.f)
+            .put(std::uint8_t{2})
+            .put(std::uint16_t{0})
+            .put_big_endian(2.f)
+            .put_big_endian(3.f)
+            .put(std::uint8_t{1})
+            .put(std::uint16_t{5});
+    plain.raw(
+        "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
+        "z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n");
     for (int i = 0; i < 3; ++i) plain.put(1.).put(2.).put(3.).put(1.f).put(0.f).put(0.f);
     return {lists.data, plain.data,
-            "ply\nformat ascii 1.0\ncomment x\nelement face 1\nproperty list uchar int v\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty int intensity\nproperty list uchar short w\nend_header\n3 0 1 2\n1.5 2e3 -3 4 1 7\n1 2 3 4 0\n nan inf -0 5 2 1 2\n"};
+            "ply\nformat ascii 1.0\ncomment x\nelement face 1\nproperty list uchar int v\nelement vertex 3\nproperty "
+            "float x\nproperty float y\nproperty float z\nproperty int intensity\nproperty list uchar short "
+            "w\nend_header\n3 0 1 2\n1.5 2e3 -3 4 1 7\n1 2 3 4 0\n nan inf -0 5 2 1 2\n"};
 }
 
 // Flips, replaces, removes and inserts some bytes, most of them near the start.
@@ -62,16 +77,27 @@ std::string mutated(std::string bytes, std::mt19937_64& random)
         const std::size_t range = random() % 3 ? std::min<std::size_t>(bytes.size(), 400) : bytes.size();
         const std::size_t at = random() % range;
         switch (random() % 8) {
-        case 0:
-        case 1: bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8)); break;
-        case 2:
-        case 3: bytes[at] = static_cast<char>(favourites[random() % sizeof favourites]); break;
-        case 4: bytes[at] = static_cast<char>(random()); break;
-        case 5:  // a run, so that whole numbers become extreme
-            for (std::size_t k = at; k < std::min(bytes.size(), at + 8); ++k) bytes[k] = static_cast<char>(random() % 2 ? 0xFF : bytes[k]);
-            break;
-        case 6: bytes.erase(at, 1 + random() % 20); break;
-        default: bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 20)); break;
+            case 0:
+            case 1:
+                bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
+                break;
+            case 2:
+            case 3:
+                bytes[at] = static_cast<char>(favourites[random() % sizeof favourites]);
+                break;
+            case 4:
+                bytes[at] = static_cast<char>(random());
+                break;
+            case 5:  // a run, so that whole numbers become extreme
+                for (std::size_t k = at; k < std::min(bytes.size(), at + 8); ++k)
+                    bytes[k] = static_cast<char>(random() % 2 ? 0xFF : bytes[k]);
+                break;
+            case 6:
+                bytes.erase(at, 1 + random() % 20);
+                break;
+            default:
+                bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 20));
+                break;
         }
     }
     return bytes;
@@ -83,7 +109,8 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
     TemporaryFolder folder;
     int read = 0, refused = 0;
     for (int round = 0; round < rounds; ++round) {
-        const auto path = write_file(folder / (std::string("a.") + extension), mutated(seeds[static_cast<std::size_t>(round) % seeds.size()], random));
+        const auto path = write_file(folder / (std::string("a.") + extension),
+                                     mutated(seeds[static_cast<std::size_t>(round) % seeds.size()], random));
         largest_allocation = 0;
         try {
             const auto reader = open_reader(path);

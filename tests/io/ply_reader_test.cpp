@@ -27,16 +27,25 @@ class PlyEncodings : public testing::TestWithParam<std::tuple<Encoding, bool>> {
 TEST_P(PlyEncodings, EveryScalarTypeComesBack)
 {
     const auto [encoding, sized_names] = GetParam();
-    static constexpr std::array<std::array<const char*, 2>, 8> names{{{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
-                                                                      {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}}};
+    static constexpr std::array<std::array<const char*, 2>, 8> names{{{"char", "int8"},
+                                                                      {"uchar", "uint8"},
+                                                                      {"short", "int16"},
+                                                                      {"ushort", "uint16"},
+                                                                      {"int", "int32"},
+                                                                      {"uint", "uint32"},
+                                                                      {"float", "float32"},
+                                                                      {"double", "float64"}}};
     static constexpr ScalarType types[] = {ScalarType::i8,  ScalarType::u8,  ScalarType::i16, ScalarType::u16,
                                            ScalarType::i32, ScalarType::u32, ScalarType::f32, ScalarType::f64};
     constexpr std::size_t count = 5000;
     Bytes file;
-    file.raw(std::string("ply\nformat ") + encoding.format + " 1.0\ncomment element face 3\nobj_info property\nelement vertex " + std::to_string(count) + "\n");
+    file.raw(std::string("ply\nformat ") + encoding.format +
+             " 1.0\ncomment element face 3\nobj_info property\nelement vertex " + std::to_string(count) + "\n");
     file.raw(std::string("property ") + names[7][sized_names] + " x\n");
-    for (std::size_t t = 0; t < 8; ++t) file.raw(std::string("property ") + names[t][sized_names] + " value_" + std::to_string(t) + "\n");
-    file.raw(std::string("property ") + names[7][sized_names] + " y\nproperty " + names[7][sized_names] + " z\nend_header\n");
+    for (std::size_t t = 0; t < 8; ++t)
+        file.raw(std::string("property ") + names[t][sized_names] + " value_" + std::to_string(t) + "\n");
+    file.raw(std::string("property ") + names[7][sized_names] + " y\nproperty " + names[7][sized_names] +
+             " z\nend_header\n");
 
     std::mt19937_64 random(1);
     std::vector<std::array<double, 11>> expected(count);  // x, the eight, y, z
@@ -53,7 +62,9 @@ TEST_P(PlyEncodings, EveryScalarTypeComesBack)
         }
         return static_cast<double>(value);
     };
-    const auto real = [&] { return std::ldexp(static_cast<double>(random()) - 0x1p63, static_cast<int>(random() % 40) - 80); };
+    const auto real = [&] {
+        return std::ldexp(static_cast<double>(random()) - 0x1p63, static_cast<int>(random() % 40) - 80);
+    };
     for (auto& e : expected) {
         e[0] = put(real());
         e[1] = put(static_cast<std::int8_t>(random()));
@@ -82,7 +93,8 @@ TEST_P(PlyEncodings, EveryScalarTypeComesBack)
         ASSERT_EQ(whole.points.xyz[0][i], expected[i][0]);
         ASSERT_EQ(whole.points.xyz[1][i], expected[i][9]);
         ASSERT_EQ(whole.points.xyz[2][i], expected[i][10]);
-        for (std::size_t t = 0; t < 8; ++t) ASSERT_EQ(whole.points.attributes[t].value(i), expected[i][t + 1]) << i << " " << t;
+        for (std::size_t t = 0; t < 8; ++t)
+            ASSERT_EQ(whole.points.attributes[t].value(i), expected[i][t + 1]) << i << " " << t;
     }
 
     const auto reader = open_reader(path);
@@ -97,11 +109,13 @@ TEST_P(PlyEncodings, EveryScalarTypeComesBack)
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PlyEncodings,
-                         testing::Combine(testing::Values(Encoding{"ascii", "ascii"}, Encoding{"little", "binary_little_endian"},
+                         testing::Combine(testing::Values(Encoding{"ascii", "ascii"},
+                                                          Encoding{"little", "binary_little_endian"},
                                                           Encoding{"big", "binary_big_endian"}),
                                           testing::Bool()),
                          [](const auto& p) {
-                             return std::string(std::get<0>(p.param).name) + (std::get<1>(p.param) ? "_sized" : "_classic");
+                             return std::string(std::get<0>(p.param).name) +
+                                    (std::get<1>(p.param) ? "_sized" : "_classic");
                          });
 
 TEST(PlyReader, FloatPositionsAreWidenedExactly)
@@ -115,7 +129,9 @@ TEST(PlyReader, FloatPositionsAreWidenedExactly)
 TEST(PlyReader, IntegerAndMixedPositionsAreDoubles)
 {
     TemporaryFolder folder;
-    const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply("property int z\nproperty float y\nproperty uchar x\n", 1, "-2147483648 0.5 255\n")));
+    const Whole whole =
+        read_whole(write_file(folder / "a.ply", ascii_ply("property int z\nproperty float y\nproperty uchar x\n", 1,
+                                                          "-2147483648 0.5 255\n")));
     EXPECT_EQ(whole.info.position_type, ScalarType::f64);
     EXPECT_EQ(whole.position(0), (Vec3d{255, 0.5, -2147483648.0}));
 }
@@ -134,7 +150,8 @@ TEST(PlyReader, GroupsBecomeOneAttribute)
         for (const int i : {2, 0, 1}) properties += std::string("property ushort ") + c.names[i] + "\n";
         properties += "property uchar alpha\n";
         for (const int i : {5, 4, 3}) properties += std::string("property double ") + c.names[i] + "\n";
-        const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(properties, 2, "0 0 0 30 10 20 4 .3 .2 .1\n0 0 0 33 11 22 5 .6 .5 .4\n")));
+        const Whole whole = read_whole(write_file(
+            folder / "a.ply", ascii_ply(properties, 2, "0 0 0 30 10 20 4 .3 .2 .1\n0 0 0 33 11 22 5 .6 .5 .4\n")));
         ASSERT_EQ(whole.info.schema.size(), 3u);
         EXPECT_EQ(whole.info.schema[0], (Attribute{"rgb", ScalarType::u16, 3, 1, 0, {}}));
         EXPECT_EQ(whole.info.schema[1], (Attribute{"alpha", ScalarType::u8, 1, 1, 0, {}}));
@@ -151,7 +168,10 @@ TEST(PlyReader, GroupsBecomeOneAttribute)
 TEST(PlyReader, GroupsOfSeveralTypesStayApart)
 {
     TemporaryFolder folder;
-    const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz + "property uchar red\nproperty char green\nproperty uchar blue\nproperty float nx\n", 1, "0 0 0 1 -2 3 4\n")));
+    const Whole whole = read_whole(
+        write_file(folder / "a.ply",
+                   ascii_ply(xyz + "property uchar red\nproperty char green\nproperty uchar blue\nproperty float nx\n",
+                             1, "0 0 0 1 -2 3 4\n")));
     for (const char* name : {"red", "green", "blue", "nx"}) EXPECT_TRUE(whole.info.schema.find(name)) << name;
     EXPECT_EQ(whole.value("green", 0), -2);
     EXPECT_FALSE(whole.info.schema.find("rgb"));
@@ -160,8 +180,12 @@ TEST(PlyReader, GroupsOfSeveralTypesStayApart)
 TEST(PlyReader, NamesThatMeanSomethingElse)
 {
     TemporaryFolder folder;
-    const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz + "property float rgb\nproperty uchar r\nproperty uchar g\nproperty uchar b\nproperty float scalar_intensity\n"
-                                                                               "property float radius\nproperty float same\nproperty float same\nproperty float two words\n", 1, "0 0 0 9 1 2 3 4 5 6 7 8\n")));
+    const Whole whole = read_whole(write_file(
+        folder / "a.ply",
+        ascii_ply(xyz + "property float rgb\nproperty uchar r\nproperty uchar g\nproperty uchar b\nproperty float "
+                        "scalar_intensity\n"
+                        "property float radius\nproperty float same\nproperty float same\nproperty float two words\n",
+                  1, "0 0 0 9 1 2 3 4 5 6 7 8\n")));
     EXPECT_EQ(whole.info.schema[*whole.info.schema.find("rgb")].components, 3u);
     EXPECT_EQ(whole.value("rgb_scalar", 0), 9);
     EXPECT_EQ(whole.value("rgb", 0, 2), 3);
@@ -171,7 +195,9 @@ TEST(PlyReader, NamesThatMeanSomethingElse)
     EXPECT_EQ(whole.value("same_2", 0), 7);
     EXPECT_EQ(whole.value("two words", 0), 8);
 
-    const Whole both = read_whole(write_file(folder / "b.ply", ascii_ply(xyz + "property float scalar_intensity\nproperty float intensity\n", 1, "0 0 0 1 2\n")));
+    const Whole both = read_whole(
+        write_file(folder / "b.ply",
+                   ascii_ply(xyz + "property float scalar_intensity\nproperty float intensity\n", 1, "0 0 0 1 2\n")));
     EXPECT_EQ(both.value("scalar_intensity", 0), 1);
     EXPECT_EQ(both.value("intensity", 0), 2);
 }
@@ -183,9 +209,13 @@ TEST(PlyReader, PassesOverLists)
     for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
         std::mt19937_64 random(3);
         Bytes file;
-        file.raw("ply\nformat " + format + " 1.0\nelement strip 40\nproperty list ushort double weights\nproperty char c\nproperty list char uchar bytes\n"
-                 "element fixed 3\nproperty int i\nelement nothing 5\nelement vertex 200\nproperty float x\nproperty list int short friends\n"
-                 "property float y\nproperty uchar red\nproperty float z\nproperty list uint8 float more\nelement face 12\nproperty list uchar int vertex_indices\nend_header\n");
+        file.raw("ply\nformat " + format +
+                 " 1.0\nelement strip 40\nproperty list ushort double weights\nproperty char c\nproperty list char "
+                 "uchar bytes\n"
+                 "element fixed 3\nproperty int i\nelement nothing 5\nelement vertex 200\nproperty float x\nproperty "
+                 "list int short friends\n"
+                 "property float y\nproperty uchar red\nproperty float z\nproperty list uint8 float more\nelement face "
+                 "12\nproperty list uchar int vertex_indices\nend_header\n");
         const bool ascii = format == "ascii";
         const auto put = [&](auto value) {
             if (ascii)
@@ -195,7 +225,9 @@ TEST(PlyReader, PassesOverLists)
             else
                 file.put(value);
         };
-        const auto end_of_line = [&] { if (ascii) file.raw("\r\n"); };
+        const auto end_of_line = [&] {
+            if (ascii) file.raw("\r\n");
+        };
         for (int i = 0; i < 40; ++i) {
             const auto weights = static_cast<std::uint16_t>(random() % 300);
             put(weights);
@@ -257,7 +289,8 @@ TEST(PlyReader, FixedElementsBeforeTheVerticesLeaveItSeekable)
 {
     TemporaryFolder folder;
     Bytes file;
-    file.raw("ply\nformat binary_little_endian 1.0\nelement camera 2\nproperty double f\nelement vertex 3\n" + xyz + "end_header\n");
+    file.raw("ply\nformat binary_little_endian 1.0\nelement camera 2\nproperty double f\nelement vertex 3\n" + xyz +
+             "end_header\n");
     file.put(1.0).put(2.0);
     for (int i = 0; i < 9; ++i) file.put(static_cast<float>(i));
     const auto reader = open_reader(write_file(folder / "a.ply", file.data));
@@ -271,7 +304,8 @@ TEST(PlyReader, FixedElementsBeforeTheVerticesLeaveItSeekable)
 
 TEST(PlyReader, LineEndsOfAllKinds)
 {
-    const std::string unix_file = "ply\nformat ascii 1.0\ncomment\n\nelement vertex 2\n" + xyz + "end_header\n1 2 3\n\n  4\t5 6  \n";
+    const std::string unix_file =
+        "ply\nformat ascii 1.0\ncomment\n\nelement vertex 2\n" + xyz + "end_header\n1 2 3\n\n  4\t5 6  \n";
     TemporaryFolder folder;
     for (const std::string end : {"\n", "\r\n", "\r"}) {
         std::string file;
@@ -286,8 +320,8 @@ TEST(PlyReader, LineEndsOfAllKinds)
     // In binary files a byte behind the header's last line end may look like another line end.
     for (const std::string end : {"\n", "\r\n", "\r"}) {
         Bytes file;
-        file.raw("ply" + end + "format binary_little_endian 1.0" + end + "element vertex 1" + end + "property uchar x" + end +
-                 "property uchar y" + end + "property uchar z" + end + "end_header" + end + "\n\r\n");
+        file.raw("ply" + end + "format binary_little_endian 1.0" + end + "element vertex 1" + end + "property uchar x" +
+                 end + "property uchar y" + end + "property uchar z" + end + "end_header" + end + "\n\r\n");
         const Whole whole = read_whole(write_file(folder / "a.ply", file.data));
         EXPECT_EQ(whole.position(0), (Vec3d{10, 13, 10})) << end.size();
     }
@@ -299,23 +333,39 @@ TEST(PlyReader, NumbersInEveryDress)
     struct {
         const char* text;
         double value;
-    } const cases[] = {{"1e3", 1000}, {"+2.5", 2.5}, {"-.5", -0.5}, {"5.", 5}, {"1E-2", 0.01}, {"inf", infinity}, {"-Infinity", -infinity},
-                       {"1.#INF", infinity}, {"-1.#INF00", -infinity}, {"1e999", infinity}, {"-1e999", -infinity}, {"1e-999", 0},
-                       {"0000000000000000000012", 12}, {"4.9406564584124654e-324", 4.9406564584124654e-324}, {"1.7976931348623157e308", 1.7976931348623157e308}};
+    } const cases[] = {{"1e3", 1000},
+                       {"+2.5", 2.5},
+                       {"-.5", -0.5},
+                       {"5.", 5},
+                       {"1E-2", 0.01},
+                       {"inf", infinity},
+                       {"-Infinity", -infinity},
+                       {"1.#INF", infinity},
+                       {"-1.#INF00", -infinity},
+                       {"1e999", infinity},
+                       {"-1e999", -infinity},
+                       {"1e-999", 0},
+                       {"0000000000000000000012", 12},
+                       {"4.9406564584124654e-324", 4.9406564584124654e-324},
+                       {"1.7976931348623157e308", 1.7976931348623157e308}};
     TemporaryFolder folder;
     for (const auto& c : cases) {
-        const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply("property double x\nproperty float y\nproperty float z\n", 1, std::string(c.text) + " 0 0")));
+        const Whole whole =
+            read_whole(write_file(folder / "a.ply", ascii_ply("property double x\nproperty float y\nproperty float z\n",
+                                                              1, std::string(c.text) + " 0 0")));
         EXPECT_EQ(whole.points.xyz[0][0], c.value) << c.text;
     }
     for (const char* text : {"nan", "NaN", "-nan", "1.#QNAN", "-1.#IND", "nan(ind)"}) {
-        const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz, 1, std::string("0 ") + text + " 0")));
+        const Whole whole =
+            read_whole(write_file(folder / "a.ply", ascii_ply(xyz, 1, std::string("0 ") + text + " 0")));
         EXPECT_TRUE(std::isnan(whole.points.xyz[1][0])) << text;
     }
     // A float property with numbers that only a double holds.
     const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz, 1, "1e200 -1e200 1e-200")));
     EXPECT_EQ(whole.position(0), (Vec3d{infinity, -infinity, 0}));
     // Whole numbers written as reals.
-    const Whole real = read_whole(write_file(folder / "a.ply", ascii_ply(xyz + "property uchar red\nproperty int label\n", 1, "0 0 0 255.0 -2e3")));
+    const Whole real = read_whole(write_file(
+        folder / "a.ply", ascii_ply(xyz + "property uchar red\nproperty int label\n", 1, "0 0 0 255.0 -2e3")));
     EXPECT_EQ(real.value("red", 0), 255);
     EXPECT_EQ(real.value("label", 0), -2000);
 }
@@ -326,16 +376,25 @@ TEST(PlyReader, BadLinesAreNamed)
         const char* line;
         const char* found;
         const char* expected;
-    } const cases[] = {{"1 2 x 4", "'x'", "f32"}, {"1 2 3", "'1 2 3'", "ends before the property 'red'"}, {"1 2 3 4 5", "'5'", "end of the line"},
-                       {"1 2 3 256", "'256'", "u8"}, {"1 2 3 -1", "'-1'", "u8"}, {"1 2 3 1.5", "'1.5'", "u8"}, {"1 2,5 3 1", "'2,5'", "'y'"},
-                       {"1 2 0x3 1", "'0x3'", "'z'"}, {"1 2 +-3 1", "'+-3'", "'z'"}, {"1 2 3 nan", "'nan'", "u8"}};
+    } const cases[] = {{"1 2 x 4", "'x'", "f32"},
+                       {"1 2 3", "'1 2 3'", "ends before the property 'red'"},
+                       {"1 2 3 4 5", "'5'", "end of the line"},
+                       {"1 2 3 256", "'256'", "u8"},
+                       {"1 2 3 -1", "'-1'", "u8"},
+                       {"1 2 3 1.5", "'1.5'", "u8"},
+                       {"1 2,5 3 1", "'2,5'", "'y'"},
+                       {"1 2 0x3 1", "'0x3'", "'z'"},
+                       {"1 2 +-3 1", "'+-3'", "'z'"},
+                       {"1 2 3 nan", "'nan'", "u8"}};
     TemporaryFolder folder;
     for (const auto& c : cases) {
         // Line 9 with the blank one: ply, format, element, four properties, end_header, a vertex, blank, this.
-        const auto path = write_file(folder / "a.ply", ascii_ply(xyz + "property uchar red\n", 3, std::string("0 0 0 0\n\n") + c.line + "\n0 0 0 0\n"));
+        const auto path = write_file(folder / "a.ply", ascii_ply(xyz + "property uchar red\n", 3,
+                                                                 std::string("0 0 0 0\n\n") + c.line + "\n0 0 0 0\n"));
         const Error error = error_of([&] { read_whole(*open_reader(path)); });
         EXPECT_EQ(error.code(), ErrorCode::bad_format);
-        for (const std::string& part : {std::string("line 11"), std::string(c.found), std::string(c.expected), path.string()})
+        for (const std::string& part :
+             {std::string("line 11"), std::string(c.found), std::string(c.expected), path.string()})
             EXPECT_TRUE(mentions(error.what(), part)) << part << " in " << error.what();
     }
 }
@@ -348,7 +407,8 @@ TEST(PlyReader, BadHeadersAreNamed)
         const char* says;
     } const cases[] = {
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n", ErrorCode::bad_format, "end_header"},
-        {"ply\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n", ErrorCode::bad_format, "format"},
+        {"ply\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+         ErrorCode::bad_format, "format"},
         {"ply\nformat binary 1.0\nend_header\n", ErrorCode::bad_format, "line 2"},
         {"ply\nformat ascii 2.0\nend_header\n", ErrorCode::unsupported, "2.0"},
         {"ply\nformat ascii 1.0\nend_header\n", ErrorCode::bad_format, "vertex"},
@@ -359,10 +419,14 @@ TEST(PlyReader, BadHeadersAreNamed)
         {"ply\nformat ascii 1.0\nproperty float x\nend_header\n", ErrorCode::bad_format, "before the first element"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty flat x\nend_header\n", ErrorCode::bad_format, "'flat'"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float\nend_header\n", ErrorCode::bad_format, "no name"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n", ErrorCode::bad_format, "floating point"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n", ErrorCode::bad_format, "'z'"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n0 0\n", ErrorCode::bad_format, "'x'"},
-        {"ply\nformat ascii 1.0\nelement vertex 0\nelement vertex 0\nend_header\n", ErrorCode::bad_format, "two elements"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n", ErrorCode::bad_format,
+         "floating point"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
+         ErrorCode::bad_format, "'z'"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n0 0\n",
+         ErrorCode::bad_format, "'x'"},
+        {"ply\nformat ascii 1.0\nelement vertex 0\nelement vertex 0\nend_header\n", ErrorCode::bad_format,
+         "two elements"},
         {"ply\nformat ascii 1.0\nbanana\nend_header\n", ErrorCode::bad_format, "'banana'"},
     };
     TemporaryFolder folder;
@@ -389,7 +453,9 @@ TEST(PlyReader, MoreAttributesThanASchemaHolds)
     for (int i = 0; i < 256; ++i) properties += "property uchar a" + std::to_string(i) + "\n", line += " 7";
     TemporaryFolder folder;
     EXPECT_EQ(read_whole(write_file(folder / "a.ply", ascii_ply(properties, 1, line))).value("a255", 0), 7);
-    const Error error = error_of([&] { open_reader(write_file(folder / "a.ply", ascii_ply(properties + "property uchar more\n", 1, line + " 7"))); });
+    const Error error = error_of([&] {
+        open_reader(write_file(folder / "a.ply", ascii_ply(properties + "property uchar more\n", 1, line + " 7")));
+    });
     EXPECT_EQ(error.code(), ErrorCode::unsupported);
     EXPECT_TRUE(mentions(error.what(), "a.ply"));
 }
@@ -399,7 +465,9 @@ TEST(PlyReader, PromisesThatCannotBeKeptAreRefusedAtOpen)
     TemporaryFolder folder;
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
         for (const char* count : {"2", "1000000000000", "18446744073709551615"}) {
-            const auto path = write_file(folder / "a.ply", std::string("ply\nformat ") + format + " 1.0\nelement vertex " + count + "\n" + xyz + "end_header\n0 0 0 .");
+            const auto path =
+                write_file(folder / "a.ply", std::string("ply\nformat ") + format + " 1.0\nelement vertex " + count +
+                                                 "\n" + xyz + "end_header\n0 0 0 .");
             const Error error = error_of([&] { open_reader(path); });
             EXPECT_EQ(error.code(), ErrorCode::truncated) << error.what();
             EXPECT_TRUE(mentions(error.what(), count)) << error.what();
@@ -416,7 +484,8 @@ TEST(PlyReader, EveryTruncationOfABinaryFileIsRefusedAtOpen)
         const auto path = write_file(folder / "a.ply", file.data.substr(0, length));
         const Error error = error_of([&] { open_reader(path); });
         ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
-        ASSERT_EQ(error.code(), length < file.data.size() - 52 ? ErrorCode::bad_format : ErrorCode::truncated) << length << error.what();
+        ASSERT_EQ(error.code(), length < file.data.size() - 52 ? ErrorCode::bad_format : ErrorCode::truncated)
+            << length << error.what();
     }
     EXPECT_EQ(read_whole(write_file(folder / "a.ply", file.data)).points.size, 4u);
 }
@@ -434,7 +503,8 @@ TEST(PlyReader, EveryTruncationOfAnAsciiFileIsNoticed)
         }
         const Error error = error_of([&] { read_whole(*open_reader(path)); });
         ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
-        ASSERT_TRUE(error.code() == ErrorCode::bad_format || error.code() == ErrorCode::truncated) << length << error.what();
+        ASSERT_TRUE(error.code() == ErrorCode::bad_format || error.code() == ErrorCode::truncated)
+            << length << error.what();
     }
 }
 
@@ -443,14 +513,18 @@ TEST(PlyReader, NegativeAndEndlessLists)
     TemporaryFolder folder;
     for (const std::int32_t length : {-1, 2147483647}) {
         Bytes file;
-        file.raw("ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list int double v\nelement vertex 1\n" + xyz + "end_header\n");
+        file.raw(
+            "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list int double v\nelement vertex 1\n" +
+            xyz + "end_header\n");
         file.put(length).put(1.0).put(1.0f).put(1.0f).put(1.0f);
         const auto reader = open_reader(write_file(folder / "a.ply", file.data));
         PointBatch batch;
-        EXPECT_EQ(error_of([&] { reader->read(batch, 1); }).code(), length < 0 ? ErrorCode::bad_format : ErrorCode::truncated);
+        EXPECT_EQ(error_of([&] { reader->read(batch, 1); }).code(),
+                  length < 0 ? ErrorCode::bad_format : ErrorCode::truncated);
     }
     Bytes file;  // the length times eight is 8 modulo 2^64
-    file.raw("ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint64 double v\nelement vertex 1\n" + xyz + "end_header\n");
+    file.raw("ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint64 double v\nelement vertex 1\n" +
+             xyz + "end_header\n");
     file.put(std::uint64_t{0x2000000000000001u}).put(1.0).put(1.0f).put(1.0f).put(1.0f);
     const auto reader = open_reader(write_file(folder / "a.ply", file.data));
     PointBatch batch;
@@ -471,7 +545,8 @@ TEST(PlyReader, LinesLongerThanTheBuffer)
     std::string body = "1 2 3 " + std::to_string(numbers);
     for (std::size_t i = 0; i < numbers; ++i) body += " 7";
     TemporaryFolder folder;
-    const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz + "property list uint uchar long\n", 2, body + "\n4 5 6 0\n")));
+    const Whole whole = read_whole(
+        write_file(folder / "a.ply", ascii_ply(xyz + "property list uint uchar long\n", 2, body + "\n4 5 6 0\n")));
     EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
 }
 

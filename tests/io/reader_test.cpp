@@ -9,7 +9,9 @@
 namespace pcm::test {
 namespace {
 
-const std::string small_ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n";
+const std::string small_ply =
+    "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 "
+    "3\n";
 
 std::string small_las()
 {
@@ -61,7 +63,8 @@ TEST(OpenReader, LazNeedsToBeUnpacked)
     bytes.overwrite(104, std::uint8_t{0x80 | 3});
     const Error error = error_of([&] { open_reader(write_file(folder / "a.laz", bytes.data)); });
     EXPECT_EQ(error.code(), ErrorCode::unsupported);
-    for (const char* part : {"LAZ", "point format 3", "uncompressed LAS"}) EXPECT_TRUE(mentions(error.what(), part)) << error.what();
+    for (const char* part : {"LAZ", "point format 3", "uncompressed LAS"})
+        EXPECT_TRUE(mentions(error.what(), part)) << error.what();
 }
 
 TEST(OpenReader, OnlyRegularFiles)
@@ -97,7 +100,8 @@ TEST(ExpandInputs, FoldersStandForTheirFiles)
     write_file(folder / "tiles" / "deeper.las" / "c.las", "x");
     write_file(folder / "one.xyz", "x");
     EXPECT_EQ(expand_inputs({folder / "one.xyz", folder / "tiles"}),
-              (std::vector<std::filesystem::path>{folder / "one.xyz", folder / "tiles" / "a.ply", folder / "tiles" / "b.LAS"}));
+              (std::vector<std::filesystem::path>{folder / "one.xyz", folder / "tiles" / "a.ply",
+                                                  folder / "tiles" / "b.LAS"}));
     EXPECT_TRUE(expand_inputs({}).empty());
 }
 

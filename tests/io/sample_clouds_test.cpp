@@ -47,7 +47,8 @@ void expect_as_in_manifest(const std::string& folder, const std::string& extensi
 {
     std::size_t files = 0;
     for (const auto& [name, fields] : manifest()) {
-        if (name.compare(0, folder.size(), folder) != 0 || std::filesystem::path(name).extension() != extension) continue;
+        if (name.compare(0, folder.size(), folder) != 0 || std::filesystem::path(name).extension() != extension)
+            continue;
         SCOPED_TRACE(name);
         ++files;
         const Whole whole = read_whole(sample(name));
@@ -94,7 +95,8 @@ TEST(SampleClouds, TheSameCloudInThreeFormats)
             // Text of six decimals; the grid of the LAS file.
             ASSERT_NEAR(ascii.position(i)[a], binary.position(i)[a], 1e-6);
             ASSERT_NEAR(las.position(i)[a], binary.position(i)[a], 1e-6);
-            ASSERT_EQ(ascii.value("rgb", i, static_cast<std::uint32_t>(a)), binary.value("rgb", i, static_cast<std::uint32_t>(a)));
+            ASSERT_EQ(ascii.value("rgb", i, static_cast<std::uint32_t>(a)),
+                      binary.value("rgb", i, static_cast<std::uint32_t>(a)));
         }
 }
 
@@ -126,8 +128,10 @@ TEST(SampleClouds, CompressedFilesAreRefusedAsSuch)
 TEST(SampleClouds, EdgeCases)
 {
     PCM_REQUIRE_SAMPLE("edge");
-    const std::map<std::string, std::size_t> readable = {{"bad_vlr_count.las", 10}, {"malformed_extrabytes.las", 10},
-                                                         {"cube_binary_header_with_RN_newline.ply", 8}, {"empty_ok_ascii.ply", 0},
+    const std::map<std::string, std::size_t> readable = {{"bad_vlr_count.las", 10},
+                                                         {"malformed_extrabytes.las", 10},
+                                                         {"cube_binary_header_with_RN_newline.ply", 8},
+                                                         {"empty_ok_ascii.ply", 0},
                                                          {"simple_text.ply", 3}};
     for (const auto& entry : std::filesystem::directory_iterator(sample("edge"))) {
         const auto extension = entry.path().extension();

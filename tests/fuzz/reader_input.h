@@ -1,0 +1,38 @@
+// Bytes as a file that exists only in memory, read to the end.
+#pragma once
+
+#include "io/reader.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+namespace pcm::fuzz {
+
+// Any pcm::Error is an answer; any other exception, and points that are not as many as promised, are a find.
+inline void read_all(std::unique_ptr<PointReader> (*open)(const std::filesystem::path&), const std::uint8_t* bytes,
+                     std::size_t size)
+{
+    static const int descriptor = memfd_create("input", MFD_CLOEXEC);
+    if (descriptor < 0 || ftruncate(descriptor, 0) != 0 ||
+        pwrite(descriptor, bytes, size, 0) != static_cast<ssize_t>(size))
+        std::abort();
+    try {
+        const auto reader = open("/proc/self/fd/" + std::to_string(descriptor));
+        PointBatch batch;
+        std::uint64_t points = 0;
+        while (reader->read(batch, 1000)) points += batch.size;
+        if (points != reader->info().points) std::abort();
+        if (reader->seekable() && points) {
+            reader->seek(points - 1);
+            if (!reader->read(batch, 10) || batch.size != 1) std::abort();
+        }
+    } catch (const Error&) {
+    }
+}
+
+}  // namespace pcm::fuzz
