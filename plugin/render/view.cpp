@@ -106,6 +106,7 @@ void View::end(int mesh_id)
     if (found->second.native_hidden) show_native(mesh_id, true);
     Painter::give_back(found->second.painter);
     layers_.erase(found);
+    publish_state();
 }
 
 void View::close()
@@ -121,6 +122,7 @@ void View::forget(int mesh_id)
     area_->makeCurrent();
     Painter::give_back(found->second.painter);
     if (!area_->md() || !area_->md()->getMesh(mesh_id)) layers_.erase(found);
+    publish_state();
 }
 
 void View::show_native(int mesh_id, bool show)
@@ -154,7 +156,6 @@ void View::reconcile()
     }
     if (!ended.empty()) area_->makeCurrent();
     for (const int mesh_id : ended) end(mesh_id);
-    if (!ended.empty()) publish_state();
 }
 
 // For whoever watches from outside, such as a test: is the picture final, and how much is in it.
@@ -175,6 +176,7 @@ void View::publish_state()
     state["points"] = static_cast<qulonglong>(points);
     state["complete"] = complete && any;
     state["error"] = error;
+    state["frame"] = ++frame_;
     area_->setProperty("pcm_state", state);
 }
 

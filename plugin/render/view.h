@@ -59,6 +59,7 @@ private:
     QAction* decorator_;
     std::map<int, Layer> layers_;
     bool look_again_ = false;
+    int frame_ = 0;
 };
 
 }  // namespace pcm::host

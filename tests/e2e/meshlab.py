@@ -43,10 +43,19 @@ def pcm(*arguments):
     return json.loads(done.stdout)
 
 
-def compare(a, b):
-    """The share of pixels that differ, and the shares that are drawn, of two pictures."""
+def different(a, b):
+    """The share of pixels in which two pictures differ; 1 when their sizes do."""
     done = subprocess.run([str(COMPARE), str(a), str(b)], capture_output=True, text=True, timeout=60, check=True)
-    return json.loads(done.stdout)
+    return json.loads(done.stdout)["different"]
+
+
+# Driver commands for a picture that depends on nothing but the cloud: one size, and no budget of time, so that the view is complete
+# when all detail is there. The view must be there already.
+FIXED_VIEW = """
+    view-size 480 360
+    parameter MeshLab::PointCloud::FrameBudget = 100000
+    parameter MeshLab::PointCloud::RestBudget = 100000
+    """
 
 
 class MeshLabTest(unittest.TestCase):
@@ -84,6 +93,7 @@ class MeshLabTest(unittest.TestCase):
         """MeshLab with a window manager, playing the driver's script."""
         (self.folder / "script.txt").write_text(script)
         self.environment["PCM_TEST_SCRIPT"] = str(self.folder / "script.txt")
+        self.environment["PCM_TEST_FAILURE_PICTURE"] = str(self.result("failure.png"))
         launcher = self.folder / "launch.sh"
         launcher.write_text('#!/bin/sh\nopenbox &\nmanager=$!\n"$@"\ncode=$?\nkill $manager\nexit $code\n')
         launcher.chmod(0o755)
@@ -106,6 +116,7 @@ class MeshLabTest(unittest.TestCase):
     def assertDriven(self, run):
         """The script ran to its end and MeshLab quit by itself."""
         self.assertNotIn("driver: FAILED", run.text)
+        self.assertIn("driver: quit", run.text)
         self.assertEqual(run.code, 0, run.text[-3000:])
 
     def generate(self, name, points, *options):

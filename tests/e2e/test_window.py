@@ -1,85 +1,148 @@
 """MeshLab's window: a tree opens, is drawn, turned, deleted; errors leave MeshLab usable."""
 
+import os
+import shutil
 import unittest
 
-from meshlab import REFERENCE, MeshLabTest, compare
+from meshlab import FIXED_VIEW, REFERENCE, MeshLabTest, different
 
-# Two renderings of one view under the same software renderer are alike but for the pixels where another version of it rounds
-# otherwise, along the edges of splats.
+# Two renderings of one view are alike but for the pixels along the edges of splats where another version of the software renderer
+# rounds otherwise. A cloud that is turned by one degree differs in about a tenth of the picture.
 SAME_PICTURE = 0.02
 
 
 class Window(MeshLabTest):
     def test_open_draw_orbit_delete_quit(self):
         _, tree = self.generate("scene", 400000, "--seed", 5)
-        before, after, gone = self.result("1-open.png"), self.result("2-turned.png"), self.result("3-deleted.png")
+        opened, turned, closer, gone = (self.result(f"{name}.png") for name in ("opened", "turned", "closer", "gone"))
         run = self.gui(f"""
             wait-view
             wait-layers 1
-            time opened
+            {FIXED_VIEW}
             wait-status complete
-            time complete
-            resize 1200 900
-            pause 500
-            wait-status complete
-            print-status
-            picture {before}
-            screen {self.result("1-screen.png")}
+            picture {opened}
+            screen {self.result("screen.png")}
             drag 0.4 0.5 0.6 0.6
-            pause 300
             wait-status complete
-            picture {after}
+            picture {turned}
             wheel 3
-            pause 300
             wait-status complete
-            print-status
-            screen {self.result("2-screen.png")}
+            picture {closer}
             trigger Delete Current Mesh
             wait-layers 0
-            pause 300
+            expect-no-dialog
             picture {gone}
-            import {self.folder / "scene.pct" / "index.pct"}
+            open {tree / "index.pct"}
             wait-layers 1
             wait-status complete
             trigger Close Project
-            pause 500
+            pause 300
+            expect-no-dialog
+            trigger New Empty Project...
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
             quit
             """, tree)
         self.assertDriven(run)
-        opened = compare(before, after)
-        self.assertGreater(opened["drawn"][0], 0.1, "nothing was drawn")
-        self.assertGreater(opened["different"], 0.05, "the drag did not turn the cloud")
-        self.assertLess(compare(gone, gone)["drawn"][0], 0.001, "the deleted cloud is still drawn")
-        reference = compare(before, REFERENCE / "scene.png")
-        self.assertTrue(reference["same_size"])
-        self.assertLess(reference["different"], SAME_PICTURE)
-        print("opened after", run.times()["opened"], "ms, complete after", run.times()["complete"], "ms")
+        self.assertGreater(different(opened, gone), 0.2, "nothing was drawn")
+        self.assertGreater(different(opened, turned), 0.1, "the drag did not turn the cloud")
+        self.assertGreater(different(turned, closer), 0.1, "the wheel did not bring the cloud closer")
+        reference = REFERENCE / "scene.png"
+        if os.environ.get("PCM_UPDATE_REFERENCE"):
+            shutil.copy(opened, reference)
+        self.assertLess(different(opened, reference), SAME_PICTURE)
 
     def test_errors_leave_meshlab_usable(self):
         las, tree = self.generate("good", 50000, "--seed", 6)
         (self.folder / "broken.las").write_bytes(las.read_bytes()[:50000])
         (self.folder / "empty.pct").mkdir()
+        damaged = self.folder / "damaged.pct"
+        shutil.copytree(tree, damaged)
+        index = (damaged / "index.pct").read_bytes()
+        (damaged / "index.pct").write_bytes(index[: len(index) // 2])
+        empty, usable = self.result("empty.png"), self.result("usable.png")
         run = self.gui(f"""
             wait-view
-            import {self.folder / "broken.las"}
+            {FIXED_VIEW}
+            picture {empty}
+            open {self.folder / "broken.las"}
             press OK
             expect-message broken.las
             expect-message 50000
-            import {self.folder / "empty.pct"}
+            open {self.folder / "empty.pct"}
             press OK
             expect-message empty.pct
+            expect-message no point cloud tree
+            open {damaged / "index.pct"}
+            press OK
+            expect-message damaged.pct
             wait-layers 0
-            import {tree / "index.pct"}
+            wait-log broken.las
+            wait-log empty.pct
+            wait-log damaged.pct
+            open {tree / "index.pct"}
             wait-layers 1
             wait-status complete
-            import {las}
+            open {las}
             wait-layers 2
-            picture {self.result("usable.png")}
+            wait-log 50,000 points, LAS 1.2
+            expect-no-dialog
+            picture {usable}
             screen {self.result("screen.png")}
             quit
             """)
         self.assertDriven(run)
-        self.assertGreater(compare(self.result("usable.png"), self.result("usable.png"))["drawn"][0], 0.1)
+        self.assertGreater(different(empty, usable), 0.1)
+
+    def test_layers(self):
+        """Layers share a tree, are reloaded, shown and hidden, and MeshLab's own points come back when ours go."""
+        las, tree = self.generate("good", 60000, "--seed", 6)
+        ours, reloaded, both, native, again, none = (
+            self.result(f"{name}.png") for name in ("ours", "reloaded", "both", "native", "again", "none"))
+        run = self.gui(f"""
+            wait-view
+            {FIXED_VIEW}
+            parameter MeshLab::PointCloud::SplatSize = 4
+            picture {none}
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            picture {ours}
+            trigger Reload
+            wait-status complete
+            picture {reloaded}
+            open {tree / "index.pct"}
+            wait-layers 2
+            wait-status complete
+            picture {both}
+            trigger Delete Current Mesh
+            wait-layers 1
+            trigger Show Point Cloud
+            wait-log Disabled Decorate mode
+            wait-no-status complete
+            picture {native}
+            trigger Show Point Cloud
+            wait-log Enabled Decorate mode
+            wait-status complete
+            picture {again}
+            open {las}
+            wait-layers 2
+            trigger Show Point Cloud
+            wait-log shows no point cloud tree
+            trigger Close Project
+            pause 300
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertGreater(different(none, ours), 0.1)
+        self.assertEqual(different(ours, reloaded), 0)
+        # The second layer lies exactly on the first.
+        self.assertLess(different(ours, both), SAME_PICTURE)
+        self.assertGreater(different(ours, native), 0.01)
+        self.assertGreater(different(none, native), 0.01)
+        self.assertEqual(different(ours, again), 0)
 
     def test_filter_from_the_menu(self):
         las, _ = self.generate("input", 60000, "--seed", 8)
@@ -94,26 +157,56 @@ class Window(MeshLabTest):
             wait-layers 1
             wait-log 60,000 points
             press Close
-            pause 500
+            wait-status complete
+            trigger Point Cloud Tree Information
+            press Apply
+            wait-log Bounds, source coordinates
+            press Close
+            trigger Build Point Cloud Tree
+            set Input files = {self.folder / "none.las"}
+            press Apply
+            press OK
+            expect-message none.las
+            press Close
+            wait-status complete
             screen {self.result("built.png")}
             quit
             """)
         self.assertDriven(run)
         self.assertTrue((output / "index.pct").exists())
 
-    def test_memory_is_bounded_by_the_caches(self):
-        """Not by the cloud: a cloud eight times as large takes about as much."""
+    def test_large_file_becomes_a_tree_beside_it(self):
+        las, tree = self.generate("large", 1100000, "--seed", 4)
+        shutil.rmtree(tree)
+        run = self.gui(f"""
+            wait-view
+            open {las}
+            wait-layers 1
+            wait-log Built {tree}
+            wait-status complete
+            open {las}
+            wait-layers 2
+            wait-log is up to date
+            wait-status complete
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertTrue((tree / "index.pct").exists())
+
+    def test_time_and_memory(self):
+        """Printed, not judged: machines differ. But memory is bounded by the caches, not by the cloud."""
         empty = self.gui("wait-view\npause 500\nmemory empty\nquit\n")
         self.assertDriven(empty)
         taken = {}
         for points in (500000, 4000000):
             _, tree = self.generate(f"cloud{points}", points, "--seed", 9)
-            run = self.gui("wait-view\nwait-layers 1\nwait-status complete\nmemory full\nquit\n", tree)
+            run = self.gui(f"wait-view\nopen {tree}\nwait-first-picture\nwait-layers 1\nwait-status complete\n"
+                           "time complete\nmemory full\nquit\n")
             self.assertDriven(run)
             taken[points] = run.memory()["full"][1] - empty.memory()["empty"][1]
-            print(f"{points} points: peak {taken[points] / 1e6:.0f} MB above the empty start, "
-                  f"first status after {run.times()}")
-        # Caches of 512 MB each at most, and the proxy.
+            print(f"{points} points: first picture {run.times()['first-picture']} ms after opening, peak "
+                  f"{taken[points] / 1e6:.0f} MB above the empty start")
+        # Two caches of 512 MB each at most, and the proxy.
         self.assertLess(taken[4000000], 1.2e9)
 
 

@@ -17,7 +17,6 @@
 #include <QScreen>
 #include <QTimer>
 #include <QVariantMap>
-#include <QtTest/QTest>
 
 #include <cstdio>
 #include <cstdlib>
@@ -59,6 +58,12 @@ TestDriver::TestDriver()
 void TestDriver::fail(const QString& why)
 {
     say("FAILED: " + why);
+    if (const QWidget* box = qApp->activeModalWidget()) {
+        const auto* message = qobject_cast<const QMessageBox*>(box);
+        say("open dialog: " + box->windowTitle() + (message ? ": " + message->text() : QString()));
+    }
+    const QByteArray picture = qgetenv("PCM_TEST_FAILURE_PICTURE");
+    if (!picture.isEmpty()) QGuiApplication::primaryScreen()->grabWindow(0).save(QString::fromLocal8Bit(picture));
     ::_exit(3);
 }
 
@@ -125,6 +130,14 @@ QWidget* TestDriver::field(const QString& parameter) const
     return nullptr;
 }
 
+void TestDriver::mouse(QEvent::Type type, const QPoint& at)
+{
+    const auto button = type == QEvent::MouseMove ? Qt::NoButton : Qt::LeftButton;
+    const auto buttons = type == QEvent::MouseButtonRelease ? Qt::NoButton : Qt::LeftButton;
+    QMouseEvent event(type, at, area()->mapToGlobal(at), button, buttons, Qt::NoModifier);
+    qApp->sendEvent(area(), &event);
+}
+
 TestDriver::Done TestDriver::until(bool condition, const QString& what)
 {
     if (condition) return Done::yes;
@@ -176,9 +189,9 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
     }
     if (command == "wait-no-status") return until(!status().contains(argument), "no status '" + argument + "'");
     if (command == "wait-log") return until(log().contains(argument), "log '" + argument + "'");
-    if (command == "wait-dialog") {
-        auto* dialog = qobject_cast<QDialog*>(qApp->activeModalWidget());
-        return until(dialog != nullptr, "a modal dialog");
+    if (command == "expect-no-dialog") {
+        if (QWidget* dialog = qApp->activeModalWidget()) fail("a dialog is open: " + dialog->windowTitle());
+        return Done::yes;
     }
     if (command == "pause") return until(waiting_.elapsed() >= argument.toInt(), "the end of a pause");
     if (command == "time") {
@@ -190,15 +203,30 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         return Done::yes;
     }
     if (command == "print-status") {
-        say("status " + status().replace('\n', " | "));
+        say("status " + status());
         return Done::yes;
     }
-    if (command == "import") {
-        bool opened = false;
-        // Queued: an error shows a modal box, and the script must go on to press it.
-        QMetaObject::invokeMethod(window(), "importMesh", Qt::DirectConnection, Q_RETURN_ARG(bool, opened),
-                                  Q_ARG(QString, argument));
-        say(QString("import gave %1").arg(opened));
+    if (command == "open") {  // queued: an error shows a modal box, and the script must go on to press it
+        opened_.start();
+        frame_before_ = frame();
+        QMetaObject::invokeMethod(window(), "importMeshWithLayerManagement", Qt::QueuedConnection, Q_ARG(QString, argument));
+        return Done::yes;
+    }
+    if (command == "wait-first-picture") {  // after open
+        const bool drawn = frame() > frame_before_ && area()->property("pcm_state").toMap()["points"].toULongLong() > 0;
+        if (drawn) say(QString("time first-picture %1 ms").arg(opened_.elapsed()));
+        return until(drawn, "a first picture");
+    }
+    if (command == "parameter") {  // parameter Name = value: one of MeshLab's global parameters that is a number
+        const QString name = argument.section('=', 0, 0).trimmed();
+        auto* parameters = const_cast<RichParameterList*>(area()->glas.currentGlobalParamSet);
+        if (!parameters->hasParameter(name)) fail("no parameter '" + name + "'");
+        const Value& value = parameters->getParameterByName(name).value();
+        const double number = argument.section('=', 1).toDouble();
+        if (value.isFloat()) parameters->setValue(name, FloatValue(static_cast<float>(number)));
+        else if (value.isEnum()) parameters->setValue(name, EnumValue(static_cast<int>(number)));
+        else parameters->setValue(name, IntValue(static_cast<int>(number)));
+        area()->update();
         return Done::yes;
     }
     if (command == "trigger") {
@@ -242,19 +270,23 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         }
         return Done::yes;
     }
-    if (command == "drag") {  // drag x0 y0 x1 y1 steps: fractions of the view
+    if (command == "drag") {  // drag x0 y0 x1 y1 [steps]: fractions of the view
         const QStringList p = argument.split(' ');
         GLArea* view = area();
         const auto at = [&](int i) { return QPoint(int(p[i].toDouble() * view->width()), int(p[i + 1].toDouble() * view->height())); };
         const QPoint from = at(0), to = at(2);
         const int steps = p.size() > 4 ? p[4].toInt() : 10;
-        QTest::mousePress(view, Qt::LeftButton, Qt::NoModifier, from);
-        for (int i = 1; i <= steps; ++i) {
-            const QPoint now = from + (to - from) * i / steps;
-            QMouseEvent move(QEvent::MouseMove, now, view->mapToGlobal(now), Qt::NoButton, Qt::LeftButton, Qt::NoModifier);
-            qApp->sendEvent(view, &move);
-        }
-        QTest::mouseRelease(view, Qt::LeftButton, Qt::NoModifier, to);
+        mouse(QEvent::MouseButtonPress, from);
+        for (int i = 1; i <= steps; ++i) mouse(QEvent::MouseMove, from + (to - from) * i / steps);
+        mouse(QEvent::MouseButtonRelease, to);
+        return Done::yes;
+    }
+    if (command == "press-at" || command == "move-to" || command == "release-at") {  // pixels from the view's centre
+        const QPoint centre(area()->width() / 2, area()->height() / 2);
+        mouse(command == "press-at"  ? QEvent::MouseButtonPress
+              : command == "move-to" ? QEvent::MouseMove
+                                     : QEvent::MouseButtonRelease,
+              centre + QPoint(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt()));
         return Done::yes;
     }
     if (command == "wheel") {
@@ -265,21 +297,22 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         qApp->sendEvent(view, &event);
         return Done::yes;
     }
-    if (command == "resize") {
-        const QStringList p = argument.split(' ');
-        window()->showNormal();
-        window()->resize(p[0].toInt(), p[1].toInt());
+    if (command == "view-size") {  // so that pictures do not depend on fonts and window decoration
+        if (!area()) return until(false, "a view");
+        area()->setFixedSize(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt());
         return Done::yes;
     }
     if (command == "picture") {  // what the view shows, without MeshLab's texts
         GLArea* view = area();
+        const bool texts = view->infoAreaVisible, ball = view->isTrackBallVisible();
         view->infoAreaVisible = false;
         view->showTrackBall(false);
+        view->repaint();  // a grab does not draw, it reads what was drawn last
         const QImage image = view->grabFrameBuffer();
-        view->infoAreaVisible = true;
-        view->showTrackBall(true);
+        view->infoAreaVisible = texts;
+        view->showTrackBall(ball);
         if (!image.save(argument)) fail("cannot write " + argument);
-        say(QString("picture %1 %2x%3").arg(argument).arg(image.width()).arg(image.height()));
+        say(QString("picture %1 %2x%3, %4").arg(argument).arg(image.width()).arg(image.height()).arg(status()));
         return Done::yes;
     }
     if (command == "screen") {

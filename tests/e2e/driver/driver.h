@@ -5,7 +5,9 @@
 #pragma once
 
 #include <QElapsedTimer>
+#include <QEvent>
 #include <QObject>
+#include <QPoint>
 #include <QStringList>
 #include <QtPlugin>
 
@@ -34,11 +36,12 @@ private:
     QString status() const;   // what the view says of the clouds that it draws
     int frame() const;        // number of the view's last frame with clouds
     QString log() const;
+    void mouse(QEvent::Type type, const QPoint& at);  // to the view, left button
     QWidget* field(const QString& parameter) const;  // the widget of a filter's parameter, by its label
 
     QStringList script_;
     int next_ = 0;
-    QElapsedTimer started_, waiting_;
+    QElapsedTimer started_, waiting_, opened_;
     QString shown_;  // text of the last message box
     bool first_try_ = true;  // of the command that runs
     int frame_before_ = 0;
