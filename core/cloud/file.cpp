@@ -126,7 +126,7 @@ void replace_file(const std::filesystem::path& path, const void* bytes, std::siz
         std::filesystem::remove(temporary, ignored);
         throw;
     }
-    sync_folder(path.parent_path());
+    sync_folder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
 }
 
 }  // namespace pcm

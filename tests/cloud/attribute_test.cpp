@@ -115,6 +115,16 @@ TEST(File, ErrorsNameThePath)
     EXPECT_THROW(File(folder / "short", File::Mode::create_new), Error);
 }
 
+TEST(File, ReplaceByABareName)
+{
+    const test::TemporaryFolder folder;
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(folder.path());
+    replace_file("f", "text", 4);
+    std::filesystem::current_path(before);
+    EXPECT_EQ(std::filesystem::file_size(folder / "f"), 4u);
+}
+
 TEST(File, ReplaceLeavesTheOldOneWhenItFails)
 {
     const test::TemporaryFolder folder;
