@@ -375,9 +375,11 @@ struct CloudRenderer::Impl {
         glDisable(GL_BLEND);
         glEnable(GL_PROGRAM_POINT_SIZE);
         if (compatibility) {
-            // Sprites are squares of exactly the asked size, as points in a core context are; plain legacy points have
-            // their size and place rounded to whole pixels.
-            glEnable(GL_POINT_SPRITE);
+            // Points of a core context, and sprites here, are squares of exactly the asked size. Plain legacy points have
+            // size and place rounded to whole pixels, which for a whole size covers the very same pixels; and Mesa's
+            // software rasteriser draws them twice as fast.
+            const bool whole = options.point_size_px == std::floor(options.point_size_px);
+            whole ? glDisable(GL_POINT_SPRITE) : glEnable(GL_POINT_SPRITE);
             glDisable(GL_POINT_SMOOTH);
         }
         // Not kept: contexts of a share group do not share vertex arrays.

@@ -92,7 +92,7 @@ TEST_P(CloudRendererIn, ConstantSplatsCoverExactlyTheirSquares)
     const Framebuffer framebuffer(320, 240);
     CloudRenderer renderer(cloud);
     for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(8, 6, -100, 100)})
-        for (const float size : {1.0f, 2.0f, 5.0f}) {
+        for (const float size : {1.0f, 2.0f, 3.6f, 5.0f}) {
             const Camera camera = camera_of(overview(10), projection, 320, 240);
             RenderOptions options = everything();
             options.point_size_px = size;
