@@ -10,14 +10,18 @@ namespace pcm {
 InputCloud::InputCloud(const std::vector<std::filesystem::path>& inputs) : paths_(expand_inputs(inputs))
 {
     if (paths_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input files were given");
-    for (const auto& path : paths_) readers_.push_back(open_reader(path));
+    for (const auto& path : paths_) {
+        const auto reader = open_reader(path);
+        infos_.push_back(reader->info());
+        seekable_ = seekable_ && reader->seekable();
+    }
 
     shares_grid_ = true;
-    position_type_ = readers_[0]->info().position_type;
-    for (std::size_t r = 0; r < readers_.size(); ++r) {
-        const FileInfo& info = readers_[r]->info();
+    position_type_ = infos_[0].position_type;
+    for (std::size_t r = 0; r < infos_.size(); ++r) {
+        const FileInfo& info = infos_[r];
         promised_points_ += info.points;
-        if (!info.grid || !(*info.grid == *readers_[0]->info().grid)) shares_grid_ = false;
+        if (!info.grid || !(*info.grid == *infos_[0].grid)) shares_grid_ = false;
         if (info.position_type != position_type_) position_type_ = ScalarType::f64;
         for (const std::string& note : info.notes) notes_.push_back(paths_[r].filename().string() + ": " + note);
         std::vector<std::size_t> slots;
@@ -43,7 +47,7 @@ InputCloud::InputCloud(const std::vector<std::filesystem::path>& inputs) : paths
         }
         slots_.push_back(std::move(slots));
     }
-    if (shares_grid_) grid_ = *readers_[0]->info().grid;
+    if (shares_grid_) grid_ = *infos_[0].grid;
 }
 
 std::vector<std::string> InputCloud::source_names() const
@@ -56,8 +60,8 @@ std::vector<std::string> InputCloud::source_names() const
 std::vector<Metadata> InputCloud::metadata() const
 {
     std::vector<Metadata> all;
-    for (const auto& reader : readers_)
-        for (const Metadata& block : reader->info().metadata)
+    for (const FileInfo& info : infos_)
+        for (const Metadata& block : info.metadata)
             if (std::find(all.begin(), all.end(), block) == all.end()) all.push_back(block);
     return all;
 }
@@ -66,7 +70,7 @@ std::optional<Grid> InputCloud::common_grid(const Vec3d& largest) const
 {
     const Grid* first = grid_of(0);
     if (!first) return std::nullopt;
-    for (std::size_t r = 1; r < readers_.size(); ++r) {
+    for (std::size_t r = 1; r < infos_.size(); ++r) {
         const Grid* grid = grid_of(r);
         if (!grid || grid->scale != first->scale) return std::nullopt;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -80,30 +84,39 @@ std::optional<Grid> InputCloud::common_grid(const Vec3d& largest) const
     return *first;
 }
 
-bool InputCloud::seekable() const
+PointReader& InputCloud::open(std::size_t reader)
 {
-    return std::all_of(readers_.begin(), readers_.end(), [](const auto& reader) { return reader->seekable(); });
+    if (!open_ || open_index_ != reader) {
+        open_.reset();
+        open_ = open_reader(paths_[reader]);
+        open_index_ = reader;
+        const FileInfo &now = open_->info(), &before = infos_[reader];
+        if (now.points != before.points || !(now.schema == before.schema) || now.grid.has_value() != before.grid.has_value() ||
+            (now.grid && !(*now.grid == *before.grid)))
+            throw Error(ErrorCode::io, paths_[reader], "the file has changed while it was being read", "build again");
+    }
+    return *open_;
 }
 
 bool InputCloud::read(PointBatch& batch, std::size_t max_points)
 {
-    for (; current_ < readers_.size(); ++current_)
-        if (readers_[current_]->read(batch, max_points)) return true;
-    current_ = readers_.size() - 1;
+    for (; current_ < infos_.size(); ++current_)
+        if (open(current_).read(batch, max_points)) return true;
+    current_ = infos_.size() - 1;
     return false;
 }
 
 void InputCloud::rewind()
 {
-    for (const auto& reader : readers_) reader->seek(0);
+    open_.reset();
     current_ = 0;
 }
 
 double InputCloud::fraction_read() const
 {
     double points = 0;
-    for (std::size_t r = 0; r <= current_; ++r)
-        points += static_cast<double>(readers_[r]->info().points) * (r < current_ ? 1.0 : readers_[r]->fraction_read());
+    for (std::size_t r = 0; r < current_; ++r) points += static_cast<double>(infos_[r].points);
+    if (open_ && open_index_ == current_) points += static_cast<double>(infos_[current_].points) * open_->fraction_read();
     return promised_points_ ? std::min(1.0, points / static_cast<double>(promised_points_)) : 1.0;
 }
 
@@ -117,11 +130,11 @@ std::vector<Vec3i> InputCloud::sample(std::size_t count)
     points.reserve(count + run);
     PointBatch batch;
     std::uint64_t next = 0, start = 0;
-    for (const auto& reader : readers_) {
-        const std::uint64_t end = start + reader->info().points;
+    for (std::size_t r = 0; r < infos_.size(); ++r) {
+        const std::uint64_t end = start + infos_[r].points;
         for (; next < end; next += stride) {
-            reader->seek(next - start);
-            if (!reader->read(batch, static_cast<std::size_t>(std::min(run, end - next)))) break;
+            open(r).seek(next - start);
+            if (!open(r).read(batch, static_cast<std::size_t>(std::min(run, end - next)))) break;
             for (std::size_t i = 0; i < batch.size; ++i)
                 points.push_back({batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]});
         }

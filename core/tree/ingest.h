@@ -33,7 +33,7 @@ public:
     bool shares_grid() const { return shares_grid_; }
     const Grid& grid() const { return grid_; }
     // All readers can seek: points can be sampled before they are read.
-    bool seekable() const;
+    bool seekable() const { return seekable_; }
 
     // The next batch of the whole input, file after file; false at the end. `reader()` is where it came from.
     bool read(PointBatch& batch, std::size_t max_points);
@@ -50,14 +50,15 @@ public:
 
     // For each attribute of a reader, its place in schema().
     const std::vector<std::size_t>& slots(std::size_t reader) const { return slots_[reader]; }
-    const Grid* grid_of(std::size_t reader) const
-    {
-        return readers_[reader]->info().grid ? &*readers_[reader]->info().grid : nullptr;
-    }
+    const Grid* grid_of(std::size_t reader) const { return infos_[reader].grid ? &*infos_[reader].grid : nullptr; }
 
 private:
+    PointReader& open(std::size_t reader);
     std::vector<std::filesystem::path> paths_;
-    std::vector<std::unique_ptr<PointReader>> readers_;
+    std::vector<FileInfo> infos_;
+    bool seekable_ = true;
+    std::unique_ptr<PointReader> open_;  // one at a time: a survey may have more tiles than a process may have open files
+    std::size_t open_index_ = 0;
     std::vector<std::vector<std::size_t>> slots_;
     Schema schema_;
     Grid grid_;

@@ -238,6 +238,25 @@ TEST(Build, SeveralFilesAndFoldersAreOneCloud)
     EXPECT_EQ(tree->info().sources, (std::vector<std::string>{"a.las", "b.las"}));
 }
 
+// A survey has more tiles than a process may have files open.
+TEST(Build, ManyTiles)
+{
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "tiles");
+    const auto points = records(Shape::surface, 6000, 17);
+    for (std::size_t tile = 0; tile < 300; ++tile)
+        write_las(folder / "tiles" / (std::to_string(tile) + ".las"),
+                  {points.begin() + static_cast<std::ptrdiff_t>(tile * 20), points.begin() + static_cast<std::ptrdiff_t>(tile * 20 + 20)}, {});
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    rlimit few = before;
+    few.rlim_cur = 64;
+    setrlimit(RLIMIT_NOFILE, &few);
+    build_tree({folder / "tiles"}, folder / "out.pct", small_chunks());
+    setrlimit(RLIMIT_NOFILE, &before);
+    expect_same_points(*Tree::open(folder / "out.pct"), points);
+}
+
 // Tiles of one scale with offsets of their own, as every survey delivers them, are exact too.
 TEST(Build, TilesWithOffsetsOfTheirOwn)
 {
