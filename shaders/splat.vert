@@ -1,9 +1,9 @@
 #version 330 core
 // A point becomes a square splat. Permutations: VERTEX_COLOUR, HEIGHT_COLOUR, or neither for one colour.
 //
-// `reference` is a point of the chunk near the eye, in the chunk's coordinates, exact in float; `translation` is where it
-// lies in eye space, computed in double. Near the reference the subtraction is exact, so the rounding error of the
-// result shrinks with the distance from the eye, wherever on earth and however large the chunk is.
+// `reference` is a point of the chunk near the eye, in the chunk's coordinates, exact in float; `translation` is where
+// it lies in eye space, computed in double. Near the reference the subtraction is exact, so the rounding error of
+// the result shrinks with the distance from the eye, wherever on earth and however large the chunk is.
 
 layout(location = 0) in vec3 position;
 
@@ -21,7 +21,7 @@ vec3 colour_of_point() { return colour.rgb; }
 #elif defined(HEIGHT_COLOUR)
 uniform vec2 height;  // position.z * height.x + height.y is 0 at the cloud's bottom, 1 at its top
 
-// A ramp of even lightness steps (dark blue, teal, green, yellow), so that equal heights steps look equal.
+// A ramp of even lightness steps (dark blue, teal, green, yellow), so that equal steps of height look equal.
 vec3 colour_of_point()
 {
     float t = clamp(position.z * height.x + height.y, 0.0, 1.0);

@@ -89,10 +89,14 @@ struct Arrival {
 const char* name_of(ColourMode mode)
 {
     switch (mode) {
-        case ColourMode::rgb: return "rgb";
-        case ColourMode::intensity: return "intensity";
-        case ColourMode::height: return "height";
-        case ColourMode::uniform: return "uniform";
+        case ColourMode::rgb:
+            return "rgb";
+        case ColourMode::intensity:
+            return "intensity";
+        case ColourMode::height:
+            return "height";
+        case ColourMode::uniform:
+            return "uniform";
     }
     return "";
 }
@@ -159,7 +163,8 @@ struct CloudRenderer::Impl {
         return entry && (colour == VertexColour::none || entry->colour == colour);
     }
 
-    // --- loading and uploading ----------------------------------------------------------------------------------------
+    // --- loading and uploading
+    // ----------------------------------------------------------------------------------------
 
     bool has_failed(NodeId node)
     {
@@ -185,8 +190,8 @@ struct CloudRenderer::Impl {
         std::vector<bool> blocked(selection.wanted.size(), false);
         for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
             const DetailNode& node = selection.wanted[i];
-            blocked[i] = (node.ancestor != no_ancestor && blocked[node.ancestor]) ||
-                         (!current[i] && has_failed(node.node));
+            blocked[i] =
+                (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
             if (!current[i] && !blocked[i]) window.push_back(node.node);
         }
         return window;
@@ -273,7 +278,8 @@ struct CloudRenderer::Impl {
         return uploads;
     }
 
-    // --- drawing ------------------------------------------------------------------------------------------------------
+    // --- drawing
+    // ------------------------------------------------------------------------------------------------------
 
     void build_programs(bool compatibility)
     {
@@ -319,8 +325,8 @@ struct CloudRenderer::Impl {
         float reference[3];
         for (std::size_t a = 0; a < 3; ++a) {
             // Where the grid's offset is the local origin, the large numbers cancel exactly.
-            const double chunk_origin = static_cast<double>(entry.origin[a]) * info.grid.scale[a] +
-                                        (info.grid.offset[a] - local_origin[a]);
+            const double chunk_origin =
+                static_cast<double>(entry.origin[a]) * info.grid.scale[a] + (info.grid.offset[a] - local_origin[a]);
             reference[a] = static_cast<float>(std::clamp(local_eye[a] - chunk_origin, 0.0, entry.extent[a]));
             local_reference[a] = chunk_origin + static_cast<double>(reference[a]);
         }
@@ -375,9 +381,9 @@ struct CloudRenderer::Impl {
         glDisable(GL_BLEND);
         glEnable(GL_PROGRAM_POINT_SIZE);
         if (compatibility) {
-            // Points of a core context, and sprites here, are squares of exactly the asked size. Plain legacy points have
-            // size and place rounded to whole pixels, which for a whole size covers the very same pixels; and Mesa's
-            // software rasteriser draws them twice as fast.
+            // Points of a core context, and sprites here, are squares of exactly the asked size. Plain legacy points
+            // have size and place rounded to whole pixels, which for a whole size covers the very same pixels; and
+            // Mesa's software rasteriser draws them twice as fast.
             const bool whole = options.point_size_px == std::floor(options.point_size_px);
             whole ? glDisable(GL_POINT_SPRITE) : glEnable(GL_POINT_SPRITE);
             glDisable(GL_POINT_SMOOTH);
@@ -435,8 +441,8 @@ struct CloudRenderer::Impl {
 
         const auto& nodes = cloud->tree()->nodes();
         const bool resting = rests(camera, local_origin);
-        const double budget_ms = resting ? std::max(options.rest_budget_ms, options.frame_budget_ms)
-                                         : options.frame_budget_ms;
+        const double budget_ms =
+            resting ? std::max(options.rest_budget_ms, options.frame_budget_ms) : options.frame_budget_ms;
         DetailLimits limits;
         limits.target_px = options.target_spacing_px;
         limits.point_budget = budget.points(budget_ms, nodes.empty() ? 0 : nodes[0].points, options.point_budget);
@@ -458,8 +464,8 @@ struct CloudRenderer::Impl {
         build_programs(state.compatibility());
         const Uploads uploads = upload(window, colour, options.upload_budget_ms);
 
-        const DrawSet set = choose_drawable(
-            selection, [&](const DetailNode& node) { return l1->find(owner, node.node) != nullptr; });
+        const DrawSet set =
+            choose_drawable(selection, [&](const DetailNode& node) { return l1->find(owner, node.node) != nullptr; });
         // The first frames pay for the driver's compilation and tell nothing.
         const bool measure = frames_since_build >= 1 && !set.drawn.empty() && budget.wants_measure();
         ++frames_since_build;

@@ -1,5 +1,5 @@
-// Draws one point cloud: chooses nodes for the view, has them loaded in the background, uploads within a time budget and
-// draws what is there. draw() never waits for a load.
+// Draws one point cloud: chooses nodes for the view, has them loaded in the background, uploads within a time budget
+// and draws what is there. draw() never waits for a load.
 //
 // GL thread only, except where it says otherwise. Works in compatibility and core contexts of OpenGL 3.3 and later; the
 // contexts of one share group may take turns. GLEW's function pointers must be loaded (a host like MeshLab has done it;
@@ -30,11 +30,11 @@ struct RenderOptions {
     float point_size_px = 2;              // constant splats: squares with this side; clamped to what the driver can
     ColourMode colour = ColourMode::rgb;  // a cloud without rgb shows intensity, one without that height
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
-    double target_spacing_px = 1.4;       // refine until points are no farther apart than this on screen
-    double frame_budget_ms = 33;          // of a moving view; fewer points are drawn when they would take longer
-    double rest_budget_ms = 250;          // of a view that rests: how long a still picture may take
+    double target_spacing_px = 1.4;           // refine until points are no farther apart than this on screen
+    double frame_budget_ms = 33;              // of a moving view; fewer points are drawn when they would take longer
+    double rest_budget_ms = 250;              // of a view that rests: how long a still picture may take
     std::uint64_t point_budget = 20'000'000;  // never draw more than this
-    double upload_budget_ms = 3;          // of a frame; one chunk is uploaded whatever it takes
+    double upload_budget_ms = 3;              // of a frame; one chunk is uploaded whatever it takes
 };
 
 struct Camera {
@@ -45,12 +45,12 @@ struct Camera {
 
 struct FrameReport {
     std::uint64_t points_drawn = 0;
-    double screen_error_px = 0;     // largest spacing on screen where finer points exist; 0: all that is visible is drawn
-    double frame_ms = 0;            // time in draw(), on the CPU
-    double measured_ms = 0;         // latest measure of a frame until the last pixel; 0 before the first
+    double screen_error_px = 0;  // largest spacing on screen where finer points exist; 0: all that is visible is drawn
+    double frame_ms = 0;         // time in draw(), on the CPU
+    double measured_ms = 0;      // latest measure of a frame until the last pixel; 0 before the first
     std::uint64_t nodes_drawn = 0;
     std::uint64_t nodes_wanted = 0;
-    std::uint64_t nodes_missing = 0;        // wanted and not yet in video memory (or with the colours of another mode)
+    std::uint64_t nodes_missing = 0;  // wanted and not yet in video memory (or with the colours of another mode)
     std::uint64_t effective_point_budget = 0;  // what the time allowed this frame
     ColourMode colour_used = ColourMode::uniform;
     bool refining = false;  // more will come: the picture is not final yet
@@ -69,12 +69,13 @@ public:
     CloudRenderer& operator=(const CloudRenderer&) = delete;
 
     // Draws into the current framebuffer with the current viewport, depth tested, and restores every piece of GL state
-    // that it changes. Leaves no GL error; one that was pending on entry is dropped. Never throws for a failed load: what
-    // could be loaded is drawn, and the report says what failed.
+    // that it changes. Leaves no GL error; one that was pending on entry is dropped. Never throws for a failed load:
+    // what could be loaded is drawn, and the report says what failed.
     FrameReport draw(const Camera& camera, const Vec3d& local_origin, const RenderOptions& options);
 
-    // `wake` is called on a loader thread when chunks have arrived since the last draw(); it must return quickly and not
-    // call back into this object (queue a repaint). Any thread. When set_wake returns, the former function runs no more.
+    // `wake` is called on a loader thread when chunks have arrived since the last draw(); it must return quickly and
+    // not call back into this object (queue a repaint). Any thread. When set_wake returns, the former function runs no
+    // more.
     void set_wake(std::function<void()> wake);
 
     // Frees the GL objects; a context of the share group must be current. draw() may be called again afterwards. A

@@ -1,7 +1,8 @@
 // How many points a frame may have so that it takes no longer than it should.
 //
 // Model: time = points * seconds_per_point, learnt from measured frames. Growth is limited to a doubling a frame and
-// small changes are not followed (hysteresis), so that the density does not tremble; too slow a frame is corrected at once.
+// small changes are not followed (hysteresis), so that the density does not tremble; too slow a frame is corrected at
+// once.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,8 @@ namespace pcm {
 class FrameBudget {
 public:
     static constexpr std::uint64_t first_guess = 1'000'000;
-    static constexpr std::uint64_t least = 100'000;  // a view of fewer points says nothing; most devices draw it at once
+    static constexpr std::uint64_t least =
+        100'000;  // a view of fewer points says nothing; most devices draw it at once
 
     // Whether the coming frame should be measured: the time of a frame is known when the device has finished it, and to
     // wait for that in every frame would cost the overlap of the processor's work with the device's.
@@ -36,8 +38,10 @@ public:
         const double goal = goal_points(budget_ms);
         const auto current = static_cast<double>(points_);
         double next = current;
-        if (goal < 0.85 * current) next = goal;
-        else if (goal > 1.15 * current) next = std::min(goal, 2 * current);
+        if (goal < 0.85 * current)
+            next = goal;
+        else if (goal > 1.15 * current)
+            next = std::min(goal, 2 * current);
         points_ = static_cast<std::uint64_t>(std::clamp(next, static_cast<double>(std::max(floor, least)), 1e12));
         points_ = std::min(points_, std::max(ceiling, std::uint64_t(1)));
         return std::min(points_, ceiling);

@@ -45,8 +45,10 @@ GlStateGuard::GlStateGuard()
 GlStateGuard::~GlStateGuard()
 {
     // A program that was deleted while in use cannot be bound again once it is let go of.
-    if (program_ == 0 || glIsProgram(static_cast<GLuint>(program_))) glUseProgram(static_cast<GLuint>(program_));
-    else glUseProgram(0);
+    if (program_ == 0 || glIsProgram(static_cast<GLuint>(program_)))
+        glUseProgram(static_cast<GLuint>(program_));
+    else
+        glUseProgram(0);
     glBindVertexArray(static_cast<GLuint>(vertex_array_));
     glBindBuffer(GL_ARRAY_BUFFER, static_cast<GLuint>(array_buffer_));
     glBindBuffer(GL_COPY_WRITE_BUFFER, static_cast<GLuint>(copy_write_buffer_));
@@ -76,10 +78,10 @@ std::string drain_gl_errors()
         if (error == GL_NO_ERROR) break;
         char name[16];
         std::snprintf(name, sizeof name, "0x%04x", error);
-        const char* known = error == GL_INVALID_ENUM        ? "invalid enum"
-                            : error == GL_INVALID_VALUE     ? "invalid value"
-                            : error == GL_INVALID_OPERATION ? "invalid operation"
-                            : error == GL_OUT_OF_MEMORY     ? "out of memory"
+        const char* known = error == GL_INVALID_ENUM                    ? "invalid enum"
+                            : error == GL_INVALID_VALUE                 ? "invalid value"
+                            : error == GL_INVALID_OPERATION             ? "invalid operation"
+                            : error == GL_OUT_OF_MEMORY                 ? "out of memory"
                             : error == GL_INVALID_FRAMEBUFFER_OPERATION ? "invalid framebuffer operation"
                                                                         : name;
         names += (names.empty() ? "" : ", ") + std::string(known);

@@ -1,7 +1,7 @@
 // Restores the OpenGL state that drawing splats changes, in compatibility and core contexts alike.
 //
-// Nothing is pushed on the host's attribute stacks: they may be full, and client attributes pushed in MeshLab corrupt its
-// text overlay.
+// Nothing is pushed on the host's attribute stacks: they may be full, and client attributes pushed in MeshLab corrupt
+// its text overlay.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,11 @@
 // L1: points as vertices in video memory, between L2 and the renderer.
 //
-// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they are
-// free, so a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is free, the
-// entries that were drawn longest ago are dropped.
+// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they
+// are free, so a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is
+// free, the entries that were drawn longest ago are dropped.
 //
-// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics() and
-// the constructor wants a context of that group current. No GL object is made before the first upload.
+// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics()
+// and the constructor wants a context of that group current. No GL object is made before the first upload.
 #pragma once
 
 #include "bpc/chunk.h"
@@ -34,12 +34,12 @@ struct L1Statistics {
     std::uint64_t compulsory_misses = 0;
     std::uint64_t capacity_misses = 0;
     std::uint64_t evictions = 0;
-    std::uint64_t refused = 0;           // uploads for which no room could be made
+    std::uint64_t refused = 0;  // uploads for which no room could be made
     std::uint64_t uploaded_bytes = 0;
-    double upload_seconds = 0;           // conversion and transfer, on the GL thread
-    std::uint64_t resident_bytes = 0;    // of the pages in use
+    double upload_seconds = 0;         // conversion and transfer, on the GL thread
+    std::uint64_t resident_bytes = 0;  // of the pages in use
     std::uint64_t resident_chunks = 0;
-    std::uint64_t allocated_bytes = 0;   // of the blocks; never above the capacity
+    std::uint64_t allocated_bytes = 0;  // of the blocks; never above the capacity
 };
 
 // What the colour of a vertex was made from; `none` has no colour and 12 bytes a vertex, the others 16.
@@ -56,8 +56,8 @@ struct VertexRange {
 struct VertexEntry {
     VertexColour colour = VertexColour::none;
     std::uint32_t points = 0;
-    Vec3i origin{};       // of the chunk, grid coordinates
-    Vec3d extent{};       // of the chunk, source units
+    Vec3i origin{};  // of the chunk, grid coordinates
+    Vec3d extent{};  // of the chunk, source units
     std::vector<VertexRange> ranges;
     std::uint32_t stride() const { return colour == VertexColour::none ? 12u : 16u; }
 };
@@ -93,10 +93,10 @@ public:
     const VertexEntry* use(Owner owner, NodeId node);
     const VertexEntry* find(Owner owner, NodeId node) const;
 
-    // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame. `rgba`
-    // (4 bytes a point) is read unless `colour` is none. Evicts as needed, least recently used first, never what is
-    // protected. False when that does not make room enough (an entry of the same node is kept then), as when the driver is
-    // out of memory. Leaves the binding of GL_COPY_WRITE_BUFFER changed.
+    // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
+    // `rgba` (4 bytes a point) is read unless `colour` is none. Evicts as needed, least recently used first, never what
+    // is protected. False when that does not make room enough (an entry of the same node is kept then), as when the
+    // driver is out of memory. Leaves the binding of GL_COPY_WRITE_BUFFER changed.
     bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
                 const std::uint8_t* rgba);
 
@@ -116,10 +116,7 @@ private:
         bool operator==(const Key& o) const { return owner == o.owner && node == o.node; }
     };
     struct KeyHash {
-        std::size_t operator()(const Key& k) const
-        {
-            return std::hash<std::uint64_t>()((k.owner << 32) ^ k.node);
-        }
+        std::size_t operator()(const Key& k) const { return std::hash<std::uint64_t>()((k.owner << 32) ^ k.node); }
     };
     struct Slot {
         Key key{};
@@ -138,8 +135,8 @@ private:
     L1Options options_;
     std::uint32_t pages_per_block_ = 0;
     std::uint64_t max_blocks_ = 0;
-    std::vector<std::uint32_t> blocks_;      // GL names; page p lies in block p / pages_per_block_
-    std::set<std::uint32_t> free_pages_;     // ordered, so that a chunk gets neighbouring pages where it can
+    std::vector<std::uint32_t> blocks_;   // GL names; page p lies in block p / pages_per_block_
+    std::set<std::uint32_t> free_pages_;  // ordered, so that a chunk gets neighbouring pages where it can
     Order order_;
     std::unordered_map<Key, Order::iterator, KeyHash> slots_;
     std::unordered_map<Key, std::uint8_t, KeyHash> seen_;  // colours ever uploaded, a bit each

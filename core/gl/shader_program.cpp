@@ -21,7 +21,8 @@ std::string_view text_of(std::string_view file)
 std::string log_of(GLuint object, bool is_program)
 {
     GLint length = 0;
-    is_program ? glGetProgramiv(object, GL_INFO_LOG_LENGTH, &length) : glGetShaderiv(object, GL_INFO_LOG_LENGTH, &length);
+    is_program ? glGetProgramiv(object, GL_INFO_LOG_LENGTH, &length)
+               : glGetShaderiv(object, GL_INFO_LOG_LENGTH, &length);
     std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
     GLsizei written = 0;
     is_program ? glGetProgramInfoLog(object, length, &written, log.data())

@@ -20,8 +20,8 @@ class ShaderProgram {
 public:
     ShaderProgram() = default;
     // `defines` are the permutation: each becomes a #define after the #version line; line numbers in the driver's log
-    // are those of the file. Throws Error(unsupported) with file, permutation and the driver's log, Error(not_found) for
-    // a file that is not embedded.
+    // are those of the file. Throws Error(unsupported) with file, permutation and the driver's log, Error(not_found)
+    // for a file that is not embedded.
     ShaderProgram(std::string_view vertex_file, std::string_view fragment_file,
                   const std::vector<std::string>& defines = {});
     ShaderProgram(ShaderProgram&& other) noexcept;

@@ -14,16 +14,26 @@ template <class Use>
 void with_type(const Column& column, const Use& use)
 {
     switch (column.type()) {
-        case ScalarType::i8: return use(column.as<std::int8_t>());
-        case ScalarType::u8: return use(column.as<std::uint8_t>());
-        case ScalarType::i16: return use(column.as<std::int16_t>());
-        case ScalarType::u16: return use(column.as<std::uint16_t>());
-        case ScalarType::i32: return use(column.as<std::int32_t>());
-        case ScalarType::u32: return use(column.as<std::uint32_t>());
-        case ScalarType::i64: return use(column.as<std::int64_t>());
-        case ScalarType::u64: return use(column.as<std::uint64_t>());
-        case ScalarType::f32: return use(column.as<float>());
-        case ScalarType::f64: return use(column.as<double>());
+        case ScalarType::i8:
+            return use(column.as<std::int8_t>());
+        case ScalarType::u8:
+            return use(column.as<std::uint8_t>());
+        case ScalarType::i16:
+            return use(column.as<std::int16_t>());
+        case ScalarType::u16:
+            return use(column.as<std::uint16_t>());
+        case ScalarType::i32:
+            return use(column.as<std::int32_t>());
+        case ScalarType::u32:
+            return use(column.as<std::uint32_t>());
+        case ScalarType::i64:
+            return use(column.as<std::int64_t>());
+        case ScalarType::u64:
+            return use(column.as<std::uint64_t>());
+        case ScalarType::f32:
+            return use(column.as<float>());
+        case ScalarType::f64:
+            return use(column.as<double>());
     }
 }
 

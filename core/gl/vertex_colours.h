@@ -9,8 +9,8 @@
 
 namespace pcm {
 
-// How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk, which
-// is a sample of the whole, so that every chunk of a picture has the same scale.
+// How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk,
+// which is a sample of the whole, so that every chunk of a picture has the same scale.
 struct ColourScale {
     double low = 0;
     double high = 1;

@@ -26,7 +26,8 @@ Vec3d row_of(const Matrix4d& m, std::size_t row) { return {m[row], m[4 + row], m
 
 using Matrix3d = std::array<Vec3d, 3>;  // rows
 
-// Solves rows * x = b; nothing when the matrix is singular. Scaled first, so that units of 1e-100 are no reason to fail.
+// Solves rows * x = b; nothing when the matrix is singular. Scaled first, so that units of 1e-100 are no reason to
+// fail.
 std::optional<Vec3d> solve(Matrix3d rows, Vec3d b)
 {
     double largest = 0;
@@ -93,8 +94,7 @@ std::optional<Frustum> Frustum::of(const View& view)
     // transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
     const auto to_source = [&](const Vec3d& n) {
         Vec3d turned{};
-        for (std::size_t a = 0; a < 3; ++a)
-            turned[a] = n[0] * linear[0][a] + n[1] * linear[1][a] + n[2] * linear[2][a];
+        for (std::size_t a = 0; a < 3; ++a) turned[a] = n[0] * linear[0][a] + n[1] * linear[1][a] + n[2] * linear[2][a];
         return turned;
     };
     const auto to_source_bound = [&](const Vec3d& n) {

@@ -1,9 +1,9 @@
 // Which nodes of a tree a view needs, and how well what is drawn serves it. No OpenGL here.
 //
 // The measure is the *projected spacing*: how far apart, in pixels, neighbouring points appear. While a node is not
-// drawn, its box is filled by its ancestors alone, whose points lie `nodes[parent].spacing` apart; projected at the point
-// of the node's box that is nearest to the eye, that is the node's `error_px`. Drawing the node takes the error away
-// (what is left is the error of its children). Perspective and orthographic views are handled alike.
+// drawn, its box is filled by its ancestors alone, whose points lie `nodes[parent].spacing` apart; projected at the
+// point of the node's box that is nearest to the eye, that is the node's `error_px`. Drawing the node takes the error
+// away (what is left is the error of its children). Perspective and orthographic views are handled alike.
 //
 // All functions are pure: the same arguments give the same result on any thread.
 #pragma once
@@ -22,10 +22,10 @@ namespace pcm {
 using Matrix4d = std::array<double, 16>;
 
 struct View {
-    Matrix4d modelview{};    // affine and invertible; maps (source - origin) to eye space, eye at 0, looking down -z
-    Matrix4d projection{};   // perspective (also off-axis) or orthographic; clip volume -w <= x, y, z <= w
-    Vec3d origin{0, 0, 0};   // source coordinates of the local origin
-    int width = 0;           // viewport, pixels
+    Matrix4d modelview{};   // affine and invertible; maps (source - origin) to eye space, eye at 0, looking down -z
+    Matrix4d projection{};  // perspective (also off-axis) or orthographic; clip volume -w <= x, y, z <= w
+    Vec3d origin{0, 0, 0};  // source coordinates of the local origin
+    int width = 0;          // viewport, pixels
     int height = 0;
 };
 
@@ -37,14 +37,14 @@ public:
     // affine and invertible.
     static std::optional<Frustum> of(const View& view);
 
-    // False only if no part of the box is inside the clip volume. May be true for a box just outside a corner or an edge
-    // of the volume (the six planes are tested one by one), never false for one that holds a visible point: the margin
-    // covers the rounding of coordinates of the size at hand.
+    // False only if no part of the box is inside the clip volume. May be true for a box just outside a corner or an
+    // edge of the volume (the six planes are tested one by one), never false for one that holds a visible point: the
+    // margin covers the rounding of coordinates of the size at hand.
     bool intersects(const Box3d& source_box) const;
 
     // Pixels that `length` (source units) covers when it is seen face on at the point of the box that is nearest to the
-    // eye, but no nearer than the near plane. Exact on the view's axis. For a modelview that scales the axes differently this
-    // is an upper bound.
+    // eye, but no nearer than the near plane. Exact on the view's axis. For a modelview that scales the axes
+    // differently this is an upper bound.
     double pixels(double length, const Box3d& source_box) const;
 
     Vec3d local_eye() const { return eye_; }  // relative to the view's origin
@@ -53,22 +53,22 @@ public:
 
 private:
     struct Plane {
-        Vec3d normal;         // in source axes, pointing inwards
-        double offset;        // normal . (p - eye) + offset >= 0 inside
-        Vec3d normal_bound;   // the same sums over absolute values, from which the rounding error is bounded
+        Vec3d normal;        // in source axes, pointing inwards
+        double offset;       // normal . (p - eye) + offset >= 0 inside
+        Vec3d normal_bound;  // the same sums over absolute values, from which the rounding error is bounded
         double offset_bound;
     };
     std::array<Plane, 6> planes_{};
     Vec3d origin_{};
-    Vec3d eye_{};              // relative to origin_
+    Vec3d eye_{};  // relative to origin_
     bool orthographic_ = false;
-    double near_ = 0;          // perspective: distance of the near plane, source units
+    double near_ = 0;             // perspective: distance of the near plane, source units
     double pixels_per_unit_ = 0;  // orthographic: anywhere; perspective: at distance 1
 };
 
 struct DetailLimits {
-    double target_px = 1.4;                          // no node is wanted for an error at or below this
-    std::uint64_t point_budget = 20'000'000;         // of all wanted nodes together
+    double target_px = 1.4;                   // no node is wanted for an error at or below this
+    std::uint64_t point_budget = 20'000'000;  // of all wanted nodes together
     // Video memory is given out in pages of page_points points to a node; the wanted nodes need at most page_budget.
     std::uint32_t page_points = 4096;
     std::uint64_t page_budget = ~std::uint64_t(0);
@@ -85,15 +85,17 @@ struct DetailNode {
 
 struct DetailSelection {
     std::vector<DetailNode> wanted;  // best first; an ancestor stands before its descendants
-    std::vector<DetailNode> beyond;  // visible, ancestor wanted (or none), not wanted: below the target or over the budget
+    std::vector<DetailNode>
+        beyond;  // visible, ancestor wanted (or none), not wanted: below the target or over the budget
     std::uint64_t wanted_points = 0;
-    bool budget_reached = false;     // a node above the target was left out for want of budget
-    double viewport_px = 0;          // the larger side of the viewport
+    bool budget_reached = false;  // a node above the target was left out for want of budget
+    double viewport_px = 0;       // the larger side of the viewport
 };
 
-// Best first, that is in order of falling error (ties: lower node number first), children only after their parent, until
-// no error is above the target or the next best node does not fit the budget; nodes outside the view are left out.
-// `nodes` must have parents before children. O(n log n) in the number of nodes that are visible and above the target.
+// Best first, that is in order of falling error (ties: lower node number first), children only after their parent,
+// until no error is above the target or the next best node does not fit the budget; nodes outside the view are left
+// out. `nodes` must have parents before children. O(n log n) in the number of nodes that are visible and above the
+// target.
 DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
                               const DetailLimits& limits);
 inline DetailSelection select_detail(const Tree& tree, const View& view, const DetailLimits& limits)

@@ -74,7 +74,8 @@ Window project(const Camera& camera, const Vec3d& local)
 
 std::size_t count_lit(const std::vector<Pixel>& pixels)
 {
-    return static_cast<std::size_t>(std::count_if(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.a > 0; }));
+    return static_cast<std::size_t>(
+        std::count_if(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.a > 0; }));
 }
 
 }  // namespace
@@ -101,8 +102,8 @@ TEST_P(CloudRendererIn, ConstantSplatsCoverExactlyTheirSquares)
             EXPECT_EQ(report.screen_error_px, 0);
             const auto pixels = framebuffer.read();
 
-            // A pixel is covered when its centre lies in the square around a projected point. Rasterisers place points on
-            // a subpixel raster (1/256 here; 1/16 is what OpenGL asks for): edges nearer than that are left to them.
+            // A pixel is covered when its centre lies in the square around a projected point. Rasterisers place points
+            // on a subpixel raster (1/256 here; 1/16 is what OpenGL asks for): edges nearer than that are left to them.
             constexpr double slack = 1.0 / 128;
             std::vector<int> expected(320 * 240, 0);  // 0 dark, 1 either, 2 lit
             for (const LasPoint& p : points) {
@@ -139,16 +140,17 @@ TEST_P(CloudRendererIn, MapCoordinatesDrawTheSamePicture)
     options.colour = ColourMode::rgb;
     std::vector<std::vector<Pixel>> pictures;
     for (const Vec3d& offset : {Vec3d{0, 0, 0}, Vec3d{5000000, 5000000, 5000000}}) {
-        CloudRenderer renderer(make_cloud(folder, "at" + std::to_string(static_cast<int>(offset[0])), grid_at(offset), points));
+        CloudRenderer renderer(
+            make_cloud(folder, "at" + std::to_string(static_cast<int>(offset[0])), grid_at(offset), points));
         draw_until_done(renderer, framebuffer, camera, offset, options);
         pictures.push_back(framebuffer.read());
         if (offset[0] > 0) {
-            // Another local origin, as when several clouds share one: coordinates round to 1e-9 of the scene's metre, so
-            // only a pixel whose edge a splat all but touches may change.
+            // Another local origin, as when several clouds share one: coordinates round to 1e-9 of the scene's metre,
+            // so only a pixel whose edge a splat all but touches may change.
             const Vec3d other{offset[0] - 1234.567, offset[1] + 77.7, offset[2] + 3.3};
-            const Camera moved = camera_of(product(overview(10), translation(other[0] - offset[0], other[1] - offset[1],
-                                                                            other[2] - offset[2])),
-                                           perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
+            const Camera moved = camera_of(
+                product(overview(10), translation(other[0] - offset[0], other[1] - offset[1], other[2] - offset[2])),
+                perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
             draw_until_done(renderer, framebuffer, moved, other, options);
             const auto picture = framebuffer.read();
             std::size_t different = 0;
@@ -163,9 +165,9 @@ TEST_P(CloudRendererIn, MapCoordinatesDrawTheSamePicture)
 
 TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
 {
-    // One point seen from 2 m, in a tile of 20 km at map coordinates, through a projection that magnifies the surroundings
-    // of where it should appear 64 times: the place of the lit pixel tells its place in the picture to 1/64 pixel. The
-    // modelview, where the large numbers are, is the one of the plain picture.
+    // One point seen from 2 m, in a tile of 20 km at map coordinates, through a projection that magnifies the
+    // surroundings of where it should appear 64 times: the place of the lit pixel tells its place in the picture to
+    // 1/64 pixel. The modelview, where the large numbers are, is the one of the plain picture.
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     auto points = random_points(400, 20000000, 3);
@@ -184,22 +186,25 @@ TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
             double most[2] = {-1e9, -1e9};
             for (int step = 0; step < 60; ++step) {
                 const double aside = 0.3 + 0.0037 * step;
-                const Matrix modelview = product(rotation_x(-0.7), translation(-(local[0] + aside), -(local[1] - 1.4), -(local[2] + 1.5)));
+                const Matrix modelview =
+                    product(rotation_x(-0.7), translation(-(local[0] + aside), -(local[1] - 1.4), -(local[2] + 1.5)));
                 const Matrix plain = ortho ? orthographic(1.2, 1.2, -50, 50) : perspective(1.0, 1, 0.05, 1000);
                 Camera camera = camera_of(modelview, plain, 1000, 1000);
                 const Window w = project(camera, local);
                 ASSERT_TRUE(w.inside);
                 // 8 pixels of the plain picture around w fill the 512 of this one.
                 const double scale = 1000.0 / 8;
-                const Matrix magnify{scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, 1, 0,
-                                     -(w.x / 500 - 1) * scale, -(w.y / 500 - 1) * scale, 0, 1};
+                const Matrix magnify{
+                    scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, 1, 0, -(w.x / 500 - 1) * scale, -(w.y / 500 - 1) * scale,
+                    0,     1};
                 camera = camera_of(modelview, product(magnify, plain), size, size);
                 draw_until_done(renderer, framebuffer, camera, map_offset, options);
                 const auto pixels = framebuffer.read();
                 ASSERT_EQ(count_lit(pixels), 1u) << "step " << step;
                 for (int i = 0; i < size * size; ++i)
                     if (pixels[static_cast<std::size_t>(i)].a) {
-                        const double error[2] = {(i % size + 0.5 - size / 2) / zoom, (i / size + 0.5 - size / 2) / zoom};
+                        const double error[2] = {(i % size + 0.5 - size / 2) / zoom,
+                                                 (i / size + 0.5 - size / 2) / zoom};
                         for (int a = 0; a < 2; ++a) {
                             least[a] = std::min(least[a], error[a]);
                             most[a] = std::max(most[a], error[a]);
@@ -227,19 +232,36 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
     glGenVertexArrays(1, &array);
     glGenBuffers(3, buffers);
 
-    std::vector<GLenum> integers{GL_CURRENT_PROGRAM, GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING,
-                                 GL_ELEMENT_ARRAY_BUFFER_BINDING, GL_COPY_WRITE_BUFFER, GL_COPY_READ_BUFFER,
-                                 GL_PIXEL_UNPACK_BUFFER_BINDING, GL_UNIFORM_BUFFER_BINDING, GL_DEPTH_FUNC,
-                                 GL_DEPTH_WRITEMASK, GL_DRAW_FRAMEBUFFER_BINDING, GL_READ_FRAMEBUFFER_BINDING,
-                                 GL_ACTIVE_TEXTURE, GL_TEXTURE_BINDING_2D, GL_BLEND_SRC_RGB, GL_CULL_FACE_MODE,
-                                 GL_FRONT_FACE, GL_POLYGON_MODE, GL_VIEWPORT, GL_SCISSOR_BOX, GL_COLOR_WRITEMASK,
-                                 GL_UNPACK_ALIGNMENT, GL_POINT_SPRITE_COORD_ORIGIN};
-    std::vector<GLenum> switches{GL_DEPTH_TEST, GL_BLEND, GL_PROGRAM_POINT_SIZE, GL_CULL_FACE, GL_SCISSOR_TEST,
-                                 GL_STENCIL_TEST, GL_MULTISAMPLE, GL_DITHER, GL_LINE_SMOOTH, GL_POLYGON_OFFSET_FILL};
+    std::vector<GLenum> integers{GL_CURRENT_PROGRAM,
+                                 GL_VERTEX_ARRAY_BINDING,
+                                 GL_ARRAY_BUFFER_BINDING,
+                                 GL_ELEMENT_ARRAY_BUFFER_BINDING,
+                                 GL_COPY_WRITE_BUFFER,
+                                 GL_COPY_READ_BUFFER,
+                                 GL_PIXEL_UNPACK_BUFFER_BINDING,
+                                 GL_UNIFORM_BUFFER_BINDING,
+                                 GL_DEPTH_FUNC,
+                                 GL_DEPTH_WRITEMASK,
+                                 GL_DRAW_FRAMEBUFFER_BINDING,
+                                 GL_READ_FRAMEBUFFER_BINDING,
+                                 GL_ACTIVE_TEXTURE,
+                                 GL_TEXTURE_BINDING_2D,
+                                 GL_BLEND_SRC_RGB,
+                                 GL_CULL_FACE_MODE,
+                                 GL_FRONT_FACE,
+                                 GL_POLYGON_MODE,
+                                 GL_VIEWPORT,
+                                 GL_SCISSOR_BOX,
+                                 GL_COLOR_WRITEMASK,
+                                 GL_UNPACK_ALIGNMENT,
+                                 GL_POINT_SPRITE_COORD_ORIGIN};
+    std::vector<GLenum> switches{
+        GL_DEPTH_TEST,  GL_BLEND,  GL_PROGRAM_POINT_SIZE, GL_CULL_FACE,          GL_SCISSOR_TEST, GL_STENCIL_TEST,
+        GL_MULTISAMPLE, GL_DITHER, GL_LINE_SMOOTH,        GL_POLYGON_OFFSET_FILL};
     if (compatibility) {
-        for (const GLenum e : {GL_MATRIX_MODE, GL_ATTRIB_STACK_DEPTH, GL_CLIENT_ATTRIB_STACK_DEPTH,
-                               GL_MODELVIEW_STACK_DEPTH, GL_PROJECTION_STACK_DEPTH, GL_SHADE_MODEL,
-                               GL_CLIENT_ACTIVE_TEXTURE})
+        for (const GLenum e :
+             {GL_MATRIX_MODE, GL_ATTRIB_STACK_DEPTH, GL_CLIENT_ATTRIB_STACK_DEPTH, GL_MODELVIEW_STACK_DEPTH,
+              GL_PROJECTION_STACK_DEPTH, GL_SHADE_MODEL, GL_CLIENT_ACTIVE_TEXTURE})
             integers.push_back(static_cast<GLenum>(e));
         for (const GLenum e : {GL_POINT_SPRITE, GL_POINT_SMOOTH, GL_LIGHTING, GL_ALPHA_TEST, GL_COLOR_MATERIAL,
                                GL_NORMALIZE, GL_VERTEX_ARRAY, GL_COLOR_ARRAY, GL_TEXTURE_2D})
@@ -287,11 +309,14 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
         glBindVertexArray(host >= 2 ? array : 0);
         glBindBuffer(GL_ARRAY_BUFFER, odd ? buffers[0] : 0);
         glBindBuffer(GL_COPY_WRITE_BUFFER, odd ? buffers[1] : 0);
-        for (const ColourMode mode : {ColourMode::rgb, ColourMode::intensity, ColourMode::height, ColourMode::uniform}) {
-            while (glGetError() != GL_NO_ERROR) {}
+        for (const ColourMode mode :
+             {ColourMode::rgb, ColourMode::intensity, ColourMode::height, ColourMode::uniform}) {
+            while (glGetError() != GL_NO_ERROR) {
+            }
             const auto before = snapshot();
-            while (glGetError() != GL_NO_ERROR) {}  // core contexts do not know all of the names
-            glEnable(0xdead);                       // an error that the host left behind is not reported as ours
+            while (glGetError() != GL_NO_ERROR) {
+            }                  // core contexts do not know all of the names
+            glEnable(0xdead);  // an error that the host left behind is not reported as ours
             RenderOptions options = everything();
             options.colour = mode;
             FrameReport report;
@@ -300,7 +325,8 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
                 EXPECT_EQ(report.error, "");
                 EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
                 ASSERT_EQ(snapshot(), before) << "host " << host << ", mode " << name_of(mode) << ", frame " << frame;
-                while (glGetError() != GL_NO_ERROR) {}
+                while (glGetError() != GL_NO_ERROR) {
+                }
                 if (!report.refining) break;
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
             }
@@ -455,7 +481,8 @@ TEST(CloudRenderer, LivesWithLittleVideoMemory)
     RenderOptions options = everything();
     options.colour = ColourMode::rgb;
     for (int step = 0; step < 10; ++step) {
-        const Camera camera = camera_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
+        const Camera camera =
+            camera_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
         const FrameReport report = draw_until_done(renderer, framebuffer, camera, map_offset, options);
         EXPECT_GT(report.points_drawn, 20000u);
         EXPECT_GT(report.screen_error_px, 0);
@@ -560,7 +587,8 @@ TEST(CloudRenderer, DrawsWidePositions)
     for (Vec3d& p : points) p = {unit(random), unit(random), unit(random)};
     {
         std::ofstream file(folder / "wide.ply");
-        file << "ply\nformat ascii 1.0\nelement vertex 500\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
+        file << "ply\nformat ascii 1.0\nelement vertex 500\nproperty double x\nproperty double y\nproperty double "
+                "z\nend_header\n"
              << std::setprecision(17);
         for (const Vec3d& p : points) file << p[0] << ' ' << p[1] << ' ' << p[2] << '\n';
     }

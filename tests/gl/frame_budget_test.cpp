@@ -11,14 +11,17 @@ using namespace pcm;
 namespace {
 
 // A device that needs `cost` ms a point and draws as many as it is given, up to `visible`.
-double settle(FrameBudget& budget, double cost, double budget_ms, std::uint64_t visible, std::uint64_t ceiling, int frames)
+double settle(FrameBudget& budget, double cost, double budget_ms, std::uint64_t visible, std::uint64_t ceiling,
+              int frames)
 {
     double ms = 0;
     for (int i = 0; i < frames; ++i) {
         const std::uint64_t points = std::min(budget.points(budget_ms, 0, ceiling), visible);
         ms = cost * static_cast<double>(points);
-        if (budget.wants_measure()) budget.measured(points, ms);
-        else budget.not_measured();
+        if (budget.wants_measure())
+            budget.measured(points, ms);
+        else
+            budget.not_measured();
     }
     return ms;
 }
@@ -84,14 +87,19 @@ TEST(VertexColours, EveryTypeFillsTheRange)
         return rgba;
     };
     using Bytes = std::vector<std::uint8_t>;
-    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 128, 255}), VertexColour::rgb), (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 128, 255}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
     EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 1, 2}), VertexColour::rgb), (Bytes{0, 1, 2, 255}));
     EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128 * 257, 65535}), VertexColour::rgb),
               (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128, 255}), VertexColour::rgb), (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {0.0f, 0.5f, 1.0f}), VertexColour::rgb), (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<double>(ScalarType::f64, 3, {0.0, 128.0, 255.0}), VertexColour::rgb), (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {std::nanf(""), -4.0f, 1.0f}), VertexColour::rgb), (Bytes{0, 0, 255, 255}));
+    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128, 255}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {0.0f, 0.5f, 1.0f}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<double>(ScalarType::f64, 3, {0.0, 128.0, 255.0}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {std::nanf(""), -4.0f, 1.0f}), VertexColour::rgb),
+              (Bytes{0, 0, 255, 255}));
 
     const auto grey = scaled(column_of<std::int16_t>(ScalarType::i16, 1, {-300, 0, 300}), VertexColour::intensity);
     EXPECT_EQ(grey[0], 0);

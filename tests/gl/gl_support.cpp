@@ -12,7 +12,8 @@ namespace pcm::test {
 std::unique_ptr<GlContext> GlContext::make(Profile profile, std::string& why, const GlContext* share)
 {
     static const EGLDisplay display = [] {
-        const auto get = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+        const auto get =
+            reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
         EGLDisplay d = get ? get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr) : EGL_NO_DISPLAY;
         if (d == EGL_NO_DISPLAY || !eglInitialize(d, nullptr, nullptr)) {
             d = eglGetDisplay(EGL_DEFAULT_DISPLAY);
@@ -28,15 +29,20 @@ std::unique_ptr<GlContext> GlContext::make(Profile profile, std::string& why, co
         why = "EGL has no desktop OpenGL";
         return nullptr;
     }
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT
-                                                          : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT,
-                                 EGL_NONE};
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,
+        3,
+        EGL_CONTEXT_MINOR_VERSION,
+        3,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT,
+        EGL_NONE};
     std::unique_ptr<GlContext> context(new GlContext);
     context->display_ = display;
-    context->context_ = eglCreateContext(display, EGL_NO_CONFIG_KHR, share ? share->context_ : EGL_NO_CONTEXT, attributes);
-    if (context->context_ == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context_)) {
+    context->context_ =
+        eglCreateContext(display, EGL_NO_CONFIG_KHR, share ? share->context_ : EGL_NO_CONTEXT, attributes);
+    if (context->context_ == EGL_NO_CONTEXT ||
+        !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context_)) {
         why = "eglCreateContext or eglMakeCurrent failed with " + std::to_string(eglGetError());
         return nullptr;
     }
@@ -119,13 +125,29 @@ Matrix rotation_x(double radians)
 Matrix perspective(double vertical_angle, double aspect, double near, double far)
 {
     const double f = 1 / std::tan(vertical_angle / 2);
-    return {f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near), 0};
+    return {
+        f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near),
+        0};
 }
 
 Matrix orthographic(double half_width, double half_height, double near, double far)
 {
-    return {1 / half_width, 0, 0, 0, 0, 1 / half_height, 0, 0, 0, 0, -2 / (far - near), 0,
-            0, 0, -(far + near) / (far - near), 1};
+    return {1 / half_width,
+            0,
+            0,
+            0,
+            0,
+            1 / half_height,
+            0,
+            0,
+            0,
+            0,
+            -2 / (far - near),
+            0,
+            0,
+            0,
+            -(far + near) / (far - near),
+            1};
 }
 
 Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, int height)

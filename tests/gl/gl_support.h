@@ -80,7 +80,7 @@ FrameReport draw_until_done(CloudRenderer& renderer, const Framebuffer& framebuf
 }  // namespace pcm::test
 
 // Skips the test, saying so, where no context can be made.
-#define PCM_REQUIRE_GL(name, profile)                                \
-    std::string name##_why;                                          \
+#define PCM_REQUIRE_GL(name, profile)                                  \
+    std::string name##_why;                                            \
     const auto name = pcm::test::GlContext::make(profile, name##_why); \
     if (!name) GTEST_SKIP() << "no OpenGL context on this machine: " << name##_why

@@ -46,24 +46,62 @@ Matrix4d rotation(std::mt19937_64& random)
     for (double& v : q) v = normal(random), length += v * v;
     for (double& v : q) v /= std::sqrt(length);
     const double w = q[0], x = q[1], y = q[2], z = q[3];
-    return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
-            2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
-            2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0,
-            0, 0, 0, 1};
+    return {1 - 2 * (y * y + z * z),
+            2 * (x * y + w * z),
+            2 * (x * z - w * y),
+            0,
+            2 * (x * y - w * z),
+            1 - 2 * (x * x + z * z),
+            2 * (y * z + w * x),
+            0,
+            2 * (x * z + w * y),
+            2 * (y * z - w * x),
+            1 - 2 * (x * x + y * y),
+            0,
+            0,
+            0,
+            0,
+            1};
 }
 
 Matrix4d perspective(double left, double right, double bottom, double top, double near, double far)
 {
-    return {2 * near / (right - left), 0, 0, 0,
-            0, 2 * near / (top - bottom), 0, 0,
-            (right + left) / (right - left), (top + bottom) / (top - bottom), -(far + near) / (far - near), -1,
-            0, 0, -2 * far * near / (far - near), 0};
+    return {2 * near / (right - left),
+            0,
+            0,
+            0,
+            0,
+            2 * near / (top - bottom),
+            0,
+            0,
+            (right + left) / (right - left),
+            (top + bottom) / (top - bottom),
+            -(far + near) / (far - near),
+            -1,
+            0,
+            0,
+            -2 * far * near / (far - near),
+            0};
 }
 
 Matrix4d orthographic(double half_width, double half_height, double near, double far)
 {
-    return {1 / half_width, 0, 0, 0, 0, 1 / half_height, 0, 0, 0, 0, -2 / (far - near), 0,
-            0, 0, -(far + near) / (far - near), 1};
+    return {1 / half_width,
+            0,
+            0,
+            0,
+            0,
+            1 / half_height,
+            0,
+            0,
+            0,
+            0,
+            -2 / (far - near),
+            0,
+            0,
+            0,
+            -(far + near) / (far - near),
+            1};
 }
 
 std::array<double, 4> clip(const View& view, const Vec3d& source)
@@ -95,8 +133,9 @@ View random_view(std::mt19937_64& random, const Vec3d& eye, const Vec3d& origin,
     view.width = 1280;
     view.height = 720;
     const double scale = std::pow(10.0, 4 * unit(random) - 2);
-    view.modelview = product(rotation(random), product(scaling(scale), translation({origin[0] - eye[0],
-                             origin[1] - eye[1], origin[2] - eye[2]})));
+    view.modelview =
+        product(rotation(random),
+                product(scaling(scale), translation({origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]})));
     const double near = scale * reach * std::pow(10.0, -6 * unit(random));
     const double far = near * std::pow(10.0, 1 + 11 * unit(random));
     if (unit(random) < 0.5) {
@@ -133,7 +172,8 @@ SyntheticTree random_tree(std::mt19937_64& random, std::size_t size, const Vec3d
         const std::size_t axis = random() % 3;
         const Box3i box = tree.nodes[parent].box;
         const std::int64_t split =
-            box.min[axis] + static_cast<std::int64_t>(unit(random) * static_cast<double>(box.max[axis] - box.min[axis]));
+            box.min[axis] +
+            static_cast<std::int64_t>(unit(random) * static_cast<double>(box.max[axis] - box.min[axis]));
         for (std::size_t c = 0; c < 2; ++c) {
             if (parent > 0 && unit(random) < 0.1) continue;
             Node child;
@@ -298,9 +338,9 @@ TEST(Frustum, CullsWhatIsBeyondOnePlane)
             for (const double sign : {-1.0, 1.0}) {
                 bool all = true;
                 for (int corner = 0; corner < 8; ++corner) {
-                    const auto c = clip(view, {corner & 1 ? box.max[0] : box.min[0],
-                                               corner & 2 ? box.max[1] : box.min[1],
-                                               corner & 4 ? box.max[2] : box.min[2]});
+                    const auto c =
+                        clip(view, {corner & 1 ? box.max[0] : box.min[0], corner & 2 ? box.max[1] : box.min[1],
+                                    corner & 4 ? box.max[2] : box.min[2]});
                     all = all && sign * c[axis] > c[3] + 1e-6 * (std::abs(c[axis]) + std::abs(c[3]) + 1);
                 }
                 beyond = beyond || all;
@@ -327,8 +367,8 @@ TEST(Frustum, PixelsAreThoseOfAProjectedSegment)
         view.origin = origin;
         view.width = 900;
         view.height = 600;
-        view.modelview = product(turn, product(scaling(scale), translation({origin[0] - eye[0], origin[1] - eye[1],
-                                                                            origin[2] - eye[2]})));
+        view.modelview = product(
+            turn, product(scaling(scale), translation({origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]})));
         const bool ortho = i % 4 >= 2;
         view.projection = ortho ? orthographic(3, 2, 1e-6, 1000) : perspective(-3e-6, 3e-6, -2e-6, 2e-6, 2e-6, 1e6);
         const double distance = 1 + 50 * unit(random);
@@ -508,8 +548,7 @@ TEST(SelectDetail, AnyThreadGetsTheSame)
     const DetailSelection reference = select_detail(tree.nodes, tree.grid, view, {});
     std::vector<DetailSelection> results(8);
     std::vector<std::thread> threads;
-    for (auto& result : results)
-        threads.emplace_back([&] { result = select_detail(tree.nodes, tree.grid, view, {}); });
+    for (auto& result : results) threads.emplace_back([&] { result = select_detail(tree.nodes, tree.grid, view, {}); });
     for (auto& thread : threads) thread.join();
     for (const auto& result : results) {
         ASSERT_EQ(result.wanted.size(), reference.wanted.size());
