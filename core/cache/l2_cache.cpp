@@ -173,20 +173,21 @@ struct L2Cache::State {
             std::deque<ChunkRequest>& queue = is_prefetch ? state->soon : state->wanted;
             const ChunkRequest request = queue.front();
             queue.pop_front();
-            auto& entry = state->entries[request.node];
-            if (entry.loading || (entry.chunk && entry.columns.contains(request.columns))) {
-                state->loaded.notify_all();  // the list may be empty now
-                continue;
-            }
-            state->count_miss(entry, request.columns);
-            entry.loading = true;
-            ++state->active_loads;
             const auto on_loaded = is_prefetch ? nullptr : state->on_loaded;
-            try {
-                load(state, request.node, request.columns, lock);
-                state->shrink();
-            } catch (const std::exception&) {
-                // Kept in the entry for error_of(), and counted.
+            ++state->active_loads;
+            auto& entry = state->entries[request.node];
+            // Another client may be loading it: what comes is looked at then.
+            state->loaded.wait(lock, [&] { return state->closing || !entry.loading; });
+            if (state->closing) return;
+            if (!entry.chunk || !entry.columns.contains(request.columns)) {
+                state->count_miss(entry, request.columns);
+                entry.loading = true;
+                try {
+                    load(state, request.node, request.columns, lock);
+                    state->shrink();
+                } catch (const std::exception&) {
+                    // Kept in the entry for error_of(), and counted.
+                }
             }
             if (on_loaded && *on_loaded) {
                 lock.unlock();
@@ -216,6 +217,7 @@ L2Cache::~L2Cache()
         state_->soon.clear();
     }
     state_->work.notify_all();
+    state_->loaded.notify_all();
     for (std::thread& thread : state_->threads) thread.join();
 }
 

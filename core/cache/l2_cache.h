@@ -74,7 +74,7 @@ public:
 
     // Asks for chunks in the background, first ones first. A newer list replaces the older one: what the older list
     // asked for and no loader has begun is forgotten. `on_loaded` (may be empty) is called on a loader thread each time
-    // a chunk of the list has arrived or failed; it must return quickly and must not call the cache's destructor.
+    // a chunk of the list has arrived (or was there already) or failed; it must return quickly and must not call the cache's destructor.
     void request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded = {});
 
     // Asks for one more chunk in the background, beside and before the current list: for those who read chunk after chunk.

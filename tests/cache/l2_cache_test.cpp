@@ -303,6 +303,29 @@ TEST_F(L2CacheTest, ErrorsReachWhoAsked)
     EXPECT_THROW(cache.get(static_cast<NodeId>(tree_->nodes().size()), positions_), Error);
 }
 
+// Who asks in the background hears of every chunk, also of one that is there already or that another client is loading.
+TEST_F(L2CacheTest, EveryRequestedChunkIsAnnounced)
+{
+    L2Cache cache(tree_);
+    std::atomic<bool> stop{false};
+    std::thread other([&] {
+        for (NodeId id = 0; !stop; id = (id + 1) % static_cast<NodeId>(tree_->nodes().size())) {
+            cache.get(id, positions_);
+            if (id == 0) cache.clear();
+        }
+    });
+    for (int round = 0; round < 200; ++round) {
+        std::vector<ChunkRequest> list;
+        for (NodeId id = 0; id < 20; ++id) list.push_back({id, positions_});
+        std::atomic<int> announced{0};
+        cache.request(list, [&](NodeId) { ++announced; });
+        while (announced < 20) std::this_thread::yield();
+        cache.wait_idle();
+    }
+    stop = true;
+    other.join();
+}
+
 TEST_F(L2CacheTest, HandlesOutliveTheCache)
 {
     L2Cache::Handle handle;
