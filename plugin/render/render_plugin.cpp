@@ -61,6 +61,16 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
     } catch (...) {  // MeshLab's painting knows no exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
+    // A view that is split off begins with MeshLab's own points; it shows what this one does.
+    for (GLArea* other : area->mvc()->viewerList) {
+        if (!other || View::find(other)) continue;
+        QPointer<QWidget> alive(other);
+        // The log is the document's, so this is forgotten when the document goes.
+        QTimer::singleShot(0, &layer.parent->Log, [this, alive, other, document = layer.parent, mesh_id = layer.id()] {
+            MeshModel* shown = alive ? document->getMesh(mesh_id) : nullptr;
+            if (shown) switch_on(*other, *shown);
+        });
+    }
     // MeshLab empties this list only when it shows it.
     if (area->infoAreaVisible) document_log.RealTimeLog("Point Cloud", layer.label(), text);
 }
@@ -84,22 +94,21 @@ void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
     QTimer::singleShot(document->isBusy() ? wait_ms : 0, this, [this, alive, mesh_id] {
         if (!alive) return;
         if (alive->isBusy()) return show_when_idle(alive, mesh_id);
-        if (MeshModel* layer = alive->getMesh(mesh_id)) switch_on(*alive, *layer);
+        if (MeshModel* layer = alive->getMesh(mesh_id))
+            for (GLArea* area : views_of(*alive)) switch_on(*area, *layer);
     });
 }
 
-void PointCloudDecorator::switch_on(MeshDocument& document, MeshModel& layer)
+void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
 {
     QAction* const action = actionList.front();
-    for (GLArea* area : views_of(document)) {
-        // What GLArea::setDecorator does, but for this layer rather than the current one: meanwhile another may be that.
-        QList<QAction*>& decorators = area->iPerMeshDecoratorsListMap[layer.id()];
-        area->makeCurrent();
-        if (startDecorate(action, layer, area->glas.currentGlobalParamSet, area) && !decorators.contains(action))
-            decorators.push_back(action);
-        area->update();
-        QMetaObject::invokeMethod(area, "updateMainWindowMenus");
-    }
+    // What GLArea::setDecorator does, but for this layer rather than the current one: meanwhile another may be that.
+    QList<QAction*>& decorators = area.iPerMeshDecoratorsListMap[layer.id()];
+    area.makeCurrent();
+    if (startDecorate(action, layer, area.glas.currentGlobalParamSet, &area) && !decorators.contains(action))
+        decorators.push_back(action);
+    area.update();
+    QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
     // So that the layer panel lists our parameters.
     for (QWidget* window : QApplication::topLevelWidgets())
         if (window->inherits("MainWindow")) QMetaObject::invokeMethod(window, "updateLayerDialog");

@@ -31,5 +31,5 @@ public:
 private:
     // A tree that is opened is shown; MeshLab's decorators are off until asked for.
     void show_when_idle(MeshDocument* document, int mesh_id);
-    void switch_on(MeshDocument& document, MeshModel& layer);
+    void switch_on(GLArea& area, MeshModel& layer);
 };

@@ -38,14 +38,15 @@ Camera camera_of(const MeshModel& layer)
 
 QString status_text(const FrameReport& report, std::uint64_t total)
 {
-    std::string text = grouped(report.points_drawn) + " of " + grouped(total) + " points";
-    if (report.screen_error_px > 0) text += ", screen error " + brief(report.screen_error_px) + " px";
-    else text += ", all that is in view";
-    text += "<br>" + brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, ";
-    text += report.refining ? "refining" : "complete";
-    QString html = QString::fromStdString(text);
-    if (!report.error.empty()) html += "<br>" + QString::fromStdString(report.error).toHtmlEscaped();
-    return html;
+    const std::string points = grouped(report.points_drawn) + " of " + grouped(total) + " points, " +
+                               (report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) + " px"
+                                                           : std::string("all that is in view"));
+    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, " +
+                             (report.refining ? "refining" : "complete");
+    QString rows;
+    for (const std::string& row : {points, time, report.error})
+        if (!row.empty()) rows += "<tr><td>" + QString::fromStdString(row).toHtmlEscaped() + "</td></tr>";
+    return "<table>" + rows + "</table>";
 }
 
 }  // namespace

@@ -49,12 +49,14 @@ def different(a, b):
     return json.loads(done.stdout)["different"]
 
 
-# Driver commands for a picture that depends on nothing but the cloud: one size, and no budget of time, so that the view is complete
-# when all detail is there. The view must be there already.
-FIXED_VIEW = """
-    view-size 480 360
+# Driver commands for a picture that depends on nothing but the cloud: no budget of time, so that the view is complete when all detail
+# is there; and one size. The view must be there already.
+NO_TIME_LIMIT = """
     parameter MeshLab::PointCloud::FrameBudget = 100000
     parameter MeshLab::PointCloud::RestBudget = 100000
+    """
+FIXED_VIEW = NO_TIME_LIMIT + """
+    view-size 480 360
     """
 
 

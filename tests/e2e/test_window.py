@@ -4,7 +4,7 @@ import os
 import shutil
 import unittest
 
-from meshlab import FIXED_VIEW, REFERENCE, MeshLabTest, different
+from meshlab import FIXED_VIEW, NO_TIME_LIMIT, REFERENCE, MeshLabTest, different
 
 # Two renderings of one view are alike but for the pixels along the edges of splats where another version of the software renderer
 # rounds otherwise. A cloud that is turned by one degree differs in about a tenth of the picture.
@@ -143,6 +143,29 @@ class Window(MeshLabTest):
         self.assertGreater(different(ours, native), 0.01)
         self.assertGreater(different(none, native), 0.01)
         self.assertEqual(different(ours, again), 0)
+
+    def test_two_views(self):
+        """A view that is split off shows the cloud too; closing it leaves the other whole."""
+        _, tree = self.generate("good", 60000, "--seed", 6)
+        one, closed = (self.result(f"{name}.png") for name in ("one", "closed"))
+        run = self.gui(f"""
+            wait-view
+            wait-layers 1
+            {NO_TIME_LIMIT}
+            wait-status complete
+            picture {one}
+            trigger Vertically
+            wait-views 2
+            wait-status complete
+            screen {self.result("screen.png")}
+            trigger Close current view
+            wait-views 1
+            wait-status complete
+            picture {closed}
+            quit
+            """, tree)
+        self.assertDriven(run)
+        self.assertEqual(different(one, closed), 0)
 
     def test_filter_from_the_menu(self):
         las, _ = self.generate("input", 60000, "--seed", 8)

@@ -177,6 +177,12 @@ void TestDriver::step()
 TestDriver::Done TestDriver::run(const QString& command, const QString& argument)
 {
     if (command == "wait-view") return until(area() != nullptr, "a view");
+    if (command == "wait-views") {  // that show a cloud
+        int views = 0;
+        for (const QWidget* widget : window()->findChildren<QWidget*>())
+            views += widget->inherits("GLArea") && widget->property("pcm_state").toMap()["drawing"].toBool();
+        return until(views == argument.toInt(), argument + " views");
+    }
     if (command == "wait-layers")
         return until(document() && document()->meshList.size() == argument.toInt(), argument + " layers");
     if (command == "wait-status") {
@@ -234,7 +240,10 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         for (QMenu* menu : window()->findChildren<QMenu*>()) actions += menu->actions();
         for (QAction* action : actions) {
             if (action->text().remove('&') != argument) continue;
-            if (!action->isEnabled()) fail("action '" + argument + "' is disabled");
+            if (!action->isEnabled()) {  // MeshLab brings its menus up to date when one is opened
+                QMetaObject::invokeMethod(window(), "updateMenus");
+                return until(false, "action '" + argument + "' to be enabled");
+            }
             QTimer::singleShot(0, action, SLOT(trigger()));
             return Done::yes;
         }
