@@ -1,7 +1,7 @@
 // One cloud's renderer in one GL share group.
 //
-// The views of a MeshLab project share buffers, so they share renderers too; two projects share nothing. All clouds of a
-// share group live in one L1. GUI thread only, except that loader threads wake it.
+// The views of a MeshLab project share buffers, so they share renderers too; two projects share nothing. All clouds of
+// a share group live in one L1. GUI thread only, except that loader threads wake it.
 #pragma once
 
 #include "gl/cloud_renderer.h"

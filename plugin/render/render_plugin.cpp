@@ -35,9 +35,10 @@ QString PointCloudDecorator::decorationInfo(FilterIDType) const
 bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& layer, QString& reason) const
 {
     if (Registry::instance().find(layer)) return true;
-    reason = "the layer '" + layer.label() +
-             "' shows no point cloud tree. Open a tree's index.pct or a LAS file of more than 1,000,000 points, or build a "
-             "tree with the filter Build Point Cloud Tree";
+    reason =
+        "the layer '" + layer.label() +
+        "' shows no point cloud tree. Open a tree's index.pct or a LAS file of more than 1,000,000 points, or build a "
+        "tree with the filter Build Point Cloud Tree";
     return false;
 }
 
@@ -50,8 +51,8 @@ bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const
     return true;
 }
 
-void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area,
-                                       QPainter*, GLLogStream& document_log)
+void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
+                                       GLArea* area, QPainter*, GLLogStream& document_log)
 {
     const auto tree = Registry::instance().find(layer);
     if (!tree) return;
@@ -77,7 +78,8 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
 
 void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {
-    // MeshLab ends and starts every decorator after each filter and import. A real end has taken ours off the list before.
+    // MeshLab ends and starts every decorator after each filter and import. A real end has taken ours off the list
+    // before.
     if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action)) return;
     if (View* view = View::find(area)) view->end(layer.id());
 }

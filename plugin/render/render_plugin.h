@@ -1,8 +1,8 @@
 // The decorator that draws point cloud trees.
 //
-// A decorator rather than one of MeshLab's render plugins: those are exclusive and must draw every layer themselves. Ours
-// draws after MeshLab's own layers and before the edit tools, so that the two depth-test together and tools such as
-// measuring work on our points.
+// A decorator rather than one of MeshLab's render plugins: those are exclusive and must draw every layer themselves.
+// Ours draws after MeshLab's own layers and before the edit tools, so that the two depth-test together and tools such
+// as measuring work on our points.
 #pragma once
 
 #include <common/interfaces.h>
@@ -26,7 +26,8 @@ public:
                       QPainter* painter, GLLogStream& log) override;
     void decorateDoc(QAction*, MeshDocument&, const RichParameterList*, GLArea*, QPainter*, GLLogStream&) override {}
     void endDecorate(QAction* action, MeshModel& layer, const RichParameterList* parameters, GLArea* area) override;
-    void endDecorate(QAction* action, MeshDocument& document, const RichParameterList* parameters, GLArea* area) override;
+    void endDecorate(QAction* action, MeshDocument& document, const RichParameterList* parameters,
+                     GLArea* area) override;
 
 private:
     // A tree that is opened is shown; MeshLab's decorators are off until asked for.

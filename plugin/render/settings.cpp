@@ -28,12 +28,19 @@ void add_settings(RichParameterList& parameters)
     const RenderOptions d;
     parameters.addParam(RichFloat(splat_size, d.point_size_px, "Splat size (px)",
                                   "Side of the square that a point is drawn as, in pixels. Default 2."));
-    parameters.addParam(RichEnum(colour, 0, QStringList() << "Colour" << "Intensity" << "Height" << "Uniform", "Colour by",
-                                 "What the colour of a point shows. A cloud without colours shows its intensity, and one "
-                                 "without that its height. Default Colour."));
-    parameters.addParam(RichFloat(target_spacing, static_cast<float>(d.target_spacing_px), "Target spacing (px)",
-                                  "Detail is added until points are no farther apart than this on the screen, in pixels. "
-                                  "Default 1.4."));
+    parameters.addParam(
+        RichEnum(colour, 0,
+                 QStringList() << "Colour"
+                               << "Intensity"
+                               << "Height"
+                               << "Uniform",
+                 "Colour by",
+                 "What the colour of a point shows. A cloud without colours shows its intensity, and one "
+                 "without that its height. Default Colour."));
+    parameters.addParam(
+        RichFloat(target_spacing, static_cast<float>(d.target_spacing_px), "Target spacing (px)",
+                  "Detail is added until points are no farther apart than this on the screen, in pixels. "
+                  "Default 1.4."));
     parameters.addParam(RichFloat(frame_budget, static_cast<float>(d.frame_budget_ms), "Frame budget (ms)",
                                   "Time that drawing may take while the view moves, in milliseconds; fewer points are "
                                   "drawn when all would take longer. Default 33."));
@@ -44,9 +51,10 @@ void add_settings(RichParameterList& parameters)
     parameters.addParam(RichInt(l1_size, static_cast<int>(L1Options().capacity_bytes >> 20), "Video memory (MB)",
                                 "Memory on the graphics card for the points of all layers of a project, in megabytes. "
                                 "Default 512."));
-    parameters.addParam(RichInt(l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
-                                "Main memory for the points of each cloud, in megabytes; what does not fit is read from "
-                                "disk again. Default 512."));
+    parameters.addParam(
+        RichInt(l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
+                "Main memory for the points of each cloud, in megabytes; what does not fit is read from "
+                "disk again. Default 512."));
     parameters.addParam(RichFloat(upload_budget, static_cast<float>(d.upload_budget_ms), "Upload budget (ms)",
                                   "Time in each frame for bringing new points to the graphics card, in milliseconds. "
                                   "Default 3."));

@@ -14,8 +14,8 @@ namespace pcm::host {
 
 namespace {
 
-// A view that is not finished looks again after this time at the latest. Several views of one cloud share its loader, and
-// what one asks for replaces what another did.
+// A view that is not finished looks again after this time at the latest. Several views of one cloud share its loader,
+// and what one asks for replaces what another did.
 constexpr int look_again_ms = 250;
 
 // Model-view of the layer, composed in double: MeshLab applies the layer's own matrix for its own drawing only.
@@ -36,11 +36,13 @@ Camera camera_of(const MeshModel& layer)
     return camera;
 }
 
-QString status_text(const FrameReport& report, std::uint64_t total)
+QString status_text(const FrameReport& report, std::uint64_t total, double target_px)
 {
-    const std::string points = grouped(report.points_drawn) + " of " + grouped(total) + " points, " +
-                               (report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) + " px"
-                                                           : std::string("all that is in view"));
+    const std::string detail =
+        report.screen_error_px > 0
+            ? "screen error " + brief(report.screen_error_px) + " px (target " + brief(target_px) + ")"
+            : std::string("all that is in view");
+    const std::string points = grouped(report.points_drawn) + " of " + grouped(total) + " points, " + detail;
     const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, " +
                              (report.refining ? "refining" : "complete");
     QString rows;
@@ -97,7 +99,7 @@ QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings
         });
     }
     publish_state();
-    return status_text(entry.report, tree.cloud->info().points);
+    return status_text(entry.report, tree.cloud->info().points, options.target_spacing_px);
 }
 
 void View::end(int mesh_id)
@@ -186,7 +188,8 @@ bool View::eventFilter(QObject* receiver, QEvent* event)
     if (receiver == area_) {
         if (event->type() == QEvent::Paint) {
             reconcile();
-        } else if (event->type() == QEvent::DeferredDelete) {  // one of several views is closed; nobody tells decorators
+        } else if (event->type() == QEvent::DeferredDelete) {
+            // One of several views is closed; nobody tells decorators.
             area_->makeCurrent();
             close();
         }
