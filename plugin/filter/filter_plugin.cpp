@@ -25,8 +25,8 @@ int in_range(const RichParameterList& parameters, const char* name, const char* 
 {
     const int value = parameters.getInt(name);
     if (value < least || value > most)
-        throw bad_parameter(std::string(label) + " is " + std::to_string(value) + "; it must be " + std::to_string(least) +
-                            " to " + std::to_string(most));
+        throw bad_parameter(std::string(label) + " is " + std::to_string(value) + "; it must be " +
+                            std::to_string(least) + " to " + std::to_string(most));
     return value;
 }
 
@@ -67,8 +67,10 @@ PointCloudFilters::PointCloudFilters()
 QString PointCloudFilters::filterName(FilterIDType filter) const
 {
     switch (filter) {
-    case build_tree_filter: return "Build Point Cloud Tree";
-    case tree_information_filter: return "Point Cloud Tree Information";
+        case build_tree_filter:
+            return "Build Point Cloud Tree";
+        case tree_information_filter:
+            return "Point Cloud Tree Information";
     }
     return {};
 }
@@ -76,13 +78,16 @@ QString PointCloudFilters::filterName(FilterIDType filter) const
 QString PointCloudFilters::filterInfo(FilterIDType filter) const
 {
     switch (filter) {
-    case build_tree_filter:
-        return "Reads one or more point cloud files, of any size, and writes a <b>point cloud tree</b>: a folder of chunks "
-               "at several levels of detail that MeshLab opens in moments and draws without ever loading all of it.<br>"
-               "All points are kept, with all their attributes. The build works in bounded memory; Esc cancels it.";
-    case tree_information_filter:
-        return "Writes to the log what a point cloud tree holds: points, bounds in source coordinates, attributes, levels "
-               "with their spacing, size, and the largest error of a position.";
+        case build_tree_filter:
+            return "Reads one or more point cloud files, of any size, and writes a <b>point cloud tree</b>: a folder "
+                   "of chunks "
+                   "at several levels of detail that MeshLab opens in moments and draws without ever loading all of "
+                   "it.<br>"
+                   "All points are kept, with all their attributes. The build works in bounded memory; Esc cancels it.";
+        case tree_information_filter:
+            return "Writes to the log what a point cloud tree holds: points, bounds in source coordinates, attributes, "
+                   "levels "
+                   "with their spacing, size, and the largest error of a position.";
     }
     return {};
 }
@@ -98,25 +103,32 @@ MeshFilterInterface::FilterClass PointCloudFilters::getClass(QAction* action)
 void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichParameterList& parameters)
 {
     switch (ID(action)) {
-    case build_tree_filter:
-        parameters.addParam(RichString(
-            "Inputs", "", "Input files",
-            "Paths of files, or of folders of files, separated by semicolons; together they become one cloud. LAS and PLY."));
-        parameters.addParam(RichString("Output", "", "Output folder",
-                                       "The tree folder to write, NAME.pct. Default: beside the first input, named like it."));
-        parameters.addParam(RichInt("MemoryMB", 1024, "Memory (MB)",
-                                    "Memory that the build may use, in megabytes, at least 64. More is faster. Default 1024."));
-        parameters.addParam(RichInt("Threads", 0, "Threads", "Threads of the build. 0, the default: one a processor."));
-        parameters.addParam(RichInt("ChunkPoints", 100000, "Points per chunk",
-                                    "Most points of a chunk, the unit that is read and drawn, from 1000. Default 100000."));
-        parameters.addParam(RichBool("Overwrite", false, "Overwrite",
-                                     "Replace an existing tree of this name. Nothing but a tree is ever replaced. Default off."));
-        parameters.addParam(RichBool("Open", true, "Open when done", "Add a layer that shows the new tree. Default on."));
-        break;
-    case tree_information_filter:
-        parameters.addParam(RichString("Tree", "", "Tree folder",
-                                       "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
-        break;
+        case build_tree_filter:
+            parameters.addParam(RichString("Inputs", "", "Input files",
+                                           "Paths of files, or of folders of files, separated by semicolons; together "
+                                           "they become one cloud. LAS and PLY."));
+            parameters.addParam(
+                RichString("Output", "", "Output folder",
+                           "The tree folder to write, NAME.pct. Default: beside the first input, named like it."));
+            parameters.addParam(
+                RichInt("MemoryMB", 1024, "Memory (MB)",
+                        "Memory that the build may use, in megabytes, at least 64. More is faster. Default 1024."));
+            parameters.addParam(
+                RichInt("Threads", 0, "Threads", "Threads of the build. 0, the default: one a processor."));
+            parameters.addParam(
+                RichInt("ChunkPoints", 100000, "Points per chunk",
+                        "Most points of a chunk, the unit that is read and drawn, from 1000. Default 100000."));
+            parameters.addParam(
+                RichBool("Overwrite", false, "Overwrite",
+                         "Replace an existing tree of this name. Nothing but a tree is ever replaced. Default off."));
+            parameters.addParam(
+                RichBool("Open", true, "Open when done", "Add a layer that shows the new tree. Default on."));
+            break;
+        case tree_information_filter:
+            parameters.addParam(
+                RichString("Tree", "", "Tree folder",
+                           "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
+            break;
     }
 }
 
@@ -126,11 +138,13 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     errorMessage.clear();
     try {
         switch (ID(action)) {
-        case build_tree_filter: build(document, parameters, callback); break;
-        case tree_information_filter:
-            information_given_ = true;
-            information(document, parameters);
-            break;
+            case build_tree_filter:
+                build(document, parameters, callback);
+                break;
+            case tree_information_filter:
+                information_given_ = true;
+                information(document, parameters);
+                break;
         }
         return true;
     } catch (...) {
@@ -158,7 +172,8 @@ void PointCloudFilters::build(MeshDocument& document, const RichParameterList& p
     options.progress = operation.progress();
     const BuildReport report = build_tree(inputs, output, options);
     const Outcome& outcome = report.outcome;
-    say("Built " + output.string() + ": " + grouped(outcome.points_out) + " points in " + brief(outcome.seconds) + " s" +
+    say("Built " + output.string() + ": " + grouped(outcome.points_out) + " points in " + brief(outcome.seconds) +
+        " s" +
         (outcome.seconds > 0
              ? " (" + brief(static_cast<double>(outcome.points_out) / outcome.seconds / 1e6) + " M points/s)"
              : std::string()) +

@@ -102,8 +102,10 @@ std::vector<std::string> load_points(MeshModel& layer, PointReader& reader, cons
     if (intensity_slot) intensity = column_of(*intensity_slot, intensity_raw);
     const bool has_rgb = rgb_slot && rgb.components() >= 3 && !is_black(rgb);
     std::vector<std::array<std::uint8_t, 3>> colours;
-    if (has_rgb) colours = colours_of(rgb, true);
-    else if (intensity_slot) colours = colours_of(intensity, false);
+    if (has_rgb)
+        colours = colours_of(rgb, true);
+    else if (intensity_slot)
+        colours = colours_of(intensity, false);
 
     const Vec3d origin = Registry::instance().origin_for(*layer.parent, box);
     clear(layer);
@@ -117,7 +119,8 @@ std::vector<std::string> load_points(MeshModel& layer, PointReader& reader, cons
             vertex->Q() = static_cast<Scalarm>(intensity.value(i) * attribute.scale + attribute.offset);
         }
     }
-    layer.updateDataMask(MeshModel::MM_VERTCOLOR | (intensity_slot ? MeshModel::MM_VERTQUALITY : 0));
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+    if (intensity_slot) layer.updateDataMask(MeshModel::MM_VERTQUALITY);
     vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
 
     std::vector<std::string> lines{grouped(positions.size()) + " points, " + info.format + ".", origin_line(origin),

@@ -20,7 +20,8 @@ std::string time_left(double seconds)
 {
     if (seconds < 0) return {};
     const auto whole = static_cast<long>(seconds + 0.5);
-    return whole >= 90 ? ", " + std::to_string((whole + 30) / 60) + " min left" : ", " + std::to_string(whole) + " s left";
+    return whole >= 90 ? ", " + std::to_string((whole + 30) / 60) + " min left"
+                       : ", " + std::to_string(whole) + " s left";
 }
 
 }  // namespace
@@ -68,25 +69,27 @@ bool Operation::report(const ProgressUpdate& update)
 bool Operation::eventFilter(QObject* receiver, QEvent* event)
 {
     switch (event->type()) {
-    case QEvent::KeyPress:
-        if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancelled_ = true;
-        return true;
-    case QEvent::Close:
-        event->ignore();  // else the window would take our silence for consent
-        return true;
-    case QEvent::KeyRelease:
-    case QEvent::Shortcut:
-    case QEvent::ShortcutOverride:
-    case QEvent::MouseButtonPress:
-    case QEvent::MouseButtonRelease:
-    case QEvent::MouseButtonDblClick:
-    case QEvent::Wheel:
-    case QEvent::ContextMenu:
-    case QEvent::Drop:
-    case QEvent::DragEnter:
-    case QEvent::TouchBegin:
-    case QEvent::TabletPress: return true;
-    default: return QObject::eventFilter(receiver, event);
+        case QEvent::KeyPress:
+            if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancelled_ = true;
+            return true;
+        case QEvent::Close:
+            event->ignore();  // else the window would take our silence for consent
+            return true;
+        case QEvent::KeyRelease:
+        case QEvent::Shortcut:
+        case QEvent::ShortcutOverride:
+        case QEvent::MouseButtonPress:
+        case QEvent::MouseButtonRelease:
+        case QEvent::MouseButtonDblClick:
+        case QEvent::Wheel:
+        case QEvent::ContextMenu:
+        case QEvent::Drop:
+        case QEvent::DragEnter:
+        case QEvent::TouchBegin:
+        case QEvent::TabletPress:
+            return true;
+        default:
+            return QObject::eventFilter(receiver, event);
     }
 }
 

@@ -1,8 +1,8 @@
 // A long operation inside MeshLab, such as building a tree.
 //
-// MeshLab runs filters and file formats in the GUI thread, and its progress callback processes events: a user could start
-// the operation a second time, delete the layer that it fills, or close the document under it. While an Operation lives,
-// keys, clicks and closing are held off, save for Esc, which cancels (MeshLab itself has no cancel).
+// MeshLab runs filters and file formats in the GUI thread, and its progress callback processes events: a user could
+// start the operation a second time, delete the layer that it fills, or close the document under it. While an Operation
+// lives, keys, clicks and closing are held off, save for Esc, which cancels (MeshLab itself has no cancel).
 #pragma once
 
 #include "cloud/progress.h"

@@ -22,9 +22,9 @@ struct Proxy {
 
 inline constexpr std::uint64_t proxy_points = 50'000;
 
-// An even sample of at most `most` points, and the extreme ones, so that its box is the cloud's own: MeshLab takes the far
-// plane and the centre of rotation from it. Colours are those that the renderer shows: rgb, else intensity, else grey.
-// Reads the coarsest levels only. Errors: those of reading chunks.
+// An even sample of at most `most` points, and the extreme ones, so that its box is the cloud's own: MeshLab takes the
+// far plane and the centre of rotation from it. Colours are those that the renderer shows: rgb, else intensity, else
+// grey. Reads the coarsest levels only. Errors: those of reading chunks.
 Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most = proxy_points);
 
 // Colours of `column`, which is an rgb or an intensity attribute of one cloud or a sample of it: 3 bytes a point.

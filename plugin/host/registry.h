@@ -1,8 +1,8 @@
 // Which layer of which document shows which tree.
 //
-// MeshLab's layers are in memory; ours are a small proxy mesh and a tree on disk. The registry holds the tie between the
-// two, keyed by (document, mesh id), for as long as the layer lives: MeshLab tells us when a layer or a document goes.
-// GUI thread only.
+// MeshLab's layers are in memory; ours are a small proxy mesh and a tree on disk. The registry holds the tie between
+// the two, keyed by (document, mesh id), for as long as the layer lives: MeshLab tells us when a layer or a document
+// goes. GUI thread only.
 #pragma once
 
 #include "cloud/geometry.h"
@@ -64,7 +64,8 @@ private:
     void document_destroyed(MeshDocument* document);
 
     using LayerKey = std::pair<const MeshDocument*, int>;
-    using TreeKey = std::tuple<std::string, std::uint64_t, std::uint64_t, std::int64_t>;  // folder and its index's identity
+    using TreeKey =
+        std::tuple<std::string, std::uint64_t, std::uint64_t, std::int64_t>;  // folder and its index's identity
     std::map<LayerKey, TreeLayer> layers_;
     std::map<const MeshDocument*, Vec3d> origins_;
     std::set<const MeshDocument*> watched_;

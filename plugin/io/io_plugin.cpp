@@ -40,7 +40,10 @@ QList<MeshIOInterface::Format> PointCloudIo::importFormats() const
     return {Format("Point cloud tree", "PCT"), Format("LAS point cloud", "LAS")};
 }
 
-void PointCloudIo::GetExportMaskCapability(QString&, int& capability, int& defaults) const { capability = defaults = 0; }
+void PointCloudIo::GetExportMaskCapability(QString&, int& capability, int& defaults) const
+{
+    capability = defaults = 0;
+}
 
 bool PointCloudIo::open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
                         const RichParameterList&, vcg::CallBackPos* callback, QWidget*)

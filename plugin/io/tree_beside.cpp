@@ -48,7 +48,8 @@ bool is_tree_of(const fs::path& tree, const fs::path& file)
 
 }  // namespace
 
-std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo& info, const ProgressFunction& progress)
+std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo& info,
+                                            const ProgressFunction& progress)
 {
     const fs::path tree = tree_path_beside(file);
     if (tree_is_current(tree, file, info.points)) return {"The tree " + tree.string() + " is up to date."};
@@ -66,8 +67,8 @@ std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo
     options.overwrite = replace;
     options.progress = progress;
     const BuildReport report = build_tree({file}, tree, options);
-    std::vector<std::string> lines{"Built " + tree.string() + " of " + grouped(report.outcome.points_out) + " points in " +
-                                   brief(report.outcome.seconds) + " s."};
+    std::vector<std::string> lines{"Built " + tree.string() + " of " + grouped(report.outcome.points_out) +
+                                   " points in " + brief(report.outcome.seconds) + " s."};
     if (report.points_skipped)
         lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
     lines.insert(lines.end(), report.notes.begin(), report.notes.end());

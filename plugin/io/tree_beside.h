@@ -13,8 +13,8 @@ namespace pcm::host {
 // NAME.las -> NAME.pct
 std::filesystem::path tree_path_beside(const std::filesystem::path& file);
 
-// Whether the tree at `tree` was built of `file` alone, and of the file as it is now. False when there is no tree. Throws
-// what Tree::open throws, except for a build that was interrupted (false).
+// Whether the tree at `tree` was built of `file` alone, and of the file as it is now. False when there is no tree.
+// Throws what Tree::open throws, except for a build that was interrupted (false).
 bool tree_is_current(const std::filesystem::path& tree, const std::filesystem::path& file, std::uint64_t file_points);
 
 // Builds the tree beside `file` unless a current one is there. Returns lines for the log. Throws Error(exists) when

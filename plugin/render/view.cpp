@@ -38,10 +38,9 @@ Camera camera_of(const MeshModel& layer)
 
 QString status_text(const FrameReport& report, std::uint64_t total, double target_px)
 {
-    const std::string detail =
-        report.screen_error_px > 0
-            ? "screen error " + brief(report.screen_error_px) + " px (target " + brief(target_px) + ")"
-            : std::string("all that is in view");
+    const std::string detail = report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
+                                                                " px (target " + brief(target_px) + ")"
+                                                          : std::string("all that is in view");
     const std::string points = grouped(report.points_drawn) + " of " + grouped(total) + " points, " + detail;
     const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, " +
                              (report.refining ? "refining" : "complete");

@@ -1,5 +1,5 @@
-// How two pictures differ: compare_pictures A B prints the share of pixels that differ by more than 8 of 255 in some channel, as
-// one line of JSON. Pictures of different sizes differ altogether.
+// How two pictures differ: compare_pictures A B prints the share of pixels that differ by more than 8 of 255 in some
+// channel, as one line of JSON. Pictures of different sizes differ altogether.
 #include <QImage>
 
 #include <cstdio>

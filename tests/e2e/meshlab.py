@@ -32,7 +32,8 @@ class Run:
         return {m[1]: int(m[2]) for m in re.finditer(r"driver: time (\S+) (\d+) ms", self.text)}
 
     def memory(self):
-        return {m[1]: (int(m[2]), int(m[3])) for m in re.finditer(r"driver: memory (\S+) now (\d+) peak (\d+)", self.text)}
+        found = re.finditer(r"driver: memory (\S+) now (\d+) peak (\d+)", self.text)
+        return {m[1]: (int(m[2]), int(m[3])) for m in found}
 
 
 def pcm(*arguments):
@@ -49,8 +50,8 @@ def different(a, b):
     return json.loads(done.stdout)["different"]
 
 
-# Driver commands for a picture that depends on nothing but the cloud: no budget of time, so that the view is complete when all detail
-# is there; and one size. The view must be there already.
+# Driver commands for a picture that depends on nothing but the cloud: no budget of time, so that the view is complete
+# when all detail is there; and one size. The view must be there already.
 NO_TIME_LIMIT = """
     parameter MeshLab::PointCloud::FrameBudget = 100000
     parameter MeshLab::PointCloud::RestBudget = 100000
@@ -66,7 +67,8 @@ class MeshLabTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.prefix = BUILD / "e2e-meshlab"
-        subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix], check=True, capture_output=True, timeout=60)
+        subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix], check=True, capture_output=True,
+                       timeout=60)
         plugins = next(cls.prefix.glob("lib/*/meshlab/plugins"))
         driver = plugins / "libpcm_test_driver.so"
         if not driver.exists():
@@ -86,8 +88,8 @@ class MeshLabTest(unittest.TestCase):
         return RESULTS / f"{type(self).__name__}-{self._testMethodName}-{name}"
 
     def run_program(self, command, timeout):
-        done = subprocess.run([*DISPLAY, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              errors="replace", env=self.environment, cwd=self.folder, timeout=timeout)
+        done = subprocess.run([*DISPLAY, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, errors="replace", env=self.environment, cwd=self.folder, timeout=timeout)
         self.result("log.txt").write_text(done.stdout)
         return Run(done.returncode, done.stdout)
 

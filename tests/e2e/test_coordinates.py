@@ -1,11 +1,12 @@
-"""A cloud at map coordinates is drawn like the same cloud at the origin, and does not jitter."""
+"""A cloud at map coordinates is drawn like the same cloud at the origin, and does not jitter when moved slowly."""
 
 import unittest
 
 from meshlab import FIXED_VIEW, MeshLabTest, different
 
-# The scene's points lie on a grid of millimetres in both clouds, so they are the same points; what is left is the documents' origins,
-# and with them the last bit of MeshLab's float matrices. Coordinates in float would move points by 0.25 m, a dozen pixels here.
+# The scene's points lie on a grid of millimetres in both clouds, so they are the same points; what is left is the
+# documents' origins, and with them the last bit of MeshLab's float matrices. Coordinates in float would move points by
+# 0.25 m, a dozen pixels here.
 SAME_PICTURE = 0.01
 STEPS = 6
 
@@ -17,7 +18,8 @@ class Coordinates(MeshLabTest):
             _, tree = self.generate(name, 200000, "--seed", 7, "--origin", origin)
             shots = [self.result(f"{name}-{i}.png") for i in range(STEPS + 1)]
             # Close up, so that a pixel is centimetres; then slowly, a pixel or two at a time.
-            slow = "".join(f"move-to {i} {i // 2}\nwait-status complete\npicture {shots[i]}\n" for i in range(1, STEPS + 1))
+            slow = "".join(f"pan-to {i} {i // 2}\nwait-status complete\npicture {shots[i]}\n"
+                           for i in range(1, STEPS + 1))
             run = self.gui(f"""
                 wait-view
                 {FIXED_VIEW}
@@ -29,9 +31,9 @@ class Coordinates(MeshLabTest):
                 wheel -12
                 wait-status complete
                 picture {shots[0]}
-                press-at 0 0
+                pan-from 0 0
                 {slow}
-                release-at {STEPS} {STEPS // 2}
+                pan-end {STEPS} {STEPS // 2}
                 quit
                 """)
             self.assertDriven(run)

@@ -9,7 +9,8 @@ def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False
     return ("Build Point Cloud Tree", {
         "Inputs": ("RichString", inputs), "Output": ("RichString", output), "MemoryMB": ("RichInt", memory),
         "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
-        "Overwrite": ("RichBool", "true" if overwrite else "false"), "Open": ("RichBool", "true" if opened else "false")})
+        "Overwrite": ("RichBool", "true" if overwrite else "false"),
+        "Open": ("RichBool", "true" if opened else "false")})
 
 
 def information(tree=""):

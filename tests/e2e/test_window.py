@@ -6,8 +6,8 @@ import unittest
 
 from meshlab import FIXED_VIEW, NO_TIME_LIMIT, REFERENCE, MeshLabTest, different
 
-# Two renderings of one view are alike but for the pixels along the edges of splats where another version of the software renderer
-# rounds otherwise. A cloud that is turned by one degree differs in about a tenth of the picture.
+# Two renderings of one view are alike but for pixels along the edges of splats, where another version of the software
+# renderer rounds otherwise.
 SAME_PICTURE = 0.02
 
 

@@ -77,7 +77,8 @@ TEST(Text, NumbersAreReadBackExactly)
     EXPECT_EQ(grouped(0), "0");
     EXPECT_EQ(grouped(999), "999");
     EXPECT_EQ(grouped(1234567), "1,234,567");
-    for (const double value : {0.1, 4800000.123, -5e6 + 1e-9, 1e-9, 3e22, 0.0}) EXPECT_EQ(std::stod(exact(value)), value);
+    for (const double value : {0.1, 4800000.123, -5e6 + 1e-9, 1e-9, 3e22, 0.0})
+        EXPECT_EQ(std::stod(exact(value)), value);
     EXPECT_EQ(exact(4800000.123), "4800000.123");
 }
 
@@ -151,7 +152,8 @@ TEST(Proxy, ColoursAreEightOrSixteenBitsOrIntensity)
         const auto cloud = PointCloud::open(tree_of(write_las(folder / name, 3000, red, step)));
         return make_proxy(*cloud, {0, 0, 0});
     };
-    const Proxy eight = first("eight.las", 200, 1), sixteen = first("sixteen.las", 200 * 257, 1), none = first("none.las", 0, 7);
+    const Proxy eight = first("eight.las", 200, 1), sixteen = first("sixteen.las", 200 * 257, 1),
+                none = first("none.las", 0, 7);
     EXPECT_EQ(eight.points[0].colour[0], 200);
     EXPECT_EQ(sixteen.points[0].colour[0], 200);
     EXPECT_TRUE(eight.has_rgb);
@@ -189,12 +191,12 @@ TEST(Layers, LiveAndDieWithTheirDocument)
 
         const Box3d bounds = first->cloud->info().bounds();
         const Box3d box = box_of(*one);
-        for (std::size_t a = 0; a < 3; ++a)
-            EXPECT_EQ(box.max[a], static_cast<float>(bounds.max[a] - first->origin[a]));
+        for (std::size_t a = 0; a < 3; ++a) EXPECT_EQ(box.max[a], static_cast<float>(bounds.max[a] - first->origin[a]));
 
         const int id = one->id();
         std::vector<int> gone;
-        QObject::connect(&registry, &Registry::detached, &document, [&](MeshDocument*, int mesh) { gone.push_back(mesh); });
+        QObject::connect(&registry, &Registry::detached, &document,
+                         [&](MeshDocument*, int mesh) { gone.push_back(mesh); });
         document.delMesh(one);
         EXPECT_EQ(gone, std::vector<int>{id});
         EXPECT_TRUE(registry.find(*two));
@@ -317,8 +319,8 @@ TEST(TreeInformation, SaysEverythingWithAllDigits)
     for (const std::string& line : tree_information(*tree)) all += line + "\n";
     const Box3d bounds = tree->info().bounds();
     for (const std::string& expected :
-         {std::string("a.las"), std::string("60,000"), exact(bounds.min), exact(bounds.max), std::string("rgb, u16 x 3"),
-          std::string("Level 0:"), std::string("Largest position error: 0 ")})
+         {std::string("a.las"), std::string("60,000"), exact(bounds.min), exact(bounds.max),
+          std::string("rgb, u16 x 3"), std::string("Level 0:"), std::string("Largest position error: 0 ")})
         EXPECT_NE(all.find(expected), std::string::npos) << expected << " is not in\n" << all;
 }
 

@@ -18,9 +18,9 @@
 #include <QTimer>
 #include <QVariantMap>
 
+#include <unistd.h>
 #include <cstdio>
 #include <cstdlib>
-#include <unistd.h>
 
 namespace {
 
@@ -37,7 +37,8 @@ long resident_bytes(const char* key)
     QFile file("/proc/self/status");
     if (!file.open(QIODevice::ReadOnly)) return 0;
     for (const QByteArray& line : file.readAll().split('\n'))
-        if (line.startsWith(key)) return line.mid(static_cast<int>(qstrlen(key))).simplified().split(' ')[0].toLong() * 1024;
+        if (line.startsWith(key))
+            return line.mid(static_cast<int>(qstrlen(key))).simplified().split(' ')[0].toLong() * 1024;
     return 0;
 }
 
@@ -117,8 +118,8 @@ QWidget* TestDriver::field(const QString& parameter) const
         int best_distance = 1 << 30;
         for (QWidget* other : label->window()->findChildren<QWidget*>()) {
             if (!other->isVisible() || !(qobject_cast<QLineEdit*>(other) || qobject_cast<QComboBox*>(other))) continue;
-            const QPoint d = other->mapToGlobal(QPoint(0, other->height() / 2)) -
-                             label->mapToGlobal(QPoint(0, label->height() / 2));
+            const QPoint d =
+                other->mapToGlobal(QPoint(0, other->height() / 2)) - label->mapToGlobal(QPoint(0, label->height() / 2));
             if (d.x() < 0 || std::abs(d.y()) > label->height()) continue;
             if (d.x() < best_distance) {
                 best_distance = d.x();
@@ -130,10 +131,10 @@ QWidget* TestDriver::field(const QString& parameter) const
     return nullptr;
 }
 
-void TestDriver::mouse(QEvent::Type type, const QPoint& at)
+void TestDriver::mouse(QEvent::Type type, const QPoint& at, Qt::MouseButton which)
 {
-    const auto button = type == QEvent::MouseMove ? Qt::NoButton : Qt::LeftButton;
-    const auto buttons = type == QEvent::MouseButtonRelease ? Qt::NoButton : Qt::LeftButton;
+    const auto button = type == QEvent::MouseMove ? Qt::NoButton : which;
+    const auto buttons = type == QEvent::MouseButtonRelease ? Qt::NoButton : which;
     QMouseEvent event(type, at, area()->mapToGlobal(at), button, buttons, Qt::NoModifier);
     qApp->sendEvent(area(), &event);
 }
@@ -142,12 +143,13 @@ TestDriver::Done TestDriver::until(bool condition, const QString& what)
 {
     if (condition) return Done::yes;
     if (waiting_.elapsed() > patience_ms)
-        fail("waited in vain for " + what + "\nstatus:\n" + status() + "\nlog:\n" + log() + "\nlast message: " + shown_);
+        fail("waited in vain for " + what + "\nstatus:\n" + status() + "\nlog:\n" + log() +
+             "\nlast message: " + shown_);
     return Done::not_yet;
 }
 
-// Modal dialogs run their own event loop inside the command that opened them, so the next step is scheduled before a command
-// runs; a command that waits is tried again.
+// Modal dialogs run their own event loop inside the command that opened them, so the next step is scheduled before a
+// command runs; a command that waits is tried again.
 void TestDriver::step()
 {
     if (next_ >= script_.size()) return;
@@ -205,7 +207,10 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         return Done::yes;
     }
     if (command == "memory") {
-        say(QString("memory %1 now %2 peak %3").arg(argument).arg(resident_bytes("VmRSS:")).arg(resident_bytes("VmHWM:")));
+        say(QString("memory %1 now %2 peak %3")
+                .arg(argument)
+                .arg(resident_bytes("VmRSS:"))
+                .arg(resident_bytes("VmHWM:")));
         return Done::yes;
     }
     if (command == "print-status") {
@@ -215,7 +220,8 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
     if (command == "open") {  // queued: an error shows a modal box, and the script must go on to press it
         opened_.start();
         frame_before_ = frame();
-        QMetaObject::invokeMethod(window(), "importMeshWithLayerManagement", Qt::QueuedConnection, Q_ARG(QString, argument));
+        QMetaObject::invokeMethod(window(), "importMeshWithLayerManagement", Qt::QueuedConnection,
+                                  Q_ARG(QString, argument));
         return Done::yes;
     }
     if (command == "wait-first-picture") {  // after open
@@ -229,9 +235,12 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         if (!parameters->hasParameter(name)) fail("no parameter '" + name + "'");
         const Value& value = parameters->getParameterByName(name).value();
         const double number = argument.section('=', 1).toDouble();
-        if (value.isFloat()) parameters->setValue(name, FloatValue(static_cast<float>(number)));
-        else if (value.isEnum()) parameters->setValue(name, EnumValue(static_cast<int>(number)));
-        else parameters->setValue(name, IntValue(static_cast<int>(number)));
+        if (value.isFloat())
+            parameters->setValue(name, FloatValue(static_cast<float>(number)));
+        else if (value.isEnum())
+            parameters->setValue(name, EnumValue(static_cast<int>(number)));
+        else
+            parameters->setValue(name, IntValue(static_cast<int>(number)));
         area()->update();
         return Done::yes;
     }
@@ -282,7 +291,9 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
     if (command == "drag") {  // drag x0 y0 x1 y1 [steps]: fractions of the view
         const QStringList p = argument.split(' ');
         GLArea* view = area();
-        const auto at = [&](int i) { return QPoint(int(p[i].toDouble() * view->width()), int(p[i + 1].toDouble() * view->height())); };
+        const auto at = [&](int i) {
+            return QPoint(int(p[i].toDouble() * view->width()), int(p[i + 1].toDouble() * view->height()));
+        };
         const QPoint from = at(0), to = at(2);
         const int steps = p.size() > 4 ? p[4].toInt() : 10;
         mouse(QEvent::MouseButtonPress, from);
@@ -290,12 +301,15 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         mouse(QEvent::MouseButtonRelease, to);
         return Done::yes;
     }
-    if (command == "press-at" || command == "move-to" || command == "release-at") {  // pixels from the view's centre
+    // The middle button moves the scene: where it is pressed, step by step, and let go, in pixels from the view's
+    // centre.
+    if (command == "pan-from" || command == "pan-to" || command == "pan-end") {
         const QPoint centre(area()->width() / 2, area()->height() / 2);
-        mouse(command == "press-at"  ? QEvent::MouseButtonPress
-              : command == "move-to" ? QEvent::MouseMove
-                                     : QEvent::MouseButtonRelease,
-              centre + QPoint(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt()));
+        mouse(command == "pan-from" ? QEvent::MouseButtonPress
+              : command == "pan-to" ? QEvent::MouseMove
+                                    : QEvent::MouseButtonRelease,
+              centre + QPoint(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt()),
+              Qt::MiddleButton);
         return Done::yes;
     }
     if (command == "wheel") {
