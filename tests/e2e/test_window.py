@@ -216,6 +216,25 @@ class Window(MeshLabTest):
         self.assertDriven(run)
         self.assertTrue((tree / "index.pct").exists())
 
+    def test_escape_cancels_a_build(self):
+        las, tree = self.generate("large", 3000000, "--seed", 4)
+        shutil.rmtree(tree)
+        # The view cannot be turned and the window not be closed meanwhile; the script goes on inside the build.
+        run = self.gui(f"""
+            wait-view
+            open {las}
+            wait-building
+            quit
+            escape
+            press OK
+            expect-message cancelled
+            wait-layers 0
+            expect-no-dialog
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual([path.name for path in self.folder.glob("large*.pct*")], [])
+
     def test_time_and_memory(self):
         """Printed, not judged: machines differ. But memory is bounded by the caches, not by the cloud."""
         empty = self.gui("wait-view\npause 500\nmemory empty\nquit\n")

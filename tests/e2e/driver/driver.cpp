@@ -8,13 +8,14 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QFile>
-#include <QGridLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
 #include <QMainWindow>
 #include <QMenu>
 #include <QMessageBox>
 #include <QScreen>
+#include <QStatusBar>
 #include <QTimer>
 #include <QVariantMap>
 
@@ -185,6 +186,10 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
             views += widget->inherits("GLArea") && widget->property("pcm_state").toMap()["drawing"].toBool();
         return until(views == argument.toInt(), argument + " views");
     }
+    if (command == "wait-building") {  // progress shows in the status bar
+        const auto* bar = window()->findChild<QStatusBar*>();
+        return until(bar && bar->currentMessage().contains("Esc cancels"), "a build");
+    }
     if (command == "wait-layers")
         return until(document() && document()->meshList.size() == argument.toInt(), argument + " layers");
     if (command == "wait-status") {
@@ -310,6 +315,11 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
                                     : QEvent::MouseButtonRelease,
               centre + QPoint(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt()),
               Qt::MiddleButton);
+        return Done::yes;
+    }
+    if (command == "escape") {
+        QKeyEvent key(QEvent::KeyPress, Qt::Key_Escape, Qt::NoModifier);
+        qApp->sendEvent(window(), &key);
         return Done::yes;
     }
     if (command == "wheel") {
