@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <charconv>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 
@@ -53,38 +51,6 @@ std::uint64_t peak_rss_bytes()
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-std::string grouped(std::uint64_t number)
-{
-    std::string text = std::to_string(number);
-    for (auto i = static_cast<int>(text.size()) - 3; i > 0; i -= 3) text.insert(static_cast<std::size_t>(i), ",");
-    return text;
-}
-
-std::string bytes_text(std::uint64_t bytes)
-{
-    static const char* units[] = {"bytes", "kB", "MB", "GB", "TB"};
-    auto value = static_cast<double>(bytes);
-    int unit = 0;
-    while (value >= 1000 && unit < 4) {
-        value /= 1000;
-        ++unit;
-    }
-    char text[32];
-    std::snprintf(text, sizeof text, unit ? "%.2f %s" : "%.0f %s", value, units[unit]);
-    return text;
-}
-
-std::string exact(double value)
-{
-    // Coordinates are read by people: no exponent where the number fits without.
-    const double magnitude = std::fabs(value);
-    const bool plain = magnitude == 0 || (magnitude >= 1e-6 && magnitude < 1e15);
-    char text[64];
-    const auto end =
-        std::to_chars(text, text + sizeof text, value, plain ? std::chars_format::fixed : std::chars_format::scientific).ptr;
-    return std::string(text, end);
 }
 
 }  // namespace pcm::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cloud/progress.h"
+#include "cloud/text.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -26,11 +27,6 @@ ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
 
 std::uint64_t peak_rss_bytes();
-std::string grouped(std::uint64_t number);  // 60,000,000
-std::string bytes_text(std::uint64_t bytes);  // "1.5 GB"
-
-// Numbers with all their digits: the shortest text that reads back as the same double.
-std::string exact(double value);
 
 void add_build(CLI::App& app, int& result);
 void add_info(CLI::App& app, int& result);

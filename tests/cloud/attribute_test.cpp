@@ -4,6 +4,7 @@
 #include "cloud/file.h"
 #include "cloud/geometry.h"
 #include "cloud/point_batch.h"
+#include "cloud/text.h"
 #include "support.h"
 
 #include <fstream>
@@ -89,6 +90,19 @@ TEST(Box, EmptyExtendContains)
     EXPECT_FALSE(box.contains(Vec3d{5e6, 2.5, 3}));
     EXPECT_FALSE(Box3d().intersects(box));
     EXPECT_FALSE(box.contains(Box3d()));
+}
+
+TEST(Text, NumbersForPeople)
+{
+    EXPECT_EQ(grouped(0), "0");
+    EXPECT_EQ(grouped(999), "999");
+    EXPECT_EQ(grouped(1234567), "1,234,567");
+    EXPECT_EQ(exact(500000), "500000");
+    EXPECT_EQ(exact(848935.2000000001), "848935.2000000001");
+    EXPECT_EQ(exact(1e-9), "1e-09");
+    EXPECT_EQ(bytes_text(999), "999 bytes");
+    EXPECT_EQ(bytes_text(1250000000), "1.25 GB");
+    for (const double value : {0.1, 1e300, -4.8e6, 2323.0000000000005}) EXPECT_EQ(std::stod(exact(value)), value);
 }
 
 TEST(File, ErrorsNameThePath)
