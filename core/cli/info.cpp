@@ -1,7 +1,6 @@
 #include "cli/common.h"
 #include "tree/tree.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -13,34 +12,12 @@ struct Arguments {
     std::string tree;
 };
 
-struct Level {
-    std::uint64_t nodes = 0, points = 0, points_to_here = 0;
-    double spacing_min = 0, spacing_max = 0;  // of nodes that have something below; 0: nothing is missing
-};
-
-std::vector<Level> levels_of(const Tree& tree)
-{
-    std::vector<Level> levels(tree.info().levels);
-    for (const Node& node : tree.nodes()) {
-        Level& level = levels[node.level];
-        ++level.nodes;
-        level.points += node.points;
-        if (node.spacing > 0) {
-            level.spacing_min = level.spacing_min > 0 ? std::min(level.spacing_min, node.spacing) : node.spacing;
-            level.spacing_max = std::max(level.spacing_max, node.spacing);
-        }
-    }
-    std::uint64_t sum = 0;
-    for (Level& level : levels) level.points_to_here = sum += level.points;
-    return levels;
-}
-
 int info(const Arguments& arguments)
 {
     const auto tree = Tree::open(arguments.tree);
     const TreeInfo& info = tree->info();
     const Box3d bounds = info.bounds();
-    const std::vector<Level> levels = levels_of(*tree);
+    const std::vector<LevelSummary> levels = tree->level_summaries();
     if (arguments.common.json) {
         Json json;
         json["tree"] = tree->folder().string();
@@ -64,12 +41,12 @@ int info(const Arguments& arguments)
                                           {"offset", attribute.offset}});
         json["levels"] = info.levels;
         json["level"] = Json::array();
-        for (const Level& level : levels)
+        for (const LevelSummary& level : levels)
             json["level"].push_back({{"nodes", level.nodes},
                                      {"points", level.points},
                                      {"points_to_here", level.points_to_here},
-                                     {"spacing_min", level.spacing_min},
-                                     {"spacing_max", level.spacing_max}});
+                                     {"spacing_min", level.finest},
+                                     {"spacing_max", level.coarsest}});
         json["nodes"] = tree->nodes().size();
         json["bytes"] = info.bytes;
         json["sources"] = info.sources;
@@ -101,11 +78,11 @@ int info(const Arguments& arguments)
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {
-        const Level& level = levels[i];
+        const LevelSummary& level = levels[i];
         std::printf("%5zu %6llu %15s %15s  ", i, static_cast<unsigned long long>(level.nodes),
                     grouped(level.points).c_str(), grouped(level.points_to_here).c_str());
-        if (level.spacing_max > 0)
-            std::printf("%.4g to %.4g\n", level.spacing_min, level.spacing_max);
+        if (level.coarsest > 0)
+            std::printf("%.4g to %.4g\n", level.finest, level.coarsest);
         else
             std::printf("full\n");
     }

@@ -109,24 +109,35 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     return std::move(decoded.chunk);
 }
 
+std::vector<LevelSummary> Tree::level_summaries() const
+{
+    std::vector<LevelSummary> levels(info_.levels);
+    for (const Node& node : nodes_) {
+        LevelSummary& level = levels[node.level];
+        ++level.nodes;
+        level.points += node.points;
+        if (node.spacing > 0) {
+            level.finest = level.finest > 0 ? std::min(level.finest, node.spacing) : node.spacing;
+            level.coarsest = std::max(level.coarsest, node.spacing);
+        }
+    }
+    std::uint64_t sum = 0;
+    for (LevelSummary& level : levels) level.points_to_here = sum += level.points;
+    return levels;
+}
+
 std::uint64_t Tree::points_to_level(std::uint16_t level) const
 {
-    std::uint64_t sum = 0;
-    for (const Node& node : nodes_)
-        if (node.level <= level) sum += node.points;
-    return sum;
+    const auto levels = level_summaries();
+    return levels.empty() ? 0 : levels[std::min<std::size_t>(level, levels.size() - 1)].points_to_here;
 }
 
 std::uint16_t Tree::level_with_at_most(std::uint64_t points) const
 {
-    std::vector<std::uint64_t> of_level(info_.levels, 0);
-    for (const Node& node : nodes_) of_level[node.level] += node.points;
-    std::uint64_t sum = 0;
-    std::uint16_t best = 0;
-    for (std::uint16_t level = 0; level < info_.levels; ++level) {
-        sum += of_level[level];
-        if (sum > points) break;
-        best = level;
+    std::uint16_t best = 0, level = 0;
+    for (const LevelSummary& summary : level_summaries()) {
+        if (summary.points_to_here > points) break;
+        best = level++;
     }
     return best;
 }

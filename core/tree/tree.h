@@ -68,6 +68,14 @@ struct TreeInfo {
     Box3d bounds() const { return grid.to_source(box); }
 };
 
+// One level of a tree in numbers.
+struct LevelSummary {
+    std::uint64_t nodes = 0;
+    std::uint64_t points = 0;
+    std::uint64_t points_to_here = 0;  // of this level and those above: of the cloud at this level
+    double finest = 0, coarsest = 0;   // spacing of its nodes that have something below; 0: nothing is missing
+};
+
 inline constexpr const char* index_file_name = "index.pct";
 inline constexpr const char* tree_extension = "pct";
 
@@ -90,6 +98,7 @@ public:
 
     // The deepest level whose cloud has at most `points` points (0 if even the root level has more).
     std::uint16_t level_with_at_most(std::uint64_t points) const;
+    std::vector<LevelSummary> level_summaries() const;
     // Number of points at level 0..level.
     std::uint64_t points_to_level(std::uint16_t level) const;
 

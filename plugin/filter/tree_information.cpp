@@ -2,8 +2,6 @@
 
 #include "host/text.h"
 
-#include <algorithm>
-
 namespace pcm::host {
 
 std::vector<std::string> tree_information(const Tree& tree)
@@ -31,22 +29,9 @@ std::vector<std::string> tree_information(const Tree& tree)
         lines.push_back(line);
     }
 
-    struct Level {
-        std::uint64_t nodes = 0, points = 0;
-        double finest = 0, coarsest = 0;
-    };
-    std::vector<Level> levels(info.levels);
-    for (const Node& node : tree.nodes()) {
-        Level& level = levels[node.level];
-        ++level.nodes;
-        level.points += node.points;
-        if (node.spacing > 0) {
-            level.finest = level.finest > 0 ? std::min(level.finest, node.spacing) : node.spacing;
-            level.coarsest = std::max(level.coarsest, node.spacing);
-        }
-    }
+    const std::vector<LevelSummary> levels = tree.level_summaries();
     for (std::size_t i = 0; i < levels.size(); ++i) {
-        const Level& level = levels[i];
+        const LevelSummary& level = levels[i];
         std::string line = "Level " + std::to_string(i) + ": " + grouped(level.points) + " points in " +
                            grouped(level.nodes) + (level.nodes == 1 ? " chunk" : " chunks");
         if (level.coarsest > 0 && brief(level.finest) == brief(level.coarsest))
