@@ -23,7 +23,6 @@ struct NodePath {
         ++path.depth;
         return path;
     }
-    unsigned side(std::uint16_t at_depth) const { return bits[at_depth / 64] >> (at_depth % 64) & 1; }
     bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
 };
 

@@ -29,16 +29,11 @@ int build(Arguments& arguments)
     const BuildReport report =
         build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
     end_progress(arguments.common);
-    const double seconds = report.outcome.seconds;
-    const double speed = seconds > 0 ? static_cast<double>(report.outcome.points_out) / seconds : 0;
     if (arguments.common.json) {
         Json json;
         json["tree"] = output.string();
-        json["points"] = report.outcome.points_out;
+        put_outcome(json, report.outcome);
         json["points_skipped"] = report.points_skipped;
-        json["seconds"] = seconds;
-        json["points_per_second"] = speed;
-        json["peak_rss_bytes"] = peak_rss_bytes();
         json["bytes"] = report.bytes;
         json["position_error"] = report.outcome.error;
         json["nodes"] = report.nodes;
@@ -48,7 +43,8 @@ int build(Arguments& arguments)
     } else {
         for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
         std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes a point)\n",
-                    output.string().c_str(), grouped(report.outcome.points_out).c_str(), seconds, speed / 1e6,
+                    output.string().c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
+                    points_per_second(report.outcome) / 1e6,
                     static_cast<unsigned long long>(report.nodes), report.levels, bytes_text(report.bytes).c_str(),
                     report.outcome.points_out
                         ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)

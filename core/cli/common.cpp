@@ -53,4 +53,17 @@ std::uint64_t peak_rss_bytes()
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+double points_per_second(const Outcome& outcome)
+{
+    return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0;
+}
+
+void put_outcome(Json& json, const Outcome& outcome)
+{
+    json["points"] = outcome.points_out;
+    json["seconds"] = outcome.seconds;
+    json["points_per_second"] = points_per_second(outcome);
+    json["peak_rss_bytes"] = peak_rss_bytes();
+}
+
 }  // namespace pcm::cli

@@ -28,6 +28,10 @@ void end_progress(const Common& common);
 
 std::uint64_t peak_rss_bytes();
 
+double points_per_second(const Outcome& outcome);
+// points, seconds, points_per_second, peak_rss_bytes: what every command that works through points prints.
+void put_outcome(Json& json, const Outcome& outcome);
+
 void add_build(CLI::App& app, int& result);
 void add_info(CLI::App& app, int& result);
 void add_verify(CLI::App& app, int& result);

@@ -28,22 +28,18 @@ int generate(Arguments& arguments)
         ++(primitive.kind == ScenePrimitive::Kind::plane      ? planes
            : primitive.kind == ScenePrimitive::Kind::cylinder ? cylinders
                                                               : spheres);
-    const double seconds = report.outcome.seconds;
-    const double speed = seconds > 0 ? static_cast<double>(report.outcome.points_out) / seconds : 0;
     if (arguments.common.json) {
         Json json;
         json["file"] = arguments.output;
-        json["points"] = report.outcome.points_out;
-        json["seconds"] = seconds;
-        json["points_per_second"] = speed;
-        json["peak_rss_bytes"] = peak_rss_bytes();
+        put_outcome(json, report.outcome);
         json["planes"] = planes;
         json["cylinders"] = cylinders;
         json["spheres"] = spheres;
         std::printf("%s\n", json.dump(2).c_str());
     } else {
         std::printf("%s: %s points in %.1f s (%.2f M points/s); %zu planes, %zu cylinders, %zu spheres\n",
-                    arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), seconds, speed / 1e6, planes,
+                    arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
+                    points_per_second(report.outcome) / 1e6, planes,
                     cylinders, spheres);
     }
     return 0;

@@ -18,22 +18,18 @@ int verify(const Arguments& arguments)
 {
     const VerifyReport report = verify_tree(arguments.tree, arguments.threads, console_progress(arguments.common));
     end_progress(arguments.common);
-    const double seconds = report.outcome.seconds;
-    const double speed = seconds > 0 ? static_cast<double>(report.outcome.points_out) / seconds : 0;
     if (arguments.common.json) {
         Json json;
         json["tree"] = arguments.tree;
-        json["points"] = report.outcome.points_out;
-        json["seconds"] = seconds;
-        json["points_per_second"] = speed;
-        json["peak_rss_bytes"] = peak_rss_bytes();
+        put_outcome(json, report.outcome);
         json["bytes"] = report.bytes;
         json["position_error"] = report.position_error;
         json["faults"] = report.faults;
         std::printf("%s\n", json.dump(2).c_str());
     } else if (report.faults.empty()) {
         std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
-                    grouped(report.outcome.points_out).c_str(), seconds, speed / 1e6);
+                    grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
+                    points_per_second(report.outcome) / 1e6);
     } else {
         for (const std::string& fault : report.faults) std::printf("fault: %s\n", fault.c_str());
         std::printf("%s: %zu faults\n", arguments.tree.c_str(), report.faults.size());

@@ -73,7 +73,6 @@ private:
         const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
 
         TopTree<Coord> top;
-        top.nodes.resize(1);
         std::size_t bins = 1;
         if (points > per_bin) {
             TopPlanner<Coord>::Sample sample;
@@ -177,7 +176,6 @@ private:
             return c;
         };
         TopTree<Coord> top;
-        top.nodes.resize(1);
         std::size_t bins = 1;
         if (spool.rows(0) > per_bin) {
             TopPlanner<Coord>::Sample coordinates;
@@ -231,7 +229,7 @@ private:
         const double all = std::max({largest[0], largest[1], largest[2]});
         for (std::size_t a = 0; a < 3; ++a) {
             // An axis of tiny coordinates need not be finer than 2^-40 of the largest.
-            grid.scale[a] = power_of_two_grid(std::max(largest[a], std::ldexp(all, -40))).scale[0];
+            grid.scale[a] = power_of_two_step(std::max(largest[a], std::ldexp(all, -40)));
             grid.offset[a] = 0;
         }
         const double coarsest = std::max({grid.scale[0], grid.scale[1], grid.scale[2]});

@@ -106,12 +106,6 @@ bool InputCloud::read(PointBatch& batch, std::size_t max_points)
     return false;
 }
 
-void InputCloud::rewind()
-{
-    open_.reset();
-    current_ = 0;
-}
-
 double InputCloud::fraction_read() const
 {
     double points = 0;
@@ -140,7 +134,7 @@ std::vector<Vec3i> InputCloud::sample(std::size_t count)
         }
         start = end;
     }
-    rewind();
+    open_.reset();  // read() begins at the beginning
     return points;
 }
 
@@ -181,16 +175,12 @@ void put_attributes(const PointBatch& batch, const RowLayout& layout, const std:
     }
 }
 
-Grid power_of_two_grid(double largest_magnitude)
+double power_of_two_step(double largest_magnitude)
 {
     int exponent = 0;
     if (largest_magnitude > 0) std::frexp(largest_magnitude, &exponent);  // magnitude < 2^exponent
     // Steps below the smallest normal double would not be doubles themselves.
-    exponent = std::max(exponent, -900);
-    const double step = std::ldexp(1.0, exponent - 61);
-    Grid grid;
-    grid.scale = {step, step, step};
-    return grid;
+    return std::ldexp(1.0, std::max(exponent, -900) - 61);
 }
 
 std::int64_t to_grid_position(double value, double scale, double offset)

@@ -38,7 +38,6 @@ public:
     // The next batch of the whole input, file after file; false at the end. `reader()` is where it came from.
     bool read(PointBatch& batch, std::size_t max_points);
     std::size_t reader() const { return current_; }
-    void rewind();  // only when seekable()
     double fraction_read() const;
 
     // `count` points spread evenly over the input, in order (only when seekable and shares_grid): grid coordinates.
@@ -54,6 +53,7 @@ public:
 
 private:
     PointReader& open(std::size_t reader);
+
     std::vector<std::filesystem::path> paths_;
     std::vector<FileInfo> infos_;
     bool seekable_ = true;
@@ -75,9 +75,9 @@ private:
 void put_attributes(const PointBatch& batch, const RowLayout& layout, const std::vector<std::size_t>& slots,
                     std::byte* rows);
 
-// The power-of-two grid for float sources: step 2^(e-61) where every |coordinate| < 2^e, offset 0. A double of the size
-// of the largest coordinate is exact on it with 8 bits to spare; any coordinate is off by at most half a step.
-Grid power_of_two_grid(double largest_magnitude);
+// The step of an axis' power-of-two grid for float sources: 2^(e-61) where every |coordinate| < 2^e, offset 0. A double of the
+// size of the largest coordinate is exact on it with 8 bits to spare; any coordinate is off by at most half a step.
+double power_of_two_step(double largest_magnitude);
 
 // Nearest grid position. Throws nothing; |value| must be below the magnitude the grid was made for.
 std::int64_t to_grid_position(double value, double scale, double offset);

@@ -13,7 +13,6 @@ struct Observed {
     std::uint64_t points = 0;
     std::uint64_t hash = 0;
     double position_error = 0;
-    Box3i box;
     std::array<Vec3i, 6> extremes{};
 
     // Ties go to the smallest point, so that the answer does not depend on the order.

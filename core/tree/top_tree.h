@@ -19,7 +19,7 @@ struct TopTree {
         std::array<std::uint32_t, 2> children{0, 0};  // 0: this is a bin
         std::size_t bin = 0;
     };
-    std::vector<Node> nodes;
+    std::vector<Node> nodes{Node()};  // the root; one bin until it is divided
 
     std::size_t bin_of(const std::array<Coord, 3>& c) const { return bin_of(c, 0); }
     std::size_t bin_of(const std::array<Coord, 3>& c, std::uint32_t from) const
