@@ -65,4 +65,13 @@ std::string unique_name(const Schema& schema, const std::string& name)
     return candidate;
 }
 
+std::string extension_of(const std::filesystem::path& path)
+{
+    std::string extension = path.extension().string();
+    if (!extension.empty()) extension.erase(0, 1);
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
 }  // namespace pcm

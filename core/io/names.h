@@ -1,8 +1,9 @@
-// Text that comes out of files: made printable before it enters a Schema or a message.
+// Text that comes out of files and paths: made printable before it enters a Schema or a message.
 #pragma once
 
 #include "cloud/attribute.h"
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -17,5 +18,8 @@ std::string quote_bytes(std::string_view bytes);
 
 // `name`, or `name` with "_2", "_3", ... when the schema has it already.
 std::string unique_name(const Schema& schema, const std::string& name);
+
+// Of a path: lower case, without the dot; empty when there is none.
+std::string extension_of(const std::filesystem::path& path);
 
 }  // namespace pcm

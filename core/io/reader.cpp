@@ -15,7 +15,7 @@ namespace {
 struct Format {
     std::string_view extension;
     bool (*begins)(std::string_view start);  // whether a file's first bytes say so
-    std::unique_ptr<PointReader> (*open)(const std::filesystem::path& path);
+    std::unique_ptr<PointReader> (*open)(const std::filesystem::path& path, const ReadOptions& options);
 };
 
 bool begins_with(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
@@ -28,8 +28,18 @@ bool begins_like_ply(std::string_view start)
            std::string_view("\n\r \t").find(start[3]) != std::string_view::npos;
 }
 
+// Readers that have nothing to choose.
+template <std::unique_ptr<PointReader> (*open)(const std::filesystem::path&)>
+std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const ReadOptions&)
+{
+    return open(path);
+}
+
 // The registry: a format is added here and nowhere else.
-constexpr std::array<Format, 2> formats{{{"las", begins_like_las, open_las}, {"ply", begins_like_ply, open_ply}}};
+constexpr Format formats[] = {
+    {"las", begins_like_las, plainly<open_las>},
+    {"ply", begins_like_ply, plainly<open_ply>},
+};
 
 struct ForeignFormat {
     std::string_view start;
@@ -45,15 +55,6 @@ constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
     {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
     {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };
-
-std::string extension_of(const std::filesystem::path& path)
-{
-    std::string extension = path.extension().string();
-    if (!extension.empty()) extension.erase(0, 1);
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
-}
 
 std::string list_of_extensions()
 {
@@ -79,7 +80,7 @@ void PointReader::seek(std::uint64_t)
     throw Error(ErrorCode::unsupported, {}, "points of this format can only be read in order");
 }
 
-std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path)
+std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, const ReadOptions& options)
 {
     // Asked before opening: opening a pipe would wait for its other end.
     const std::filesystem::file_status status = status_of(path);
@@ -92,7 +93,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path)
     const std::size_t got = File(path, File::Mode::read).read_some_at(buffer.data(), buffer.size(), 0);
     const std::string_view start(buffer.data(), got);
     for (const Format& format : formats)
-        if (format.begins(start)) return format.open(path);
+        if (format.begins(start)) return format.open(path, options);
 
     const std::string readable = "readable are " + list_of_extensions();
     if (start.empty()) throw Error(ErrorCode::bad_format, path, "the file is empty", readable);
@@ -102,7 +103,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path)
 
     const std::string extension = extension_of(path);
     for (const Format& format : formats)
-        if (extension == format.extension) return format.open(path);  // says what it expected
+        if (extension == format.extension) return format.open(path, options);  // says what it expected
     for (const auto& [known, name] : foreign_extensions)
         if (extension == known) throw Error(ErrorCode::unsupported, path, "this is " + std::string(name), readable);
     throw Error(ErrorCode::bad_format, path, "no known point cloud format: the file begins with " + quote_bytes(start),

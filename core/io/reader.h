@@ -1,6 +1,6 @@
 // Readers turn a file into batches of points, in bounded memory.
 //
-// One file a format: las_reader, ply_reader. open_reader() recognises the format by content first, by extension second.
+// One file a format: las_reader, ply_reader, ... open_reader() recognises the format by content first, by extension second.
 // A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check against, not
 // sizes to allocate.
 #pragma once
@@ -10,6 +10,7 @@
 #include "cloud/geometry.h"
 #include "cloud/point_batch.h"
 #include "cloud/progress.h"
+#include "io/text_layout.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -22,7 +23,7 @@ namespace pcm {
 
 // Opaque blocks that travel with a cloud (LAS variable length records, coordinate systems): kept byte for byte.
 struct Metadata {
-    std::string key;  // "las.vlr/<user id>/<record id>"
+    std::string key;  // "las.vlr/<user id>/<record id>", "las.header", ...
     std::vector<std::byte> value;
     bool operator==(const Metadata& o) const { return key == o.key && value == o.value; }
 };
@@ -59,8 +60,13 @@ public:
 
 inline constexpr std::size_t default_batch_points = 65536;
 
+struct ReadOptions {
+    unsigned threads = 1;  // most threads to decode with, where a format can (LAZ); 0: one a processor
+    TextLayout text;       // of text files; what is not set is detected
+};
+
 // Throws Error(not_found | permission | bad_format | truncated | unsupported).
-std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path);
+std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();

@@ -1,0 +1,1 @@
+//! E57: scans as columns of numbers.

@@ -1,0 +1,27 @@
+//! How an error crosses to C: a message in a buffer that the caller owns.
+
+use std::os::raw::c_char;
+use std::panic::{catch_unwind, AssertUnwindSafe};
+
+/// Runs `work`; an error or a panic becomes text in `message`, and `failed` is returned.
+///
+/// # Safety
+/// `message` points to `capacity` writable bytes, or `capacity` is 0.
+pub unsafe fn guard<T>(message: *mut c_char, capacity: usize, failed: T, work: impl FnOnce() -> Result<T, String>) -> T {
+    let text = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(value)) => return value,
+        Ok(Err(text)) => text,
+        Err(panic) => match (panic.downcast_ref::<&str>(), panic.downcast_ref::<String>()) {
+            (Some(text), _) => text.to_string(),
+            (_, Some(text)) => text.clone(),
+            _ => "the decoder gave up".to_string(),
+        },
+    };
+    if capacity > 0 {
+        let bytes = text.as_bytes();
+        let count = bytes.len().min(capacity - 1);
+        std::ptr::copy_nonoverlapping(bytes.as_ptr(), message.cast::<u8>(), count);
+        *message.add(count) = 0;
+    }
+    failed
+}

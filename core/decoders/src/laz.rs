@@ -1,0 +1,1 @@
+//! LAZ chunks: raw LAS records out of compressed bytes, and back.

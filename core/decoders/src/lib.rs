@@ -1,0 +1,7 @@
+//! Decoders of compressed formats behind a C interface; `decoders.h` describes it.
+//!
+//! Every function catches panics: a broken file is an error message, never the end of the process.
+
+mod e57;
+mod error;
+mod laz;

@@ -1,0 +1,28 @@
+// How the lines of a text file are columns of points: detected from the file's beginning, or said by the user.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// What is not set is detected.
+struct TextLayout {
+    // ' ' stands for any run of blanks and tabs; ',' ';' '\t' separate single fields, which may be empty or quoted.
+    std::optional<char> separator;
+    // Lines before the first point; a header among them names the columns unless `columns` does.
+    std::optional<std::size_t> skip_lines;
+    // What the columns are, from the left: "x" "y" "z" are required once each; "r" "g" "b" become rgb, "nx" "ny" "nz"
+    // normal; "-" is not read; any other name is an attribute of that name ("intensity", "classification", ...).
+    std::vector<std::string> columns;
+    // Largest value of a colour in the file: 1, 255 or 65535.
+    std::optional<double> colour_range;
+};
+
+// Columns as one text, as users write them: names between blanks or commas, "x y z intensity r g b".
+// Throws Error(invalid_argument) saying what is wrong with it.
+std::vector<std::string> parse_columns(const std::string& text);
+
+}  // namespace pcm

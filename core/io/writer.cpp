@@ -1,0 +1,44 @@
+#include "io/writer.h"
+
+#include "cloud/error.h"
+#include "io/names.h"
+
+#include <array>
+#include <string_view>
+
+namespace pcm {
+namespace {
+
+struct Format {
+    std::string_view extension;
+    std::unique_ptr<PointWriter> (*create)(const std::filesystem::path& path, const FileInfo& cloud,
+                                           const WriteOptions& options);
+};
+
+// The registry: a format is added here and nowhere else.
+constexpr std::array<Format, 0> formats{};
+
+}  // namespace
+
+std::unique_ptr<PointWriter> create_writer(const std::filesystem::path& path, const FileInfo& cloud,
+                                           const WriteOptions& options)
+{
+    const std::string extension = extension_of(path);
+    for (const Format& format : formats)
+        if (extension == format.extension) return format.create(path, cloud, options);
+    std::string known;
+    for (const Format& format : formats) known += (known.empty() ? "." : ", .") + std::string(format.extension);
+    throw Error(ErrorCode::unsupported, path,
+                extension.empty() ? "the name has no extension that tells the format"
+                                  : "no writer for the extension '." + extension + "'",
+                "writable are " + known);
+}
+
+std::vector<std::string> writable_extensions()
+{
+    std::vector<std::string> extensions;
+    for (const Format& format : formats) extensions.emplace_back(format.extension);
+    return extensions;
+}
+
+}  // namespace pcm
