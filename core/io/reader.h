@@ -31,6 +31,7 @@ struct Metadata {
 struct FileInfo {
     std::string format;                    // "LAS 1.2, point format 3", "PLY binary little endian"
     std::uint64_t points = 0;              // as the file promises; the reader checks it
+    bool points_known = true;              // false: the file does not say, `points` is an estimate from its size
     Schema schema;                         // attributes beside the position, in source order and type
     ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, f32 or f64 else
     std::optional<Grid> grid;              // present when positions are integers on a grid
@@ -49,7 +50,8 @@ public:
     // Throws Error(truncated | bad_format | io), naming the byte or line, when the file breaks its promises.
     virtual bool read(PointBatch& batch, std::size_t max_points) = 0;
 
-    // Whether seek() is cheap; true for uncompressed binary formats with records of one size.
+    // Whether seek() is cheap; true for uncompressed binary formats with records of one size. Such files say how many
+    // points they hold.
     virtual bool seekable() const { return false; }
     // The next read() starts at point `index`, counted from 0 in file order. Only when seekable().
     virtual void seek(std::uint64_t index);

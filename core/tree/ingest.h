@@ -23,6 +23,7 @@ public:
     explicit InputCloud(const std::vector<std::filesystem::path>& inputs);
 
     const Schema& schema() const { return schema_; }
+    // Exact for files that say how many points they hold, which all seekable ones do; of others an estimate.
     std::uint64_t promised_points() const { return promised_points_; }
     ScalarType position_type() const { return position_type_; }
     std::vector<std::string> source_names() const;

@@ -16,7 +16,7 @@ fs::path tree_path_beside(const fs::path& file)
     return tree.replace_extension(tree_extension);
 }
 
-bool tree_is_current(const fs::path& tree, const fs::path& file, std::uint64_t file_points)
+bool tree_is_current(const fs::path& tree, const fs::path& file, std::optional<std::uint64_t> file_points)
 {
     if (!is_tree(tree)) return false;
     std::shared_ptr<const Tree> opened;
@@ -28,7 +28,7 @@ bool tree_is_current(const fs::path& tree, const fs::path& file, std::uint64_t f
     }
     const TreeInfo& info = opened->info();
     if (info.sources.size() != 1 || fs::path(info.sources[0]).filename() != file.filename()) return false;
-    if (info.points + info.points_skipped != file_points) return false;
+    if (file_points && info.points + info.points_skipped != *file_points) return false;
     std::error_code ignored;
     return fs::last_write_time(file, ignored) <= fs::last_write_time(tree / index_file_name, ignored);
 }
@@ -52,7 +52,8 @@ std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo
                                             const ProgressFunction& progress)
 {
     const fs::path tree = tree_path_beside(file);
-    if (tree_is_current(tree, file, info.points)) return {"The tree " + tree.string() + " is up to date."};
+    const auto file_points = info.points_known ? std::optional(info.points) : std::nullopt;
+    if (tree_is_current(tree, file, file_points)) return {"The tree " + tree.string() + " is up to date."};
     const bool replace = fs::exists(tree);
     if (replace && !is_tree_of(tree, file))
         throw Error(ErrorCode::exists, tree, "is in the way: a tree of " + file.filename().string() + " would go there",
@@ -60,7 +61,7 @@ std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     if (access(folder.c_str(), W_OK | X_OK) != 0)
         throw Error(ErrorCode::permission, folder,
-                    "cannot be written: " + file.filename().string() + " has " + grouped(info.points) +
+                    "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") + grouped(info.points) +
                         " points and is opened by way of a tree beside it",
                     "build the tree elsewhere with the filter Build Point Cloud Tree");
     BuildOptions options;

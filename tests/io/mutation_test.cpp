@@ -117,7 +117,7 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
             PointBatch batch;
             std::uint64_t points = 0;
             while (reader->read(batch, 1u << 30)) points += batch.size;
-            ASSERT_EQ(points, reader->info().points);
+            if (reader->info().points_known) ASSERT_EQ(points, reader->info().points);
             ++read;
         } catch (const Error& error) {
             ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
