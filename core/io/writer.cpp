@@ -2,8 +2,9 @@
 
 #include "cloud/error.h"
 #include "io/names.h"
+#include "io/pts_writer.h"
+#include "io/xyz_writer.h"
 
-#include <array>
 #include <string_view>
 
 namespace pcm {
@@ -16,7 +17,13 @@ struct Format {
 };
 
 // The registry: a format is added here and nowhere else.
-constexpr std::array<Format, 0> formats{};
+constexpr Format formats[] = {
+    {"pts", create_pts},
+    {"xyz", create_xyz},
+    {"txt", create_xyz},
+    {"asc", create_xyz},
+    {"csv", create_xyz},
+};
 
 }  // namespace
 
