@@ -12,7 +12,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t longest_header = std::size_t{1} << 20;
 constexpr std::string_view blanks = " \t\r\v\f";
 
 std::string_view next_word(std::string_view& line)
@@ -147,7 +146,12 @@ PlyHeader HeaderParser::parse()
         std::string_view rest = line;
         const std::string_view keyword = next_word(rest);
         if (keyword == "end_header") break;
-        if (keyword.empty() || keyword == "comment" || keyword == "obj_info") continue;
+        if (keyword == "comment") {
+            std::string_view words = rest;
+            if (next_word(words) == "pcm") header_.comments.emplace_back(rest);
+            continue;
+        }
+        if (keyword.empty() || keyword == "obj_info") continue;
         if (keyword == "format")
             parse_format(rest);
         else if (keyword == "element")
@@ -186,7 +190,7 @@ PlyHeader read_ply_header(const File& file)
         return std::min(text.find("\nend_header"), text.find("\rend_header")) < bytes - 64;
     };
     std::string text;
-    for (std::size_t bytes = 4096; bytes <= longest_header; bytes *= 16) {
+    for (std::size_t bytes = 4096; bytes <= longest_ply_header; bytes *= 16) {
         text.resize(bytes);
         const std::size_t got = file.read_some_at(text.data(), bytes, 0);
         text.resize(got);

@@ -12,6 +12,8 @@
 
 namespace pcm {
 
+inline constexpr std::size_t longest_ply_header = std::size_t{1} << 20;  // that is read
+
 struct PlyProperty {
     std::string name;
     ScalarType type = ScalarType::f32;  // of the items, for a list
@@ -32,6 +34,7 @@ struct PlyElement {
 struct PlyHeader {
     enum class Encoding { ascii, little_endian, big_endian } encoding = Encoding::ascii;
     std::vector<PlyElement> elements;
+    std::vector<std::string> comments;  // those that begin with "pcm"
     std::uint64_t bytes = 0;          // the data begin here
     std::uint64_t lines = 0;          // of the header
     bool ends_lines_with_cr = false;  // with CR alone, as old Macintosh files do

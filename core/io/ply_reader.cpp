@@ -2,6 +2,7 @@
 
 #include "cloud/file.h"
 #include "io/batch_shape.h"
+#include "io/carried_comments.h"
 #include "io/names.h"
 #include "io/ply_header.h"
 
@@ -272,11 +273,16 @@ std::string lower(std::string text)
     return text;
 }
 
+// Names that promise three components to everybody.
+bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
+
+constexpr auto no_group = static_cast<std::size_t>(-1);
+
 // Where a scalar property goes.
 struct Target {
     int axis = -1;              // 0, 1, 2: a coordinate
     std::size_t attribute = 0;  // else: this attribute's
-    std::size_t component = 0;
+    std::size_t byte = 0;       // of its bytes of a point, the first
     ScalarType type = ScalarType::f32;
     std::size_t offset = 0;  // in a record
 };
@@ -310,8 +316,9 @@ private:
 
     void find_vertices();
     void plan();
-    bool plan_group(const std::array<const char*, 3>& members, std::string_view name,
-                    std::vector<std::string>& attribute_of);
+    bool plan_group(const std::array<const char*, 3>& members, std::string_view name);
+    void plan_carried(const CarriedAttribute& carried);
+    void add_attribute(Attribute attribute);
     void check_bytes_hold_the_points();
     void describe();
 
@@ -328,6 +335,13 @@ private:
     PlyHeader header_;
     FileInfo info_;
     std::size_t vertex_element_ = 0;
+    // Properties that are one attribute together: three of a colour, or what a comment says.
+    struct Group {
+        Attribute attribute;
+        std::size_t index = max_attributes;  // in the schema, once it is there
+    };
+    std::vector<Group> groups_;
+    std::vector<std::size_t> group_of_;  // of each property; no_group
     std::vector<Target> targets_;      // of the scalar properties of a vertex, in file order
     std::size_t record_bytes_ = 0;     // of these
     bool addressable_ = false;         // binary, and all before and among the vertices has one size
@@ -360,35 +374,73 @@ void PlyReader::find_vertices()
 }
 
 // Marks the three properties as components of the attribute `name` when they are there, once, with one type.
-bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::string_view name,
-                           std::vector<std::string>& attribute_of)
+bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::string_view name)
 {
     const std::vector<PlyProperty>& properties = vertices().properties;
     std::array<std::size_t, 3> at{};
     for (std::size_t c = 0; c < 3; ++c) {
         std::size_t found = properties.size();
         for (std::size_t i = 0; i < properties.size(); ++i)
-            if (!properties[i].is_list && lower(properties[i].name) == members[c]) {
+            if (!properties[i].is_list && group_of_[i] == no_group && lower(properties[i].name) == members[c]) {
                 if (found != properties.size()) return false;
                 found = i;
             }
         if (found == properties.size()) return false;
         at[c] = found;
     }
-    if (properties[at[0]].type != properties[at[1]].type || properties[at[0]].type != properties[at[2]].type)
-        return false;
+    const ScalarType type = properties[at[0]].type;
+    if (type != properties[at[1]].type || type != properties[at[2]].type) return false;
     for (std::size_t c = 0; c < 3; ++c) {
-        attribute_of[at[c]] = name;
-        targets_[at[c]].component = c;
+        group_of_[at[c]] = groups_.size();
+        targets_[at[c]].byte = c * size_of(type);
     }
+    groups_.push_back({{std::string(name), type, 3, 1, 0, {}}});
     return true;
+}
+
+// Marks the properties that a comment makes one attribute, when they are what it says.
+void PlyReader::plan_carried(const CarriedAttribute& carried)
+{
+    const std::vector<PlyProperty>& properties = vertices().properties;
+    const Attribute& attribute = carried.attribute;
+    const bool halves = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
+    const std::uint64_t count = std::uint64_t{attribute.components} * (halves ? 2 : 1);
+    const auto begins = [&](const PlyProperty& p) { return !p.is_list && p.name == carried.field; };
+    const auto first = static_cast<std::size_t>(
+        std::find_if(properties.begin(), properties.end(), begins) - properties.begin());
+    bool fits = count <= properties.size() - first;
+    for (std::size_t k = 0; fits && k < count; ++k) {
+        const PlyProperty& property = properties[first + k];
+        const bool same = halves ? property.type == ScalarType::u32 || property.type == ScalarType::i32
+                                 : property.type == attribute.type;
+        fits = same && !property.is_list && targets_[first + k].axis < 0 && group_of_[first + k] == no_group;
+    }
+    if (!fits) {
+        info_.notes.push_back("a comment about the attribute '" + attribute.name +
+                              "' is ignored: the properties are not what it says");
+        return;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        group_of_[first + k] = groups_.size();
+        targets_[first + k].byte = k * size_of(properties[first + k].type);
+    }
+    groups_.push_back({attribute});
+}
+
+void PlyReader::add_attribute(Attribute attribute)
+{
+    if (info_.schema.size() == max_attributes)
+        fail(ErrorCode::unsupported,
+             "the vertices have more than " + std::to_string(max_attributes) + " properties");
+    attribute.name = unique_name(info_.schema, attribute.name);
+    info_.schema.add(std::move(attribute));
 }
 
 void PlyReader::plan()
 {
     const std::vector<PlyProperty>& properties = vertices().properties;
     targets_.assign(properties.size(), {});
-    std::vector<std::string> group_of(properties.size());
+    group_of_.assign(properties.size(), no_group);
 
     std::array<bool, 3> have{};
     for (std::size_t i = 0; i < properties.size(); ++i) {
@@ -402,12 +454,16 @@ void PlyReader::plan()
     for (std::size_t a = 0; a < 3; ++a)
         if (!have[a]) fail(ErrorCode::bad_format, "the vertices have no property '" + std::string(1, "xyz"[a]) + "'");
 
+    const Carried carried = read_carried_comments(header_.comments, info_.notes);
+    info_.metadata = carried.metadata;
+    for (const CarriedAttribute& attribute : carried.attributes) plan_carried(attribute);
+
     using Names = std::array<const char*, 3>;
     for (const Names& members :
          {Names{"red", "green", "blue"}, Names{"diffuse_red", "diffuse_green", "diffuse_blue"}, Names{"r", "g", "b"}})
-        if (plan_group(members, attribute_name::rgb, group_of)) break;
+        if (plan_group(members, attribute_name::rgb)) break;
     for (const Names& members : {Names{"nx", "ny", "nz"}, Names{"normal_x", "normal_y", "normal_z"}})
-        if (plan_group(members, attribute_name::normal, group_of)) break;
+        if (plan_group(members, attribute_name::normal)) break;
 
     const auto has_scalar = [&](std::string_view name) {
         return std::any_of(properties.begin(), properties.end(),
@@ -427,21 +483,24 @@ void PlyReader::plan()
         record_bytes_ += size_of(property.type);
         if (target.axis >= 0) {
             all_f32 = all_f32 && property.type == ScalarType::f32;
-        } else if (const auto group = group_of[i].empty() ? std::nullopt : info_.schema.find(group_of[i])) {
-            target.attribute = *group;  // begun by another of its members
+        } else if (group_of_[i] != no_group) {
+            Group& group = groups_[group_of_[i]];
+            if (group.index == max_attributes) {
+                group.index = info_.schema.size();
+                if (means_three(group.attribute.name) && group.attribute.components != 3)
+                    group.attribute.name += "_scalar";
+                add_attribute(group.attribute);
+            }
+            target.attribute = group.index;
         } else {
-            std::string name = group_of[i].empty() ? property.name : group_of[i];
-            if (group_of[i].empty() && (name == attribute_name::rgb || name == attribute_name::normal))
-                name += "_scalar";  // these names mean three components
+            std::string name = property.name;
+            if (means_three(name)) name += "_scalar";
             if (name == "scalar_intensity" && !has_scalar(attribute_name::intensity)) name = attribute_name::intensity;
             // A name that a group will need later is not free.
-            while (group_of[i].empty() && std::find(group_of.begin(), group_of.end(), name) != group_of.end())
-                name += "_scalar";
-            if (info_.schema.size() == max_attributes)
-                fail(ErrorCode::unsupported,
-                     "the vertices have more than " + std::to_string(max_attributes) + " properties");
+            const auto needed = [&](const Group& group) { return group.attribute.name == name; };
+            while (std::any_of(groups_.begin(), groups_.end(), needed)) name += "_scalar";
             target.attribute = info_.schema.size();
-            info_.schema.add({unique_name(info_.schema, name), property.type, group_of[i].empty() ? 1u : 3u, 1, 0, {}});
+            add_attribute({name, property.type, 1, 1, 0, {}});
         }
         scalars.push_back(target);
     }
@@ -601,7 +660,7 @@ void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& 
         }
         Column& column = batch.attributes[target.attribute];
         const std::size_t bytes = size_of(target.type), stride = column.point_bytes();
-        std::byte* to = column.data() + first * stride + target.component * bytes;
+        std::byte* to = column.data() + first * stride + target.byte;
         switch (bytes) {
             case 1:
                 copy<1, Swap>(from, record_bytes_, count, to, stride);

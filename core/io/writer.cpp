@@ -2,6 +2,7 @@
 
 #include "cloud/error.h"
 #include "io/names.h"
+#include "io/ply_writer.h"
 #include "io/pts_writer.h"
 #include "io/xyz_writer.h"
 
@@ -23,6 +24,7 @@ constexpr Format formats[] = {
     {"txt", create_xyz},
     {"asc", create_xyz},
     {"csv", create_xyz},
+    {"ply", create_ply},
 };
 
 }  // namespace

@@ -1,0 +1,69 @@
+// Batches of points as records of fields, one behind the other: what the bodies of PLY and PCD files are.
+#pragma once
+
+#include "cloud/point_batch.h"
+#include "io/output_file.h"
+#include "io/writer.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// One scalar of a record.
+struct RecordField {
+    enum class Source { position, attribute, packed_rgb };
+    Source source = Source::position;
+    // Of position: f32 or f64. Of an attribute: how the bytes are shown in text. packed_rgb: u32 or f32.
+    ScalarType type = ScalarType::f64;
+    std::size_t index = 0;  // the axis; or of the attribute in the schema (of packed_rgb: u8 x 3)
+    std::size_t byte = 0;   // of the attribute's bytes of a point, the first of this scalar
+    std::optional<std::size_t> alpha;  // packed_rgb: the attribute, u8 x 1, that is the highest byte; else 0
+
+    static RecordField axis(std::size_t axis, ScalarType type) { return {Source::position, type, axis, 0, {}}; }
+    static RecordField scalar(std::size_t attribute, std::size_t byte, ScalarType type)
+    {
+        return {Source::attribute, type, attribute, byte, {}};
+    }
+};
+
+// One thread. Little endian, or lines of text with a blank between scalars and the fewest digits that give back the same
+// number (WriteOptions.decimals for coordinates, where it is set).
+class RecordEncoder {
+public:
+    RecordEncoder(const FileInfo& cloud, const WriteOptions& options, std::vector<RecordField> fields);
+
+    std::size_t record_bytes() const { return record_bytes_; }  // in binary
+    std::uint64_t points() const { return points_; }            // written so far
+    double position_error() const { return position_error_; }   // of coordinates that are not written in full
+
+    // Throws Error(invalid_argument) for a batch of another shape than the cloud's, and what writing can throw.
+    void append(const PointBatch& batch, OutputFile& file);
+
+private:
+    struct Run {  // bytes of a record that stand together in their column as well
+        RecordField field;
+        std::size_t bytes = 0;
+        std::size_t offset = 0;  // in a record
+    };
+    void check(const PointBatch& batch, const OutputFile& file) const;
+    double coordinate(const PointBatch& batch, std::size_t axis, std::size_t point) const;
+    void put_coordinates(const PointBatch& batch, std::size_t first, std::size_t count, const Run& run, std::byte* to);
+    void append_binary(const PointBatch& batch, OutputFile& file);
+    void append_text(const PointBatch& batch, OutputFile& file);
+    char* put_coordinate(double value, ScalarType type, char* to, char* end);
+
+    std::optional<Grid> grid_;
+    Schema schema_;
+    bool ascii_;
+    std::optional<unsigned> decimals_;
+    std::vector<RecordField> fields_;
+    std::vector<Run> runs_;
+    std::size_t record_bytes_ = 0;
+    std::uint64_t points_ = 0;
+    double position_error_ = 0;
+    std::string text_;
+};
+
+}  // namespace pcm
