@@ -35,6 +35,7 @@ struct FileInfo {
     Schema schema;                         // attributes beside the position, in source order and type
     ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, f32 or f64 else
     std::optional<Grid> grid;              // present when positions are integers on a grid
+    std::optional<Grid> near_grid;         // of doubles that come from integers: the grid that they lie on, but for rounding
     std::optional<Box3d> promised_box;     // from the header, not checked
     std::vector<Metadata> metadata;
     std::vector<std::string> notes;        // what a user should know: "12 faces ignored", "VLR count is wrong"

@@ -14,27 +14,23 @@ namespace pcm {
 // A few at most; their storage goes round.
 class BatchQueue {
 public:
-    struct Item {
-        PointBatch batch;
-        std::size_t reader = 0;
-    };
     BatchQueue(Signal& signal, std::size_t capacity) : signal_(signal), free_(capacity) {}
 
-    // The reader's side: an empty item (its storage is reused), or nothing when all is to stop.
-    std::optional<Item> empty_item()
+    // The reader's side: an empty batch (its storage is reused), or nothing when all is to stop.
+    std::optional<PointBatch> empty_batch()
     {
         std::unique_lock lock(signal_.mutex);
         signal_.wake.wait(lock, [&] { return !free_.empty() || signal_.stopped; });
         if (signal_.stopped) return std::nullopt;
-        Item item = std::move(free_.back());
+        PointBatch batch = std::move(free_.back());
         free_.pop_back();
-        return item;
+        return batch;
     }
-    void push(Item item)
+    void push(PointBatch batch)
     {
         {
             const std::lock_guard lock(signal_.mutex);
-            full_.push_back(std::move(item));
+            full_.push_back(std::move(batch));
         }
         signal_.wake.notify_all();
     }
@@ -46,28 +42,28 @@ public:
         }
         signal_.wake.notify_all();
     }
-    std::optional<Item> pop()
+    std::optional<PointBatch> pop()
     {
         std::unique_lock lock(signal_.mutex);
         signal_.wake.wait(lock, [&] { return !full_.empty() || closed_ || signal_.stopped; });
         if (signal_.stopped || full_.empty()) return std::nullopt;
-        Item item = std::move(full_.front());
+        PointBatch batch = std::move(full_.front());
         full_.pop_front();
-        return item;
+        return batch;
     }
-    void recycle(Item item)
+    void recycle(PointBatch batch)
     {
         {
             const std::lock_guard lock(signal_.mutex);
-            free_.push_back(std::move(item));
+            free_.push_back(std::move(batch));
         }
         signal_.wake.notify_all();
     }
 
 private:
     Signal& signal_;
-    std::vector<Item> free_;
-    std::deque<Item> full_;
+    std::vector<PointBatch> free_;
+    std::deque<PointBatch> full_;
     bool closed_ = false;
 };
 

@@ -1,6 +1,7 @@
 #include "tree/builder.h"
 
 #include "cloud/error.h"
+#include "io/merged_reader.h"
 #include "tree/batch_queue.h"
 #include "tree/build_folder.h"
 #include "tree/crew.h"
@@ -26,24 +27,28 @@ namespace fs = std::filesystem;
 
 class TreeBuild {
 public:
-    TreeBuild(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
+    TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options)
         : options_(options),
           threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
           output_(output),
           watch_(options.progress),
-          input_(inputs)
+          cloud_(cloud),
+          sources_(sources)
     {
-        report_.notes = input_.notes();
+        report_.notes = cloud_.info().notes;
+        node_options_.schema = cloud_.info().schema;
     }
 
     BuildReport run()
     {
         BuildFolder folder(output_, options_.overwrite);
         folder_ = folder.path();
-        if (input_.shares_grid() && input_.seekable())
+        if (!cloud_.info().grid)
+            build_from_doubles();
+        else if (cloud_.info().points_known && (cloud_.seekable() || fits_one_bin()))
             build_from_grid();
         else
-            build_from_spool();
+            build_from_grid_spool();
         folder.publish();
         report_.outcome.seconds = watch_.seconds();
         return report_;
@@ -61,22 +66,53 @@ private:
         return points;
     }
 
-    // Gridded, seekable input: sample, cut, distribute while parsing.
+    bool fits_one_bin()
+    {
+        const RowLayout layout(cloud_.info().schema, false);
+        return cloud_.info().points <= bin_points(layout.bytes, sizeof(NodeBuilder<std::uint32_t>::Key));
+    }
+
+    bool next_batch(PointBatch& batch)
+    {
+        if (!cloud_.read(batch, default_batch_points)) return false;
+        report_.outcome.points_in += batch.size;
+        return true;
+    }
+
+    // The rows of gridded points, and what they say about themselves.
+    void put_gridded_rows(const PointBatch& batch, std::vector<std::byte>& rows, Observed& observed) const
+    {
+        const RowLayout& layout = node_options_.layout;
+        rows.resize(batch.size * layout.bytes);
+        put_attributes(batch, layout, rows.data());
+        for (std::size_t i = 0; i < batch.size; ++i) {
+            std::array<std::uint32_t, 3> c;
+            Vec3i p;
+            for (std::size_t a = 0; a < 3; ++a) {
+                p[a] = batch.grid_xyz[a][i];
+                c[a] = to_coordinate<std::uint32_t>(p[a]);
+            }
+            std::memcpy(rows.data() + i * layout.bytes, c.data(), sizeof c);
+            observed.see(p);
+        }
+        observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
+    }
+
+    // Gridded, seekable input (or so little that there is nothing to cut): sample, cut, distribute while parsing.
     void build_from_grid()
     {
         using Coord = std::uint32_t;
-        node_options_.grid = input_.grid();
-        node_options_.schema = input_.schema();
-        node_options_.layout = RowLayout(input_.schema(), false);
+        node_options_.grid = *cloud_.info().grid;
+        node_options_.layout = RowLayout(node_options_.schema, false);
         const RowLayout& layout = node_options_.layout;
-        const std::uint64_t points = input_.promised_points();
+        const std::uint64_t points = cloud_.info().points;
         const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
 
         TopTree<Coord> top;
         std::size_t bins = 1;
         if (points > per_bin) {
             TopPlanner<Coord>::Sample sample;
-            for (const Vec3i& p : input_.sample(sample_points(points, per_bin)))
+            for (const Vec3i& p : sample_evenly(cloud_, sample_points(points, per_bin)))
                 sample.push_back({to_coordinate<Coord>(p[0]), to_coordinate<Coord>(p[1]), to_coordinate<Coord>(p[2])});
             bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, sample, points, 0);
         }
@@ -91,33 +127,20 @@ private:
             crew.add([&, t] {
                 Scratch::Writer writer(scratch, 0, bins, options_.memory_bytes / 4 / threads_);
                 std::vector<std::byte> rows;
-                while (auto item = queue.pop()) {
-                    const PointBatch& batch = item->batch;
-                    rows.resize(batch.size * layout.bytes);
-                    put_attributes(batch, layout, slots(item->reader), rows.data());
-                    for (std::size_t i = 0; i < batch.size; ++i) {
-                        std::array<Coord, 3> c;
-                        Vec3i p;
-                        for (std::size_t a = 0; a < 3; ++a) {
-                            p[a] = batch.grid_xyz[a][i];
-                            c[a] = to_coordinate<Coord>(p[a]);
-                        }
-                        std::byte* row = rows.data() + i * layout.bytes;
-                        std::memcpy(row, c.data(), sizeof c);
-                        observed[t].see(p);
-                        writer.add(top.bin_of(c), row);
+                while (auto batch = queue.pop()) {
+                    put_gridded_rows(*batch, rows, observed[t]);
+                    for (std::size_t i = 0; i < batch->size; ++i) {
+                        const std::byte* row = rows.data() + i * layout.bytes;
+                        writer.add(top.bin_of(coordinates_of<Coord>(row)), row);
                     }
-                    observed[t].hash += hash_rows(rows.data(), batch.size, layout.bytes);
-                    queue.recycle(std::move(*item));
+                    queue.recycle(std::move(*batch));
                 }
                 writer.flush();
             });
-        while (auto item = queue.empty_item()) {
-            if (!input_.read(item->batch, default_batch_points)) break;
-            item->reader = input_.reader();
-            report_.outcome.points_in += item->batch.size;
-            queue.push(std::move(*item));
-            watch_.report("Reading points", 0.4 * input_.fraction_read());
+        while (auto batch = queue.empty_batch()) {
+            if (!next_batch(*batch)) break;
+            queue.push(std::move(*batch));
+            watch_.report("Reading points", 0.4 * cloud_.fraction_read());
         }
         queue.close();
         crew.join([&] { watch_.report("Reading points", 0.4); });
@@ -125,36 +148,62 @@ private:
         build_bins<Coord>(scratch, top, per_bin);
     }
 
-    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get; then
-    // the spool is put on a grid and distributed.
-    void build_from_spool()
+    // Gridded input that can only be read in order: one parse into a spool of rows, which are then distributed.
+    void build_from_grid_spool()
     {
-        using Coord = std::uint64_t;
-        static_assert(sizeof(Coord) == sizeof(double));
-        node_options_.schema = input_.schema();
-        node_options_.layout = RowLayout(input_.schema(), true);
+        using Coord = std::uint32_t;
+        node_options_.grid = *cloud_.info().grid;
+        node_options_.layout = RowLayout(node_options_.schema, false);
         const RowLayout& layout = node_options_.layout;
         const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
 
-        Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
         Scratch spool(folder_ / "spool.tmp", layout.bytes);
         spool.add_bins(1);
-        Vec3d largest{0, 0, 0};
+        using Coordinates = std::array<Coord, 3>;
+        StridedSample<Coordinates> sample(static_cast<std::size_t>(options_.memory_bytes / 16 / sizeof(Coordinates)));
+        std::vector<std::byte> rows;
+        PointBatch batch;
+        while (next_batch(batch)) {
+            put_gridded_rows(batch, rows, observed_);
+            for (std::size_t i = 0; i < batch.size; ++i) sample.see(coordinates_of<Coord>(rows.data() + i * layout.bytes));
+            spool.append(0, rows.data(), batch.size);
+            watch_.report("Reading points", 0.25 * cloud_.fraction_read());
+        }
+        TopTree<Coord> top;
+        std::size_t bins = 1;
+        if (spool.rows(0) > per_bin)
+            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, sample.items(), spool.rows(0), 0);
+        sample = StridedSample<Coordinates>(0);
+        Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
+        scratch.add_bins(bins);
+        distribute(spool, 0, scratch, 0, bins, [&](unsigned, std::byte* block, std::size_t count, auto&& add) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::byte* row = block + i * layout.bytes;
+                add(top.bin_of(coordinates_of<Coord>(row)), row);
+            }
+        });
+        build_bins<Coord>(scratch, top, per_bin);
+    }
+
+    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get; then
+    // the spool is put on a grid and distributed.
+    void build_from_doubles()
+    {
+        const RowLayout layout(node_options_.schema, true);
+        Scratch spool(folder_ / "spool.tmp", layout.bytes);
+        spool.add_bins(1);
+        Box3d box;
         StridedSample<Vec3d> sample(static_cast<std::size_t>(options_.memory_bytes / 16 / sizeof(Vec3d)));
         std::vector<std::byte> rows;
         PointBatch batch;
-        while (input_.read(batch, default_batch_points)) {
-            report_.outcome.points_in += batch.size;
+        while (next_batch(batch)) {
             rows.resize(batch.size * layout.bytes);
-            put_attributes(batch, layout, slots(input_.reader()), rows.data());
-            const Grid* grid = input_.grid_of(input_.reader());
+            put_attributes(batch, layout, rows.data());
             std::size_t kept = 0;
             for (std::size_t i = 0; i < batch.size; ++i) {
-                Vec3d p;
-                for (std::size_t a = 0; a < 3; ++a)
-                    p[a] = batch.gridded ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+                const Vec3d p{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
                 if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
-                for (std::size_t a = 0; a < 3; ++a) largest[a] = std::max(largest[a], std::fabs(p[a]));
+                box.extend(p);
                 sample.see(p);
                 std::byte* row = rows.data() + kept++ * layout.bytes;
                 if (row != rows.data() + i * layout.bytes) std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
@@ -162,12 +211,25 @@ private:
             }
             report_.points_skipped += batch.size - kept;
             spool.append(0, rows.data(), kept);
-            watch_.report("Reading points", 0.25 * input_.fraction_read());
+            watch_.report("Reading points", 0.25 * cloud_.fraction_read());
         }
         if (report_.points_skipped)
             report_.notes.push_back(std::to_string(report_.points_skipped) + " points without a finite position were left out");
+        if (choose_grid(box))
+            build_from_spool<std::uint32_t>(spool, layout, sample);
+        else
+            build_from_spool<std::uint64_t>(spool, layout, sample);
+    }
 
-        choose_grid(largest);
+    // Rows of doubles become rows of Coord, in place: with narrow coordinates a row begins later.
+    template <class Coord>
+    void build_from_spool(Scratch& spool, const RowLayout& spooled, StridedSample<Vec3d>& sample)
+    {
+        static_assert(sizeof(Coord) <= sizeof(double));
+        constexpr std::size_t shift = 3 * (sizeof(double) - sizeof(Coord));
+        node_options_.layout = RowLayout(node_options_.schema, sizeof(Coord) == 8);
+        const RowLayout& layout = node_options_.layout;
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(typename NodeBuilder<Coord>::Key));
         const Grid& grid = node_options_.grid;
         const auto on_grid = [&](const Vec3d& p) {
             std::array<Coord, 3> c;
@@ -178,38 +240,36 @@ private:
         TopTree<Coord> top;
         std::size_t bins = 1;
         if (spool.rows(0) > per_bin) {
-            TopPlanner<Coord>::Sample coordinates;
+            typename TopPlanner<Coord>::Sample coordinates;
             for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
             bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, coordinates, spool.rows(0), 0);
         }
         sample = StridedSample<Vec3d>(0);
+        Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
         scratch.add_bins(bins);
-        const auto convert = [&](std::byte* row, Observed& seen) {
-            Vec3d p;
-            std::memcpy(p.data(), row, sizeof p);
-            const auto c = on_grid(p);
-            std::memcpy(row, c.data(), sizeof c);
-            Vec3i q;
-            for (std::size_t a = 0; a < 3; ++a) {
-                q[a] = to_grid<Coord>(c[a]);
-                seen.position_error = std::max(seen.position_error, std::fabs(grid.to_source(q[a], a) - p[a]));
-            }
-            seen.see(q);
-            return top.bin_of(c);
-        };
         std::vector<Observed> observed(threads_);
-        distribute(spool, 0, scratch, 0, bins, [&](unsigned t, std::byte* rows_of_block, std::size_t count, auto&& add) {
+        distribute(spool, 0, scratch, 0, bins, [&](unsigned t, std::byte* block, std::size_t count, auto&& add) {
+            Observed& seen = observed[t];
             for (std::size_t i = 0; i < count; ++i) {
-                std::byte* row = rows_of_block + i * layout.bytes;
-                add(convert(row, observed[t]), row);
+                std::byte* row = block + i * spooled.bytes;
+                Vec3d p;
+                std::memcpy(p.data(), row, sizeof p);
+                const auto c = on_grid(p);
+                row += shift;
+                std::memcpy(row, c.data(), sizeof c);
+                Vec3i q;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    q[a] = to_grid<Coord>(c[a]);
+                    seen.position_error = std::max(seen.position_error, std::fabs(grid.to_source(q[a], a) - p[a]));
+                }
+                seen.see(q);
+                seen.hash += hash_rows(row, 1, layout.bytes);
+                add(top.bin_of(c), row);
             }
-            observed[t].hash += hash_rows(rows_of_block, count, layout.bytes);
         });
         for (const Observed& o : observed) observed_.merge(o);
         build_bins<Coord>(scratch, top, per_bin);
     }
-
-    const std::vector<std::size_t>& slots(std::size_t reader) const { return input_.slots(reader); }
 
     std::size_t sample_points(std::uint64_t points, std::uint64_t per_bin) const
     {
@@ -217,14 +277,23 @@ private:
         return static_cast<std::size_t>(std::min({wanted, options_.memory_bytes / 16 / 24, points}));
     }
 
-    // Files on grids of one scale whose offsets lie a whole number of steps apart keep that scale, exactly; else a power of
-    // two an axis, the finest that holds the largest coordinate.
-    void choose_grid(const Vec3d& largest)
+    // Doubles that come from integers keep those integers' grid; else a power of two an axis, the finest that holds the largest
+    // coordinate. True when all positions are narrow on it.
+    bool choose_grid(const Box3d& box)
     {
         Grid& grid = node_options_.grid;
-        if (const auto common = input_.common_grid(largest)) {
-            grid = *common;
-            return;
+        Vec3d largest{0, 0, 0};
+        for (std::size_t a = 0; a < 3 && !box.empty(); ++a) largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
+        if (cloud_.info().near_grid && tells_apart(*cloud_.info().near_grid, largest)) {
+            grid = *cloud_.info().near_grid;
+            on_source_grid_ = true;
+            bool narrow = true;
+            for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
+                for (const double end : {box.min[a], box.max[a]}) {
+                    const std::int64_t q = to_grid_position(end, grid.scale[a], grid.offset[a]);
+                    narrow = narrow && q >= std::numeric_limits<std::int32_t>::min() && q <= std::numeric_limits<std::int32_t>::max();
+                }
+            return narrow;
         }
         const double all = std::max({largest[0], largest[1], largest[2]});
         for (std::size_t a = 0; a < 3; ++a) {
@@ -235,6 +304,15 @@ private:
         const double coarsest = std::max({grid.scale[0], grid.scale[1], grid.scale[2]});
         for (std::size_t a = 0; a < 3; ++a)
             node_options_.finer[a] = static_cast<int>(std::lround(std::log2(coarsest / grid.scale[a])));
+        return false;
+    }
+
+    // Every coordinate must have a place on the grid that a double can tell from its neighbours.
+    static bool tells_apart(const Grid& grid, const Vec3d& largest)
+    {
+        for (std::size_t a = 0; a < 3; ++a)
+            if (!((largest[a] + std::fabs(grid.offset[a])) / std::fabs(grid.scale[a]) <= std::ldexp(1.0, 50))) return false;
+        return true;
     }
 
     // Moves the rows of one bin into bins [first, first + bins) of `to`, on all threads. `put(thread, rows, count, add)` calls
@@ -493,14 +571,14 @@ private:
         info.points_skipped = report_.points_skipped;
         info.content_hash = observed_.hash;
         info.grid = node_options_.grid;
-        info.position_type = input_.position_type();
+        info.position_type = on_source_grid_ ? ScalarType::i32 : cloud_.info().position_type;
         info.wide = node_options_.layout.coordinate_bytes == 8;
         info.schema = node_options_.schema;
         if (!index.nodes.empty()) info.box = index.nodes[0].box;
         info.extremes = observed_.extremes;
         info.position_error = observed_.position_error;
-        info.metadata = input_.metadata();
-        info.sources = input_.source_names();
+        info.metadata = cloud_.info().metadata;
+        info.sources = sources_;
         index.data_file_bytes = files.bytes();
         const std::vector<std::byte> bytes = encode_index(index);
         replace_file(folder_ / index_file_name, bytes.data(), bytes.size());
@@ -528,16 +606,17 @@ private:
     unsigned build_threads_ = 1;
     const fs::path output_;
     Watch watch_;
-    InputCloud input_;
+    PointReader& cloud_;
+    const std::vector<std::string>& sources_;
+    bool on_source_grid_ = false;
     fs::path folder_;
     NodeBuilderOptions node_options_;
     Observed observed_;
     BuildReport report_;
 };
 
-}  // namespace
-
-BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
+// Throws for options out of range; the folder that `output` names.
+fs::path check(const fs::path& output, const BuildOptions& options)
 {
     if (options.memory_bytes < (std::uint64_t(64) << 20))
         throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
@@ -548,8 +627,26 @@ BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& outp
     fs::path folder = output;
     if (folder.filename().empty()) folder = folder.parent_path();  // "name.pct/" means name.pct
     if (folder.empty()) throw Error(ErrorCode::invalid_argument, {}, "the tree needs a name");
+    return folder;
+}
+
+}  // namespace
+
+BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
+{
+    check(output, options);  // before all files are looked at
+    MergedReader cloud(inputs, options.read);
+    std::vector<std::string> sources;
+    for (const MergedReader::Source& source : cloud.sources()) sources.push_back(source.path.filename().string());
+    return build_tree(cloud, sources, output, options);
+}
+
+BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,
+                       const BuildOptions& options)
+{
+    const fs::path folder = check(output, options);
     try {
-        return TreeBuild(inputs, folder, options).run();
+        return TreeBuild(cloud, sources, folder, options).run();
     } catch (const fs::filesystem_error& error) {
         throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
     } catch (const std::bad_alloc&) {

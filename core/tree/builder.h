@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace pcm {
@@ -16,6 +17,7 @@ struct BuildOptions {
     unsigned threads = 0;                                 // 0: one a processor
     std::uint32_t chunk_points = 100000;                  // most points of a chunk (a pile of duplicates may exceed it)
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
+    ReadOptions read{0, {}};                              // how files are read; threads 0: one a processor
     ProgressFunction progress;
 };
 
@@ -38,6 +40,11 @@ struct BuildReport {
 // Throws Error(exists) when `output` is there (with overwrite: is there and is not a tree) or is being built by another
 // process, Error(invalid_argument) for options out of range, and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                       const BuildOptions& options = {});
+
+// The same of any cloud, read to its end; `sources` are the names that the tree remembers as its origin. The cloud must not read
+// from the tree that is overwritten.
+BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
 }  // namespace pcm

@@ -4,6 +4,7 @@
 
 #include "cloud/error.h"
 #include "clouds.h"
+#include "memory_reader.h"
 #include "support.h"
 #include "tree/verify.h"
 
@@ -273,9 +274,41 @@ TEST(Build, TilesWithOffsetsOfTheirOwn)
     a.insert(a.end(), b.begin(), b.end());
     const auto tree = Tree::open(folder / "out.pct");
     EXPECT_EQ(tree->info().grid, one);
+    EXPECT_FALSE(tree->info().wide);
+    EXPECT_EQ(tree->info().position_type, ScalarType::i32);
     expect_same_points(*tree, a);
     EXPECT_LE(tree->info().position_error, 1e-9);
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// A gridded cloud that can only be read in order (as LAZ) makes the same points of the same narrow rows; small memory makes many
+// bins of it.
+TEST(Build, AnyReaderIsAnInput)
+{
+    const TemporaryFolder folder;
+    Schema schema;
+    schema.add({"intensity", ScalarType::u16, 1, 1, 0, ""});
+    schema.add({"wide", ScalarType::f64, 40, 1, 0, ""});  // many bytes a point, so that there is more than one bin
+    const Grid grid{{0.01, 0.01, 0.001}, {1000, -2000, 3}};
+    const MemoryCloud cloud = random_cloud(schema, grid, 30000, 5);
+    std::uint64_t hash[3];
+    for (int way = 0; way < 3; ++way) {
+        MemoryCloud promised = cloud;
+        promised.info.points_known = way != 2;
+        if (way == 2) promised.info.points = 7;  // an estimate, and a wrong one
+        MemoryReader reader(promised, way == 0);
+        const BuildReport report = build_tree(reader, {"memory"}, folder / (std::to_string(way) + ".pct"), small_chunks());
+        EXPECT_EQ(report.outcome.points_out, 30000u);
+        EXPECT_EQ(report.outcome.error, 0);
+        const auto tree = Tree::open(folder / (std::to_string(way) + ".pct"));
+        EXPECT_FALSE(tree->info().wide);
+        EXPECT_EQ(tree->info().grid, grid);
+        EXPECT_EQ(tree->info().sources, std::vector<std::string>{"memory"});
+        EXPECT_TRUE(verify_tree(tree->folder()).faults.empty());
+        hash[way] = tree->info().content_hash;
+    }
+    EXPECT_EQ(hash[0], hash[1]);
+    EXPECT_EQ(hash[0], hash[2]);
 }
 
 template <class Scalar>
