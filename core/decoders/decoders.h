@@ -11,6 +11,41 @@
 extern "C" {
 #endif
 
+// ---- LAZ ----
+// `vlr` is the payload of the VLR "laszip encoded" 22204; its items must have been checked against the point format.
+
+// One chunk, or chunks that follow each other, decoded as a stream.
+typedef struct LazDecoder pcm_laz_decoder;
+
+// Reads from bytes begin..end of the file behind `descriptor`, which stays open as long as the decoder lives, with read_at
+// only. Of a layered chunk (point formats 6 to 10) its head is checked here.
+pcm_laz_decoder* pcm_laz_decoder_open(const uint8_t* vlr, size_t vlr_bytes, int descriptor, uint64_t begin, uint64_t end,
+                                      char* error, size_t error_bytes);
+size_t pcm_laz_decoder_record_bytes(const pcm_laz_decoder* decoder);
+// What a layered chunk says about itself; 0 for others.
+uint64_t pcm_laz_decoder_chunk_points(const pcm_laz_decoder* decoder);
+// The next `count` records of the chunk. 0, or -1; after that the decoder can only be closed.
+int pcm_laz_decode(pcm_laz_decoder* decoder, uint8_t* records, size_t count, char* error, size_t error_bytes);
+// Where in the file the next byte would come from: behind the chunk when all of its records are decoded.
+uint64_t pcm_laz_decoder_position(const pcm_laz_decoder* decoder);
+void pcm_laz_decoder_close(pcm_laz_decoder* decoder);
+
+// The chunk table at byte `begin`, which says it has `chunks` entries: their bytes and, where the table has them
+// (`with_points`), their points. 0, or -1.
+int pcm_laz_chunk_table_read(int descriptor, uint64_t begin, uint64_t end, int with_points, uint64_t* points,
+                             uint64_t* bytes, size_t chunks, char* error, size_t error_bytes);
+
+typedef struct LazBytes pcm_laz_bytes;
+
+// `record_bytes` bytes of whole records as one chunk.
+pcm_laz_bytes* pcm_laz_encode_chunk(const uint8_t* vlr, size_t vlr_bytes, const uint8_t* records, size_t record_bytes,
+                                    char* error, size_t error_bytes);
+// The table of chunks of a fixed number of points.
+pcm_laz_bytes* pcm_laz_encode_chunk_table(const uint64_t* bytes, size_t chunks, char* error, size_t error_bytes);
+const uint8_t* pcm_laz_bytes_data(const pcm_laz_bytes* bytes);
+size_t pcm_laz_bytes_size(const pcm_laz_bytes* bytes);
+void pcm_laz_bytes_free(pcm_laz_bytes* bytes);
+
 #ifdef __cplusplus
 }
 #endif

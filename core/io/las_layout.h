@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 
 namespace pcm::las {
 
@@ -26,6 +27,9 @@ void store(std::byte* to, T value)
 }
 
 namespace header {
+inline constexpr std::size_t file_source_id = 4;        // u16, since 1.1
+inline constexpr std::size_t global_encoding = 6;       // u16, since 1.2
+inline constexpr std::size_t guid = 8;                  // 16 bytes
 inline constexpr std::size_t version_major = 24;
 inline constexpr std::size_t version_minor = 25;
 inline constexpr std::size_t system_identifier = 26;    // char[32]
@@ -48,10 +52,51 @@ inline constexpr std::size_t size_1_3 = 235;
 inline constexpr std::size_t evlr_start = 235;      // u64, since 1.4
 inline constexpr std::size_t evlr_count = 243;      // u32
 inline constexpr std::size_t point_count_64 = 247;  // u64
+inline constexpr std::size_t return_counts_64 = 255;    // u64[15]
 inline constexpr std::size_t size_1_4 = 375;
 }  // namespace header
 
+// Bits of global_encoding.
+namespace encoding {
+inline constexpr unsigned gps_standard_time = 1;
+inline constexpr unsigned waveforms_inside = 2, waveforms_beside = 4;
+inline constexpr unsigned synthetic_returns = 8;
+inline constexpr unsigned wkt = 16;
+}  // namespace encoding
+
+// Variable length records: reserved u16, user id char[16], record id u16, length (u16, extended: u64), description char[32].
+inline constexpr std::size_t vlr_header_bytes = 54;
+inline constexpr std::size_t evlr_header_bytes = 60;
+inline constexpr std::string_view spec_user_id = "LASF_Spec";
+inline constexpr std::uint16_t extra_bytes_record_id = 4;
+inline constexpr std::uint16_t waveforms_record_id = 65535;  // of LASF_Spec: the waveforms themselves
+inline constexpr std::string_view laszip_user_id = "laszip encoded";
+inline constexpr std::uint16_t laszip_record_id = 22204;
+
+// Entries of the Extra Bytes VLR.
+namespace extra {
+inline constexpr std::size_t descriptor_bytes = 192;
+inline constexpr std::size_t data_type = 2;      // u8
+inline constexpr std::size_t options = 3;        // u8
+inline constexpr std::size_t name = 4;           // char[32]
+inline constexpr std::size_t scale = 112;        // f64[3]
+inline constexpr std::size_t offset = 136;       // f64[3]
+inline constexpr std::size_t description = 160;  // char[32]
+inline constexpr unsigned has_scale = 0x08, has_offset = 0x10;
+}  // namespace extra
+
 // Bytes of a record without extra bytes, by point format.
 inline constexpr std::array<std::size_t, 11> record_bytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+inline constexpr unsigned format_count = 11;
+
+// What the point formats are made of.
+constexpr bool is_extended(unsigned format) { return format >= 6; }  // 4-bit returns, 8-bit classes, LAS 1.4
+constexpr bool has_gps_time(unsigned format) { return format != 0 && format != 2; }
+constexpr bool has_rgb(unsigned format)
+{
+    return format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
+}
+constexpr bool has_nir(unsigned format) { return format == 8 || format == 10; }
+constexpr bool has_waves(unsigned format) { return format == 4 || format == 5 || format == 9 || format == 10; }
 
 }  // namespace pcm::las

@@ -37,7 +37,8 @@ std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const Re
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
-    {"las", begins_like_las, plainly<open_las>},
+    {"las", begins_like_las, open_las},
+    {"laz", begins_like_las, open_las},
     {"ply", begins_like_ply, plainly<open_ply>},
 };
 
@@ -51,7 +52,7 @@ constexpr ForeignFormat foreign_formats[] = {
     {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"laz", "a LAZ file"},  {"e57", "an E57 file"}, {"pcd", "a PCD file"},  {"pts", "a PTS file"},
+    {"e57", "an E57 file"}, {"pcd", "a PCD file"},  {"pts", "a PTS file"},
     {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
     {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };

@@ -115,16 +115,6 @@ TEST(SampleClouds, BadFilesAreRefusedByName)
     EXPECT_GE(files, 6u);
 }
 
-TEST(SampleClouds, CompressedFilesAreRefusedAsSuch)
-{
-    PCM_REQUIRE_SAMPLE("las/simple.laz");
-    for (const char* name : {"las/simple.laz", "las/pdrf10-1.4.laz", "las/1.2-with-color.copc.laz"}) {
-        const Error error = error_of([&] { open_reader(sample(name)); });
-        EXPECT_EQ(error.code(), ErrorCode::unsupported) << error.what();
-        EXPECT_TRUE(mentions(error.what(), "LAZ")) << error.what();
-    }
-}
-
 TEST(SampleClouds, EdgeCases)
 {
     PCM_REQUIRE_SAMPLE("edge");
