@@ -311,6 +311,10 @@ private:
     {
         fail(code, "line " + std::to_string(lines_->line_number()) + ": " + what);
     }
+    [[noreturn]] void fail_header(const std::string& what) const
+    {
+        fail(ErrorCode::bad_format, "the header, lines 1 to " + std::to_string(header_.lines) + ", " + what);
+    }
     bool ascii() const { return header_.encoding == PlyHeader::Encoding::ascii; }
     const PlyElement& vertices() const { return header_.elements[vertex_element_]; }
 
@@ -361,15 +365,14 @@ void PlyReader::find_vertices()
     vertex_element_ = none;
     for (std::size_t i = 0; i < none; ++i) {
         if (header_.elements[i].name != "vertex") continue;
-        if (vertex_element_ != none) fail(ErrorCode::bad_format, "the header has two elements 'vertex'");
+        if (vertex_element_ != none) fail_header("has two elements 'vertex', one was expected");
         vertex_element_ = i;
     }
     if (vertex_element_ == none) {
         std::string found;
         for (std::size_t i = 0; i < std::min<std::size_t>(none, 8); ++i)
             found += (found.empty() ? "" : ", ") + quote_bytes(header_.elements[i].name);
-        fail(ErrorCode::bad_format,
-             "no element 'vertex'; " + (found.empty() ? "the header has no elements" : "found " + found));
+        fail_header("has no element 'vertex', which holds the points; found " + (found.empty() ? "none" : found));
     }
 }
 
@@ -448,11 +451,11 @@ void PlyReader::plan()
         if (properties[i].is_list || name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
         const int axis = name[0] - 'x';
         if (std::exchange(have[static_cast<std::size_t>(axis)], true))
-            fail(ErrorCode::bad_format, "the vertices have two properties '" + name + "'");
+            fail_header("gives the vertices two properties '" + name + "'");
         targets_[i].axis = axis;
     }
     for (std::size_t a = 0; a < 3; ++a)
-        if (!have[a]) fail(ErrorCode::bad_format, "the vertices have no property '" + std::string(1, "xyz"[a]) + "'");
+        if (!have[a]) fail_header("gives the vertices no property '" + std::string(1, "xyz"[a]) + "'");
 
     const Carried carried = read_carried_comments(header_.comments, info_.notes);
     info_.metadata = carried.metadata;
