@@ -16,8 +16,11 @@ namespace pcm {
 namespace {
 
 constexpr char magic[4] = {'B', 'P', 'C', '1'};
-constexpr std::uint16_t version = 1;
+constexpr std::uint16_t version_on_grid = 1;
+constexpr std::uint16_t version_of_doubles = 2;
 constexpr std::size_t fixed_header = 168;
+// A header is some hundred bytes; one of a file gone wrong shall not fill the memory.
+constexpr std::uint32_t most_header_bytes = std::uint32_t{16} << 20;
 
 // Raw scalars as unsigned words in the order of their values, so that near values have near words. Bijective.
 template <class Word, class T>
@@ -162,7 +165,15 @@ Attribute get_attribute(ByteReader& in)
     return attribute;
 }
 
-std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const NodePath& path)
+namespace {
+
+// How the integers of a chunk become coordinates, as its header says it.
+struct Coding {
+    std::uint16_t version;
+    Vec3d first, second;  // scale and offset, or divisor and shift
+};
+
+std::vector<std::byte> encode(const Chunk& chunk, const Schema& schema, const Coding& coding, const NodePath& path)
 {
     if (chunk.points == 0 || !chunk.positions || chunk.positions->size() != chunk.points ||
         chunk.attributes.size() != schema.size())
@@ -212,15 +223,15 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
 
     ByteWriter out;
     out.put_bytes(magic, 4);
-    out.put(version);
+    out.put(coding.version);
     out.put(path.depth);
     out.put(path.bits[0]);
     out.put(path.bits[1]);
     out.put(std::uint32_t(0));  // header bytes, below
     out.put(chunk.points);
     out.put(std::uint64_t(0));  // total bytes, below
-    for (std::size_t a = 0; a < 3; ++a) out.put(grid.scale[a]);
-    for (std::size_t a = 0; a < 3; ++a) out.put(grid.offset[a]);
+    for (const double v : coding.first) out.put(v);
+    for (const double v : coding.second) out.put(v);
     for (std::size_t a = 0; a < 3; ++a) out.put(positions.origin[a]);
     for (std::size_t a = 0; a < 3; ++a) out.put(box_max[a]);
     out.put(static_cast<std::uint32_t>(positions.wide));
@@ -245,16 +256,36 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
     return bytes;
 }
 
+// Whether `bytes` can be `sequences` packed sequences of `points` words each.
+bool can_be_packed(std::uint64_t bytes, std::uint64_t sequences, std::uint64_t points, std::uint64_t word_bytes)
+{
+    const std::uint64_t blocks = (points + codec_block - 1) / codec_block;
+    const std::uint64_t least = 16, most = 16 + blocks * (2 + word_bytes + codec_block * word_bytes);
+    return bytes / least >= sequences && (bytes / most < sequences || bytes == sequences * most);
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const NodePath& path)
+{
+    return encode(chunk, schema, {version_on_grid, grid.scale, grid.offset}, path);
+}
+
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const DoubleCodes& doubles)
+{
+    const Vec3d shift{double(doubles.shift[0]), double(doubles.shift[1]), double(doubles.shift[2])};
+    return encode(chunk, schema, {version_of_doubles, doubles.divisor, shift}, {});
+}
+
 BpcHeader decode_header(const std::byte* data, std::size_t size, const std::filesystem::path& path)
 {
     ByteReader in(data, size, path);
     if (size < fixed_header) throw Error(ErrorCode::corrupt, path, "a chunk is shorter than its header");
     if (std::memcmp(in.get_bytes(4), magic, 4) != 0) throw Error(ErrorCode::corrupt, path, "no chunk where one should be");
     const auto found = in.get<std::uint16_t>();
-    if (found != version)
+    if (found != version_on_grid && found != version_of_doubles)
         throw Error(ErrorCode::unsupported, path,
-                    "chunk format version " + std::to_string(found) + ", this program reads version " +
-                        std::to_string(version));
+                    "chunk format version " + std::to_string(found) + ", this program reads versions 1 and 2");
     BpcHeader header;
     header.path.depth = in.get<std::uint16_t>();
     header.path.bits = {in.get<std::uint64_t>(), 0};
@@ -262,7 +293,8 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     header.header_bytes = in.get<std::uint32_t>();
     header.points = in.get<std::uint32_t>();
     header.total_bytes = in.get<std::uint64_t>();
-    if (header.header_bytes < fixed_header || header.header_bytes > size || header.header_bytes > header.total_bytes)
+    // The smallest header has a checksum behind its fixed part.
+    if (header.header_bytes < fixed_header + 8 || header.header_bytes > size || header.header_bytes > header.total_bytes)
         throw Error(ErrorCode::corrupt, path, "a chunk's header length is impossible");
     std::uint64_t stored;
     std::memcpy(&stored, data + header.header_bytes - 8, 8);
@@ -271,23 +303,36 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     // From here on the bytes are as they were written; what follows guards against a writer gone wrong.
     if (header.path.depth > NodePath::max_depth || header.points == 0)
         throw Error(ErrorCode::corrupt, path, "a chunk's header makes no sense");
-    for (double& s : header.grid.scale) s = in.get<double>();
-    for (double& o : header.grid.offset) o = in.get<double>();
+    if (found == version_on_grid) {
+        for (double& s : header.grid.scale) s = in.get<double>();
+        for (double& o : header.grid.offset) o = in.get<double>();
+    } else {
+        Vec3d divisor, shift;
+        for (double& d : divisor) d = in.get<double>();
+        for (double& s : shift) s = in.get<double>();
+        header.doubles = DoubleCodes::checked(divisor, shift);
+        if (!header.doubles) throw Error(ErrorCode::corrupt, path, "a chunk's coding of doubles makes no sense");
+    }
     for (std::int64_t& v : header.box.min) v = in.get<std::int64_t>();
     for (std::int64_t& v : header.box.max) v = in.get<std::int64_t>();
     header.wide = in.get<std::uint32_t>() != 0;
     const auto attributes = in.get<std::uint32_t>();
-    const auto place = [&](BpcColumn column) {
+    const auto place = [&](BpcColumn column, std::uint64_t sequences, std::uint64_t word_bytes) {
         if (column.offset < header.header_bytes || column.offset > header.total_bytes ||
             column.bytes > header.total_bytes - column.offset)
             throw Error(ErrorCode::corrupt, path, "a column lies outside its chunk");
+        if (!can_be_packed(column.bytes, sequences, header.points, word_bytes))
+            throw Error(ErrorCode::corrupt, path,
+                        "a column of " + std::to_string(column.bytes) + " bytes cannot hold the chunk's " +
+                            std::to_string(header.points) + " points");
         return column;
     };
-    header.positions = place(get_column(in));
+    header.positions = place(get_column(in), 3, header.wide ? 8 : 4);
     if (attributes > max_attributes) throw Error(ErrorCode::corrupt, path, "a chunk's header makes no sense");
     for (std::uint32_t i = 0; i < attributes; ++i) {
-        header.schema.add(get_attribute(in));
-        header.attributes.push_back(place(get_column(in)));
+        const Attribute attribute = get_attribute(in);
+        header.schema.add(attribute);
+        header.attributes.push_back(place(get_column(in), attribute.components, size_of(attribute.type) == 8 ? 8 : 4));
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (header.box.min[a] > header.box.max[a] ||
@@ -298,21 +343,62 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     return header;
 }
 
+namespace {
+
+// The first bytes of a chunk, its whole header among them.
+std::vector<std::byte> read_head(const File& file, std::uint64_t offset, std::uint64_t available, std::size_t guess)
+{
+    std::vector<std::byte> head(static_cast<std::size_t>(std::min<std::uint64_t>(available, guess)));
+    file.read_at(head.data(), head.size(), offset);
+    if (head.size() >= 28 && std::memcmp(head.data(), magic, 4) == 0) {
+        std::uint32_t header_bytes;
+        std::memcpy(&header_bytes, head.data() + 24, 4);
+        if (header_bytes > head.size() && header_bytes <= available && header_bytes <= most_header_bytes) {
+            const std::size_t have = head.size();
+            head.resize(header_bytes);
+            file.read_at(head.data() + have, header_bytes - have, offset + have);
+        }
+    }
+    return head;
+}
+
+// Errors from inside the chunk's bytes name no file: adds it, and where the chunk lies.
+[[noreturn]] void rethrow_naming(const Error& error, const File& file, std::uint64_t offset)
+{
+    if (!error.path().empty()) throw;
+    throw Error(error.code(), file.path(), "chunk at byte " + std::to_string(offset) + ": " + error.what());
+}
+
+}  // namespace
+
+BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available)
+{
+    try {
+        const std::vector<std::byte> head = read_head(file, offset, available, 4096);
+        BpcHeader header = decode_header(head.data(), head.size(), {});
+        if (header.total_bytes > available)
+            throw Error(ErrorCode::truncated, {},
+                        "its header says that it has " + std::to_string(header.total_bytes) + " bytes; " +
+                            std::to_string(available) + " are left");
+        return header;
+    } catch (const Error& error) {
+        rethrow_naming(error, file, offset);
+    }
+}
+
 DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
-                        const ColumnSet& columns)
+                        const ColumnSet& columns, ChunkPositionsMayBe positions_may_be)
 {
     // Where everything is asked for, one read serves; else the header, then each run of neighbouring columns.
-    const auto at_byte = [&] { return "chunk at byte " + std::to_string(offset) + ": "; };
     try {
         if (bytes < fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
-        const std::size_t first =
-            header_bytes ? header_bytes : static_cast<std::size_t>(std::min<std::uint64_t>(bytes, 65536));
-        if (first > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
-        std::vector<std::byte> head(first);
-        file.read_at(head.data(), first, offset);
+        if (header_bytes > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
+        const std::vector<std::byte> head = read_head(file, offset, bytes, header_bytes ? header_bytes : 65536);
         DecodedChunk result;
-        result.header = decode_header(head.data(), first, {});
+        result.header = decode_header(head.data(), head.size(), {});
         const BpcHeader& header = result.header;
+        if (header.doubles && positions_may_be == ChunkPositionsMayBe::on_grid)
+            throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
         if (header.total_bytes != bytes) throw Error(ErrorCode::corrupt, {}, "its length is not the one in the index");
         result.chunk.points = header.points;
         result.chunk.attributes.resize(header.schema.size());
@@ -362,9 +448,7 @@ DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t by
         }
         return result;
     } catch (const Error& error) {
-        // Errors from inside the chunk's bytes name no file: add it, and where the chunk lies.
-        if (!error.path().empty()) throw;
-        throw Error(error.code(), file.path(), at_byte() + error.what());
+        rethrow_naming(error, file, offset);
     }
 }
 

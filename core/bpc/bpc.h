@@ -2,10 +2,12 @@
 #pragma once
 
 #include "bpc/chunk.h"
+#include "bpc/double_codes.h"
 #include "cloud/file.h"
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace pcm {
@@ -37,8 +39,9 @@ struct BpcHeader {
     std::uint32_t header_bytes = 0;
     std::uint64_t total_bytes = 0;
     NodePath path;
-    Grid grid;
-    Box3i box;                         // tight
+    Grid grid;                         // of a chunk of version 1
+    std::optional<DoubleCodes> doubles;  // of a chunk of version 2: its positions are codes of doubles, and `grid` says nothing
+    Box3i box;                         // tight, of grid positions or codes
     bool wide = false;                 // positions take 64 bits an axis when decoded
     Schema schema;
     BpcColumn positions;
@@ -47,20 +50,26 @@ struct BpcHeader {
 
 // `chunk` has at least one point and all its columns. Throws Error(invalid_argument) otherwise.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const NodePath& path);
+// The same for positions that are codes of doubles: a chunk of version 2, which is part of no tree.
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const DoubleCodes& doubles);
 
-// Checks magic, version, checksum and that all lies inside `total_bytes`. `size` may be less than the whole chunk but must
-// cover the header. Throws Error(corrupt | unsupported).
+// Checks magic, version, checksum, that all lies inside `total_bytes`, and that no column has fewer or more bytes than its
+// points can take. `size` may be less than the whole chunk but must cover the header. Throws Error(corrupt | unsupported).
 BpcHeader decode_header(const std::byte* data, std::size_t size, const std::filesystem::path& path);
+
+// The header of the chunk at `offset` of `file`, of which `available` bytes are there to be read. Throws what read_chunk throws.
+BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available);
 
 // The chunk of `bytes` bytes at `offset` of `file`: only the asked columns are read and decoded, their checksums verified.
 // `header_bytes` is the header's length where the caller knows it, or 0. Throws Error(corrupt | truncated | io), naming the file
-// and the byte.
+// and the byte. Version 2 is Error(unsupported) unless the caller can handle `doubles`.
 struct DecodedChunk {
     BpcHeader header;
     Chunk chunk;
 };
+enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
 DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
-                        const ColumnSet& columns);
+                        const ColumnSet& columns, ChunkPositionsMayBe positions = ChunkPositionsMayBe::on_grid);
 
 std::uint64_t checksum(const void* data, std::size_t bytes);  // XXH3, 64 bits
 

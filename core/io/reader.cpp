@@ -1,6 +1,7 @@
 #include "io/reader.h"
 
 #include "cloud/file.h"
+#include "io/bpc_reader.h"
 #include "io/las_reader.h"
 #include "io/names.h"
 #include "io/ply_reader.h"
@@ -20,6 +21,9 @@ struct Format {
 
 bool begins_with(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
 
+// A cloud's block, or a chunk as trees have them.
+bool begins_like_bpc(std::string_view start) { return begins_with(start, "BPCLOUD\n") || begins_with(start, "BPC1"); }
+
 bool begins_like_las(std::string_view start) { return begins_with(start, "LASF"); }
 
 bool begins_like_ply(std::string_view start)
@@ -37,6 +41,7 @@ std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const Re
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
+    {"bpc", begins_like_bpc, plainly<open_bpc>},
     {"las", begins_like_las, open_las},
     {"laz", begins_like_las, open_las},
     {"ply", begins_like_ply, plainly<open_ply>},

@@ -8,6 +8,7 @@
 #include "cloud/attribute.h"
 #include "cloud/error.h"
 #include "cloud/geometry.h"
+#include "cloud/metadata.h"
 #include "cloud/point_batch.h"
 #include "cloud/progress.h"
 #include "io/text_layout.h"
@@ -20,13 +21,6 @@
 #include <vector>
 
 namespace pcm {
-
-// Opaque blocks that travel with a cloud (LAS variable length records, coordinate systems): kept byte for byte.
-struct Metadata {
-    std::string key;  // "las.vlr/<user id>/<record id>", "las.header", ...
-    std::vector<std::byte> value;
-    bool operator==(const Metadata& o) const { return key == o.key && value == o.value; }
-};
 
 struct FileInfo {
     std::string format;                    // "LAS 1.2, point format 3", "PLY binary little endian"

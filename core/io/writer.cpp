@@ -1,6 +1,7 @@
 #include "io/writer.h"
 
 #include "cloud/error.h"
+#include "io/bpc_writer.h"
 #include "io/names.h"
 #include "io/ply_writer.h"
 #include "io/pts_writer.h"
@@ -19,6 +20,7 @@ struct Format {
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
+    {"bpc", create_bpc},
     {"pts", create_pts},
     {"xyz", create_xyz},
     {"txt", create_xyz},

@@ -54,7 +54,9 @@ pcm::Chunk random_chunk(const pcm::Schema& schema, std::uint32_t points, bool wi
 
 pcm::File written(const std::filesystem::path& path, const std::vector<std::byte>& bytes, std::size_t gap = 0)
 {
-    pcm::File file(path, pcm::File::Mode::create_or_truncate);
+    // Some file systems flush a file to disk that was truncated and written again: tests do that thousands of times.
+    std::filesystem::remove(path);
+    pcm::File file(path, pcm::File::Mode::create_new);
     file.write_at(bytes.data(), bytes.size(), gap);
     return file;
 }

@@ -1,4 +1,4 @@
-#include "io/output_file.h"
+#include "cloud/output_file.h"
 
 #include "cloud/error.h"
 

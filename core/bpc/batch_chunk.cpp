@@ -1,0 +1,147 @@
+#include "bpc/batch_chunk.h"
+
+#include "cloud/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace pcm {
+namespace {
+
+// Codes of one axis less the smallest of them.
+void put_axis(const std::vector<std::int64_t>& codes, std::size_t axis, ChunkPositions& positions)
+{
+    const auto origin = static_cast<std::uint64_t>(positions.origin[axis]);
+    const auto put = [&](auto& to) {
+        using Word = typename std::decay_t<decltype(to)>::value_type;
+        to.resize(codes.size());
+        for (std::size_t i = 0; i < codes.size(); ++i)
+            to[i] = static_cast<Word>(static_cast<std::uint64_t>(codes[i]) - origin);
+    };
+    if (positions.wide)
+        put(positions.wide_xyz[axis]);
+    else
+        put(positions.narrow_xyz[axis]);
+}
+
+ChunkPositions positions_on_grid(const PointBatch& batch)
+{
+    ChunkPositions positions;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::vector<std::int32_t>& from = batch.grid_xyz[a];
+        const std::int32_t low = *std::min_element(from.begin(), from.end());
+        positions.origin[a] = low;
+        positions.narrow_xyz[a].resize(from.size());
+        for (std::size_t i = 0; i < from.size(); ++i)
+            positions.narrow_xyz[a][i] = static_cast<std::uint32_t>(from[i]) - static_cast<std::uint32_t>(low);
+    }
+    return positions;
+}
+
+ChunkPositions positions_of_doubles(const PointBatch& batch, DoubleCodes& doubles)
+{
+    ChunkPositions positions;
+    std::array<std::vector<std::int64_t>, 3> codes;
+    for (std::size_t a = 0; a < 3; ++a) {
+        codes[a].resize(batch.size);
+        code_doubles(batch.xyz[a].data(), batch.size, a, doubles, codes[a].data());
+        const auto [low, high] = std::minmax_element(codes[a].begin(), codes[a].end());
+        positions.origin[a] = *low;
+        if (static_cast<std::uint64_t>(*high) - static_cast<std::uint64_t>(*low) >
+            std::numeric_limits<std::uint32_t>::max())
+            positions.wide = true;
+    }
+    for (std::size_t a = 0; a < 3; ++a) put_axis(codes[a], a, positions);
+    return positions;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_batch(const PointBatch& batch, const Schema& schema, const std::optional<Grid>& grid)
+{
+    bool same = batch.size > 0 && batch.gridded == grid.has_value() && batch.attributes.size() == schema.size() &&
+                batch.size <= std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t a = 0; a < 3; ++a)
+        same = same && (batch.gridded ? batch.grid_xyz[a].size() : batch.xyz[a].size()) == batch.size;
+    if (!same) throw Error(ErrorCode::invalid_argument, {}, "a batch of another shape than the cloud's");
+    Chunk chunk;
+    chunk.points = static_cast<std::uint32_t>(batch.size);
+    // The columns stay the batch's own: these pointers own nothing.
+    for (const Column& column : batch.attributes)
+        chunk.attributes.push_back(std::shared_ptr<const Column>(std::shared_ptr<const Column>(), &column));
+    if (batch.gridded) {
+        chunk.positions = std::make_shared<ChunkPositions>(positions_on_grid(batch));
+        return encode_chunk(chunk, schema, *grid, {});
+    }
+    DoubleCodes doubles;
+    chunk.positions = std::make_shared<ChunkPositions>(positions_of_doubles(batch, doubles));
+    return encode_chunk(chunk, schema, doubles);
+}
+
+bool fits_gridded_batch(const BpcHeader& header)
+{
+    if (header.doubles) return false;
+    for (std::size_t a = 0; a < 3; ++a)
+        if (header.box.min[a] < std::numeric_limits<std::int32_t>::min() ||
+            header.box.max[a] > std::numeric_limits<std::int32_t>::max())
+            return false;
+    return true;
+}
+
+void positions_to(const BpcHeader& header, const ChunkPositions& positions, std::size_t axis, std::size_t first,
+                  std::size_t count, double* to)
+{
+    const std::int64_t origin = positions.origin[axis];
+    const auto convert = [&](const auto* relative) {
+        if (header.doubles) return decode_doubles(*header.doubles, axis, origin, relative, count, to);
+        const double scale = header.grid.scale[axis], offset = header.grid.offset[axis];
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto q = static_cast<std::int64_t>(static_cast<std::uint64_t>(origin) + relative[i]);
+            to[i] = static_cast<double>(q) * scale + offset;
+        }
+    };
+    if (positions.wide)
+        convert(positions.wide_xyz[axis].data() + first);
+    else
+        convert(positions.narrow_xyz[axis].data() + first);
+}
+
+void positions_to(const BpcHeader&, const ChunkPositions& positions, std::size_t axis, std::size_t first,
+                  std::size_t count, std::int32_t* to)
+{
+    const auto origin = static_cast<std::uint32_t>(positions.origin[axis]);
+    const auto convert = [&](const auto* relative) {
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] = static_cast<std::int32_t>(origin + static_cast<std::uint32_t>(relative[i]));
+    };
+    if (positions.wide)
+        convert(positions.wide_xyz[axis].data() + first);
+    else
+        convert(positions.narrow_xyz[axis].data() + first);
+}
+
+std::optional<Box3d> source_box(const BpcHeader& header)
+{
+    Box3d box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const auto source = [&](std::int64_t code) {
+            return header.doubles ? header.doubles->to_source(code, a) : header.grid.to_source(code, a);
+        };
+        // NaN and infinities have the outermost codes.
+        box.min[a] = source(header.box.min[a]);
+        box.max[a] = source(header.box.max[a]);
+        if (!std::isfinite(box.min[a]) || !std::isfinite(box.max[a])) return std::nullopt;
+    }
+    return box;
+}
+
+std::uint64_t decoded_bytes(const BpcHeader& header)
+{
+    std::uint64_t point_bytes = header.wide ? 24 : 12;
+    for (const Attribute& attribute : header.schema) point_bytes += attribute.bytes();
+    return header.points * point_bytes;
+}
+
+}  // namespace pcm
