@@ -74,7 +74,9 @@ TEST(OpenReader, SeekOfFormatsWithoutIt)
 
 TEST(ReadableExtensions, AreThoseOfTheFormats)
 {
-    EXPECT_EQ(readable_extensions(), (std::vector<std::string>{"las", "laz", "ply"}));
+    std::vector<std::string> known = readable_extensions();
+    for (const char* expected : {"bpc", "las", "laz", "ply"})
+        EXPECT_EQ(std::count(known.begin(), known.end(), expected), 1) << expected;
 }
 
 TEST(ExpandInputs, FoldersStandForTheirFiles)
