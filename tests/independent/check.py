@@ -18,6 +18,7 @@ SKIPPED = 77
 # Extensions of a format, and the module here that reads them.
 FORMATS = {
     "las": ((".las",), "las_by_laspy"),
+    "laz": ((".laz",), "las_by_laspy"),
     "ply": ((".ply",), "ply_by_plyfile"),
 }
 

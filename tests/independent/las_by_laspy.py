@@ -1,4 +1,5 @@
-"""LAS and LAZ read by laspy (and lazrs), in the project's names."""
+"""LAS and LAZ read by laspy, in the project's names. LAZ goes through LASzip, the format's own decoder (lazrs is the crate
+that the project decodes with, too)."""
 import laspy
 import numpy as np
 
@@ -13,7 +14,7 @@ SCALES = {"scan_angle": 0.006}
 
 
 def read(path):
-    las = laspy.read(path)
+    las = laspy.read(path, laz_backend=laspy.LazBackend.Laszip)
     record = las.points
     extra = {dimension.name: dimension for dimension in las.point_format.extra_dimensions}
     grouped = {member: name for name, members in GROUPS.items() for member in members}

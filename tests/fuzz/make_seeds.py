@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+"""Writes small files of every format for the fuzzer to begin with: the project's own, made by `pcm` and by hand.
+
+    make_seeds.py PCM FOLDER     fills FOLDER/las, FOLDER/ply, ...: one a fuzz target
+"""
+import pathlib
+import random
+import struct
+import subprocess
+import sys
+
+POINTS = 40
+# Bytes of a record of the point formats 0 to 10.
+RECORD = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67]
+
+
+def las(point_format, version, extra=b"", vlrs=(), points=POINTS):
+    """A LAS file of random records."""
+    noise = random.Random(point_format)
+    header_size = 375 if version == 4 else 235 if version == 3 else 227
+    records = b"".join(struct.pack("<H16sHH32s", 0, user, number, len(value), b"") + value for user, number, value in vlrs)
+    length = RECORD[point_format] + len(extra)
+    start = header_size + len(records)
+    header = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I", b"LASF", 0, 0, 0, 0, 0, b"", 1, version, b"", b"", 1, 2026,
+                         header_size, start, len(vlrs), point_format, length, 0 if point_format >= 6 else points,
+                         0, 0, 0, 0, 0)
+    header += struct.pack("<12d", 0.001, 0.001, 0.01, 5e5, 4.8e6, 0, 5e5 + 9, 5e5, 4.8e6 + 9, 4.8e6, 9, 0)
+    if version >= 3:
+        header += struct.pack("<Q", 0)
+    if version >= 4:
+        header += struct.pack("<QIQ15Q", 0, 0, points, *[0] * 15)
+    assert len(header) == header_size
+    body = b"".join(struct.pack("<3i", *(noise.randrange(9000) for _ in range(3))) + noise.randbytes(length - 12)
+                    for _ in range(points))
+    return header + records + body
+
+
+def extra_bytes_vlr():
+    def descriptor(kind, options, name):
+        return struct.pack("<HBB32s4s24s24s24s3d3d32s", 0, kind, options, name, b"", b"", b"", b"", 0.5, 1, 1, 7, 0, 0, b"")
+    return b"LASF_Spec", 4, descriptor(3, 0x18, b"height") + descriptor(30, 0, b"vector") + descriptor(0, 2, b"raw")
+
+
+def las_seeds():
+    for point_format in range(11):
+        version = 2 if point_format <= 3 else 3 if point_format <= 5 else 4
+        yield f"format{point_format}.las", las(point_format, version)
+    yield "old.las", las(1, 0)
+    yield "extra.las", las(7, 4, bytes(28), [extra_bytes_vlr()])
+    yield "vlrs.las", las(3, 2, b"", [(b"LASF_Projection", 34735, bytes(16)), (b"someone", 7, b"text")])
+
+
+def ply_seeds():
+    properties = [("float", "f"), ("double", "d"), ("uchar", "B"), ("short", "h"), ("int", "i")]
+    for kind, order in (("ascii", ""), ("binary_little_endian", "<"), ("binary_big_endian", ">")):
+        header = f"ply\nformat {kind} 1.0\ncomment made for a test\nelement vertex 20\n"
+        header += "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
+        header += "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+        header += "".join(f"property {name} value_{name}\n" for name, _ in properties)
+        header += "property list uchar int links\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        codes = "6f3B" + "".join(code for _, code in properties) + "B2i"
+        body = b""
+        for i in range(20):
+            row = [i * 0.25] * 6 + [i, 2 * i, 3 * i] + [i / 8, i / 3, i, -i, i * 1000] + [2, i, i + 1]
+            body += struct.pack(order + codes, *row) if order else (" ".join(map(str, row)) + "\n").encode()
+        for i in range(2):
+            body += struct.pack(order + "B3i", 3, i, 1, 2) if order else b"3 0 1 2\n"
+        yield f"{kind}.ply", header.encode() + body
+
+
+def text_rows(separator=" ", columns=7):
+    noise = random.Random(columns)
+    for _ in range(POINTS):
+        row = [f"{noise.uniform(4.8e5, 4.9e5):.3f}", f"{noise.uniform(5e6, 5.1e6):.3f}", f"{noise.uniform(-9, 9):.4g}",
+               str(noise.randrange(-2048, 2048))] + [str(noise.randrange(256)) for _ in range(3)]
+        yield separator.join(row[:columns])
+
+
+def text_seeds():
+    for name, separator, columns, head in (("plain.xyz", " ", 3, ""), ("colours.txt", "\t", 7, ""), ("semicolons.csv", ";", 4, ""),
+                                           ("header.csv", ",", 7, "X,Y,Z,Intensity,Red,Green,Blue\n"),
+                                           ("quoted.csv", ",", 3, '"X","Y","Z"\n'), ("comment.asc", " ", 6, "# x y z i r g\n")):
+        yield name, (head + "\n".join(text_rows(separator, columns)) + "\n").encode()
+    yield "windows.txt", ("\r\n".join(text_rows(" ", 6)) + "\r\n").encode()
+    yield "odd_numbers.xyz", b"1e5 -2.5E-3 nan\n+1 .5 2.\n1.#IND 0x10 inf\n//\n0 0 0\n"
+
+
+def pts_seeds():
+    for columns in (3, 4, 6, 7):
+        rows = "\n".join(text_rows(" ", columns))
+        yield f"count{columns}.pts", f"{POINTS}\n{rows}\n".encode()
+    yield "no_count.pts", ("\n".join(text_rows()) + "\n").encode()
+    yield "two_blocks.pts", (f"{POINTS}\n" + "\n".join(text_rows()) + f"\n{POINTS}\n" + "\n".join(text_rows()) + "\n").encode()
+
+
+def ptx_seeds():
+    def block(columns, rows, colours):
+        head = f"{columns}\n{rows}\n12.5 -7.25 3\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n12.5 -7.25 3 1\n"
+        lines = []
+        for i in range(columns * rows):
+            line = "0 0 0 0.5" if i % 3 == 0 else f"{i * 0.25} {i / 7:.6f} -{i} {i / 100}"
+            lines.append(line + (f" {i} {2 * i} 255" if colours else ""))
+        return head + "\n".join(lines) + "\n"
+    yield "one.ptx", block(4, 5, False).encode()
+    yield "two.ptx", (block(3, 3, True) + block(2, 4, True)).encode()
+
+
+def literal_lzf(data):
+    """LZF that compresses nothing: runs of at most 32 bytes as they are."""
+    return b"".join(bytes([len(data[i:i + 32]) - 1]) + data[i:i + 32] for i in range(0, len(data), 32))
+
+
+def pcd_seeds():
+    def header(version, data):
+        return (f"# .PCD v{version} - Point Cloud Data file format\nVERSION {version}\nFIELDS x y z rgb normal_x _ label t\n"
+                f"SIZE 4 4 4 4 4 1 4 8\nTYPE F F F F F U U F\nCOUNT 1 1 1 1 1 4 1 1\nWIDTH 5\nHEIGHT 2\n"
+                f"VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 10\nDATA {data}\n").encode()
+    rows = [(i / 4, i / 3, -i / 7, 4.2108e+06, 0.5, 1, 2, 3, 4, i, i * 1e-3) for i in range(10)]
+    binary = b"".join(struct.pack("<5f4BId", *row) for row in rows)
+    fields = [struct.pack("<10f", *(row[i] for row in rows)) for i in range(5)]
+    fields.append(b"".join(bytes(row[5:9]) for row in rows))
+    fields.append(struct.pack("<10I", *(row[9] for row in rows)))
+    fields.append(struct.pack("<10d", *(row[10] for row in rows)))
+    packed = literal_lzf(b"".join(fields))
+    yield "ascii.pcd", header("0.7", "ascii") + "".join(" ".join(map(str, row)) + "\n" for row in rows).encode()
+    yield "old.pcd", header(".5", "ascii") + "".join(" ".join(map(str, row)) + "\n" for row in rows).encode()
+    yield "binary.pcd", header("0.7", "binary") + binary
+    yield "compressed.pcd", header("0.7", "binary_compressed") + struct.pack("<II", len(packed), len(b"".join(fields))) + packed
+
+
+def write_e57(folder):
+    """E57 files, where the tests' Python packages are: the project writes none."""
+    try:
+        import numpy
+        import pye57
+    except ImportError:
+        return
+    folder.mkdir(exist_ok=True)
+    noise = numpy.random.default_rng(3)
+    for name, scans, fields in (("plain", 1, {}), ("poses", 2, {"intensity": noise.random(30)}),
+                                ("colours", 1, {f"color{c}": noise.integers(0, 256, 30) for c in ("Red", "Green", "Blue")})):
+        path = folder / f"{name}.e57"
+        path.unlink(missing_ok=True)
+        with pye57.E57(str(path), mode="w") as file:
+            for scan in range(scans):
+                data = {f"cartesian{axis}": noise.random(30) * 9 for axis in "XYZ"}
+                file.write_scan_raw({**data, **fields}, name=f"scan {scan}", rotation=numpy.array([0.6, 0, 0, 0.8]),
+                                    translation=numpy.array([1.0, 2, 3]))
+
+
+BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_seeds, "ptx": ptx_seeds, "pcd": pcd_seeds}
+CONVERTED = {"laz": "laz", "bpc": "bpc", "pcd": "pcd", "ply": "ply", "xyz": "xyz", "pts": "pts"}  # folder: extension
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    pcm, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    for name, seeds in BY_HAND.items():
+        (folder / name).mkdir(parents=True, exist_ok=True)
+        for file, content in seeds():
+            (folder / name / file).write_bytes(content)
+    write_e57(folder / "e57")
+    scene = folder / "las" / "scene.las"
+    subprocess.run([pcm, "generate", scene, "--points", "200", "--no-truth", "-q"], check=True)
+    for name, extension in CONVERTED.items():
+        (folder / name).mkdir(exist_ok=True)
+        for source in (scene, folder / "las" / "format7.las", folder / "las" / "extra.las", folder / "las" / "format3.las"):
+            # A format that a source does not fit into, or that is not built in, has the other seeds.
+            subprocess.run([pcm, "convert", source, folder / name / f"{source.stem}_converted.{extension}"],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+if __name__ == "__main__":
+    main()
