@@ -38,6 +38,13 @@ std::vector<std::filesystem::path> split_paths(const QString& text)
     return paths;
 }
 
+QString readable_formats()
+{
+    QStringList names;
+    for (const std::string& extension : readable_extensions()) names << QString::fromStdString(extension).toUpper();
+    return names.join(", ");
+}
+
 // The output's name ends in .pct, which is how MeshLab recognises it.
 std::filesystem::path output_path(const QString& text, const std::filesystem::path& first_input)
 {
@@ -106,7 +113,8 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
         case build_tree_filter:
             parameters.addParam(RichString("Inputs", "", "Input files",
                                            "Paths of files, or of folders of files, separated by semicolons; together "
-                                           "they become one cloud. LAS and PLY."));
+                                           "they become one cloud. Readable: " +
+                                               readable_formats() + "."));
             parameters.addParam(
                 RichString("Output", "", "Output folder",
                            "The tree folder to write, NAME.pct. Default: beside the first input, named like it."));

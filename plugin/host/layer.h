@@ -1,4 +1,4 @@
-// Puts a cloud into a layer of MeshLab.
+// A tree in a layer of MeshLab; points_layer.h has the clouds that a layer holds whole.
 #pragma once
 
 #include "host/registry.h"
@@ -13,8 +13,11 @@ namespace pcm::host {
 // without points.
 std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<PointCloud>& cloud);
 
-// Replaces the layer's contents by all points of a file: for clouds that MeshLab can hold itself. Intensity becomes the
-// quality of the vertices. Returns what the log should say. Errors: those of the reader; cancelled.
-std::vector<std::string> load_points(MeshModel& layer, PointReader& reader, const ProgressFunction& progress);
+// Empties the layer and unties it from a tree or a file; whether it is visible stays.
+void clear_layer(MeshModel& layer);
+
+// For the log: how MeshLab's coordinates and the source's belong together, and what float makes of positions in `box`.
+std::string origin_line(const Vec3d& origin);
+std::string rounding_line(const Box3d& box, const Vec3d& origin, const char* what);
 
 }  // namespace pcm::host

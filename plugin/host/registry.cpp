@@ -1,6 +1,7 @@
 #include "host/registry.h"
 
 #include "host/origin.h"
+#include "host/vertex_attributes.h"
 
 #include <meshlab/glarea.h>
 
@@ -77,6 +78,21 @@ std::optional<TreeLayer> Registry::find(const MeshModel& layer) const
     return found->second;
 }
 
+void Registry::set_source(MeshModel& layer, std::shared_ptr<const LayerSource> source)
+{
+    watch(*layer.parent);
+    if (source)
+        sources_[{layer.parent, layer.id()}] = std::move(source);
+    else
+        sources_.erase({layer.parent, layer.id()});
+}
+
+std::shared_ptr<const LayerSource> Registry::source_of(const MeshModel& layer) const
+{
+    const auto found = sources_.find({layer.parent, layer.id()});
+    return found == sources_.end() ? nullptr : found->second;
+}
+
 void Registry::watch(MeshDocument& document)
 {
     if (!watched_.insert(&document).second) return;
@@ -90,6 +106,8 @@ void Registry::layer_removed(MeshDocument* document, int mesh_id)
     // MeshLab forgets to: it would call the decorators of the removed layer with a null reference.
     for (GLArea* view : views_of(*document)) view->iPerMeshDecoratorsListMap.remove(mesh_id);
     if (layers_.erase({document, mesh_id}) != 0) emit detached(document, mesh_id);
+    sources_.erase({document, mesh_id});
+    free_vertex_attributes(*document, mesh_id);
     // In an empty document nothing depends on the origin any more; the next cloud may be somewhere else altogether.
     if (document->meshList.empty()) origins_.erase(document);
 }
@@ -98,6 +116,9 @@ void Registry::document_destroyed(MeshDocument* document)
 {
     for (auto it = layers_.begin(); it != layers_.end();)
         it = it->first.first == document ? layers_.erase(it) : std::next(it);
+    for (auto it = sources_.begin(); it != sources_.end();)
+        it = it->first.first == document ? sources_.erase(it) : std::next(it);
+    free_vertex_attributes(*document);
     origins_.erase(document);
     watched_.erase(document);
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "cloud/geometry.h"
+#include "host/layer_source.h"
 #include "point_cloud.h"
 
 #include <common/interfaces.h>
@@ -51,6 +52,10 @@ public:
     void detach(MeshModel& layer);
     std::optional<TreeLayer> find(const MeshModel& layer) const;
 
+    // Ties a layer to the file that its vertices came from; null unties it.
+    void set_source(MeshModel& layer, std::shared_ptr<const LayerSource> source);
+    std::shared_ptr<const LayerSource> source_of(const MeshModel& layer) const;
+
 signals:
     // Direct; `document` is alive, but may be busy.
     void attached(MeshDocument* document, int mesh_id);
@@ -67,6 +72,7 @@ private:
     using TreeKey =
         std::tuple<std::string, std::uint64_t, std::uint64_t, std::int64_t>;  // folder and its index's identity
     std::map<LayerKey, TreeLayer> layers_;
+    std::map<LayerKey, std::shared_ptr<const LayerSource>> sources_;
     std::map<const MeshDocument*, Vec3d> origins_;
     std::set<const MeshDocument*> watched_;
     std::map<TreeKey, std::weak_ptr<PointCloud>> clouds_;

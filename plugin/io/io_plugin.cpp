@@ -2,74 +2,126 @@
 
 #include "host/layer.h"
 #include "host/operation.h"
+#include "host/shading.h"
 #include "host/text.h"
-#include "io/tree_beside.h"
+#include "io/formats.h"
+#include "io/import.h"
+#include "io/stock.h"
 
 #include <wrap/io_trimesh/io_mask.h>
 
 #include <QDir>
 #include <QFileInfo>
 
+#include <cstdio>
+
 using namespace pcm;
 using namespace pcm::host;
 
 namespace {
 
-// A file of more points becomes a tree; one of fewer is an ordinary layer of MeshLab, for all its tools.
-constexpr std::uint64_t most_points_in_layer = 1'000'000;
-
-std::vector<std::string> open_tree(const std::filesystem::path& path, MeshModel& layer)
+// MeshLab passes a bare name and has changed the working folder to the file's.
+std::filesystem::path absolute_path(const QString& file_name)
 {
-    return show_tree(layer, Registry::instance().open(path));
+    return QDir::cleanPath(QFileInfo(file_name).absoluteFilePath()).toStdString();
 }
 
-std::vector<std::string> open_las(const std::filesystem::path& path, MeshModel& layer, vcg::CallBackPos* callback)
+int mask_of(const MeshModel& layer)
 {
-    const auto reader = open_reader(path);
-    Operation operation(callback);
-    if (reader->info().points <= most_points_in_layer) return load_points(layer, *reader, operation.progress());
-    std::vector<std::string> lines = ensure_tree_beside(path, reader->info(), operation.progress());
-    for (std::string& line : open_tree(tree_path_beside(path), layer)) lines.push_back(std::move(line));
-    return lines;
+    namespace io = vcg::tri::io;
+    int mask = io::Mask::IOM_VERTCOORD;
+    const auto source = Registry::instance().source_of(layer);
+    if (source && source->has(AttributePlace::Kind::normal)) mask |= io::Mask::IOM_VERTNORMAL;
+    if (layer.hasDataMask(MeshModel::MM_VERTCOLOR)) mask |= io::Mask::IOM_VERTCOLOR;
+    if (layer.hasDataMask(MeshModel::MM_VERTQUALITY)) mask |= io::Mask::IOM_VERTQUALITY;
+    if (layer.hasDataMask(MeshModel::MM_VERTRADIUS)) mask |= io::Mask::IOM_VERTRADIUS;
+    return mask;
+}
+
+// Errors of the core name their path; the few that know none get it here.
+std::string error_about(const std::filesystem::path& path)
+{
+    const std::string error = current_error();
+    return error.find(path.string()) == std::string::npos ? path.string() + ": " + error : error;
 }
 
 }  // namespace
 
-QList<MeshIOInterface::Format> PointCloudIo::importFormats() const
+QList<MeshIOInterface::Format> PointCloudIo::importFormats() const { return import_formats(); }
+
+void PointCloudIo::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_global_settings(parameters); }
+
+void PointCloudIo::initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters)
 {
-    return {Format("Point cloud tree", "PCT"), Format("LAS point cloud", "LAS")};
+    const std::filesystem::path path = absolute_path(file_name);
+    if (format.compare(tree_extension, Qt::CaseInsensitive) == 0) return;
+    if (is_cloud(path))
+        add_file_settings(parameters, path);
+    else if (auto* stock = stock_importer(format, this))
+        stock->initPreOpenParameter(format, file_name, parameters);
+}
+
+void PointCloudIo::initOpenParameter(const QString&, MeshModel& layer, RichParameterList&)
+{
+    // MeshLab has just decided how to draw the layer.
+    const auto source = Registry::instance().source_of(layer);
+    if (source && !source->has(AttributePlace::Kind::normal)) draw_unshaded(layer);
+}
+
+bool PointCloudIo::open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
+                        const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent)
+{
+    errorMessage.clear();
+    const std::filesystem::path path = absolute_path(file_name);
+    try {
+        Operation::refuse_second();
+        clear_layer(layer);
+        if (!is_cloud(path))
+            if (auto* stock = stock_importer(format, this))
+                return hand_over_open(*stock, format, file_name, layer, mask, parameters, callback, parent);
+        const ImportSettings settings = read_import_settings(parameters);
+        Operation operation(callback);
+        const auto lines = import_cloud(path, layer, settings, operation.progress());
+        for (const std::string& line : lines) say(GLLogStream::FILTER, line, parent);
+        mask |= mask_of(layer);
+        return true;
+    } catch (...) {
+        const std::string error = error_about(path);
+        errorMessage = QString::fromStdString(error);
+        say(GLLogStream::WARNING, "Cannot open " + error, parent);
+        return false;
+    }
+}
+
+bool PointCloudIo::hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name,
+                                  MeshModel& layer, int& mask, const RichParameterList& parameters,
+                                  vcg::CallBackPos* callback, QWidget* parent)
+{
+    if (layer.parent) stock.setLog(&layer.parent->Log);
+    stock.clearErrorString();
+    const bool opened = stock.open(format, file_name, layer, mask, parameters, callback, parent);
+    errorMessage = stock.errorMsg();
+    stock.clearErrorString();
+    const auto origin = Registry::instance().origin_of(*layer.parent);
+    if (opened && origin && *origin != Vec3d{0, 0, 0})
+        say(GLLogStream::WARNING,
+            "This mesh is at its own coordinates; the clouds of this project are shown relative to the origin " +
+                exact(*origin) + ".",
+            parent);
+    return opened;
+}
+
+void PointCloudIo::say(GLLogStream::Levels level, const std::string& line, const QWidget* window)
+{
+    Log(level, line);
+    if (window) return;
+    std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
 }
 
 void PointCloudIo::GetExportMaskCapability(QString&, int& capability, int& defaults) const
 {
     capability = defaults = 0;
-}
-
-bool PointCloudIo::open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
-                        const RichParameterList&, vcg::CallBackPos* callback, QWidget*)
-{
-    errorMessage.clear();
-    // MeshLab passes the bare name and has changed the working folder to the file's.
-    const std::filesystem::path path = QDir::cleanPath(QFileInfo(file_name).absoluteFilePath()).toStdString();
-    try {
-        Operation::refuse_second();
-        Registry::instance().detach(layer);
-        layer.cm.Clear();
-        const std::vector<std::string> lines =
-            format.compare("LAS", Qt::CaseInsensitive) == 0 ? open_las(path, layer, callback) : open_tree(path, layer);
-        for (const std::string& line : lines) Log(GLLogStream::FILTER, line);
-        mask |= vcg::tri::io::Mask::IOM_VERTCOORD;
-        if (layer.hasDataMask(MeshModel::MM_VERTCOLOR)) mask |= vcg::tri::io::Mask::IOM_VERTCOLOR;
-        if (layer.hasDataMask(MeshModel::MM_VERTQUALITY)) mask |= vcg::tri::io::Mask::IOM_VERTQUALITY;
-        return true;
-    } catch (...) {
-        std::string error = current_error();
-        // Errors of the core name their path; the few that know none get it here.
-        if (error.find(path.string()) == std::string::npos) error = path.string() + ": " + error;
-        errorMessage = QString::fromStdString(error);
-        Log(GLLogStream::WARNING, "Cannot open " + error);
-        return false;
-    }
 }
 
 bool PointCloudIo::save(const QString&, const QString&, MeshModel&, const int, const RichParameterList&,

@@ -1,7 +1,11 @@
-// Opens point clouds in MeshLab: trees (NAME.pct, or the index.pct in it) and LAS files.
+// Opens point clouds in MeshLab: trees (NAME.pct, or the index.pct in it) and files of every format that the core
+// reads.
 #pragma once
 
 #include <common/interfaces.h>
+
+#include <string>
+#include <vector>
 
 class PointCloudIo : public QObject, public MeshIOInterface {
     Q_OBJECT
@@ -12,10 +16,19 @@ public:
     QString pluginName() const override { return "IOPointCloud"; }
     QList<Format> importFormats() const override;
     QList<Format> exportFormats() const override { return {}; }
+    void initGlobalParameterSet(QAction*, RichParameterList& parameters) override;
+    void initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters) override;
+    void initOpenParameter(const QString& format, MeshModel& layer, RichParameterList& parameters) override;
     void GetExportMaskCapability(QString& format, int& capability, int& defaults) const override;
 
     bool open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
               const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent) override;
     bool save(const QString& format, const QString& file_name, MeshModel& layer, const int mask,
               const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent) override;
+
+private:
+    // To the log, and where there is no window to standard output: meshlabserver gives plugins no log.
+    void say(GLLogStream::Levels level, const std::string& line, const QWidget* window);
+    bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
+                        int& mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
 };

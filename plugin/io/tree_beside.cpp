@@ -6,14 +6,24 @@
 
 #include <unistd.h>
 
+#include <cstdint>
+#include <cstdio>
+
 namespace pcm::host {
 
 namespace fs = std::filesystem;
 
-fs::path tree_path_beside(const fs::path& file)
+fs::path tree_path(const fs::path& file, const fs::path& folder)
 {
     fs::path tree = file;
-    return tree.replace_extension(tree_extension);
+    tree.replace_extension(tree_extension);
+    if (folder.empty()) return tree;
+    std::uint32_t hash = 2166136261u;  // FNV-1a
+    for (const char c : fs::absolute(file).lexically_normal().string())
+        hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+    char digits[16];
+    std::snprintf(digits, sizeof digits, "-%08x", static_cast<unsigned>(hash));
+    return folder / (file.stem().string() + digits + "." + tree_extension);
 }
 
 bool tree_is_current(const fs::path& tree, const fs::path& file, std::optional<std::uint64_t> file_points)
@@ -48,23 +58,27 @@ bool is_tree_of(const fs::path& tree, const fs::path& file)
 
 }  // namespace
 
-std::vector<std::string> ensure_tree_beside(const fs::path& file, const FileInfo& info,
-                                            const ProgressFunction& progress)
+std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& info, const ProgressFunction& progress)
 {
-    const fs::path tree = tree_path_beside(file);
+    const fs::path &file = wanted.file, &tree = wanted.tree;
     const auto file_points = info.points_known ? std::optional(info.points) : std::nullopt;
-    if (tree_is_current(tree, file, file_points)) return {"The tree " + tree.string() + " is up to date."};
+    if (!wanted.anew && tree_is_current(tree, file, file_points))
+        return {"The tree " + tree.string() + " is up to date."};
     const bool replace = fs::exists(tree);
     if (replace && !is_tree_of(tree, file))
         throw Error(ErrorCode::exists, tree, "is in the way: a tree of " + file.filename().string() + " would go there",
-                    "move it away, or build the tree elsewhere with the filter Build Point Cloud Tree");
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+                    "move it away, or choose another folder for trees in MeshLab's Tools > Options");
+    const fs::path folder = tree.has_parent_path() ? tree.parent_path() : fs::path(".");
+    if (!fs::exists(folder))
+        throw Error(ErrorCode::not_found, folder, "the folder for trees is not there",
+                    "make it, or choose another in MeshLab's Tools > Options");
     if (access(folder.c_str(), W_OK | X_OK) != 0)
         throw Error(ErrorCode::permission, folder,
-                    "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") + grouped(info.points) +
-                        " points and is opened by way of a tree beside it",
-                    "build the tree elsewhere with the filter Build Point Cloud Tree");
+                    "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") +
+                        grouped(info.points) + " points and is opened by way of a tree there",
+                    "choose another folder for trees, or a larger size of layers, in MeshLab's Tools > Options");
     BuildOptions options;
+    options.read = wanted.read;
     options.overwrite = replace;
     options.progress = progress;
     const BuildReport report = build_tree({file}, tree, options);

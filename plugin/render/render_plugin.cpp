@@ -37,8 +37,8 @@ bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& laye
     if (Registry::instance().find(layer)) return true;
     reason =
         "the layer '" + layer.label() +
-        "' shows no point cloud tree. Open a tree's index.pct or a LAS file of more than 1,000,000 points, or build a "
-        "tree with the filter Build Point Cloud Tree";
+        "' shows no point cloud tree. Open a tree's index.pct or a cloud of more points than Tools > Options allows a "
+        "layer, or build a tree with the filter Build Point Cloud Tree";
     return false;
 }
 

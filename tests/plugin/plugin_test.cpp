@@ -6,6 +6,7 @@
 #include "host/layer.h"
 #include "host/operation.h"
 #include "host/origin.h"
+#include "host/points_layer.h"
 #include "host/proxy.h"
 #include "host/text.h"
 #include "io/las_writer.h"
@@ -41,7 +42,7 @@ fs::path tree_of(const fs::path& las, std::uint32_t chunk_points = 20000)
     options.memory_bytes = std::uint64_t(64) << 20;
     options.chunk_points = chunk_points;
     options.overwrite = true;
-    const fs::path tree = tree_path_beside(las);
+    const fs::path tree = tree_path(las);
     build_tree({las}, tree, options);
     return tree;
 }
@@ -244,7 +245,7 @@ TEST(Layers, SmallFilesAreLoadedWhole)
     MeshDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     const auto reader = open_reader(las);
-    load_points(*layer, *reader, {});
+    ASSERT_TRUE(load_points(*layer, *reader, 1'000'000, {}));
     ASSERT_EQ(layer->cm.vn, 20000);
     EXPECT_TRUE(layer->hasDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY));
     const Vec3d origin = *Registry::instance().origin_of(document);
@@ -272,7 +273,7 @@ TEST(Layers, LoadingCanBeCancelled)
     MeshDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     const auto reader = open_reader(las);
-    EXPECT_THROW(load_points(*layer, *reader, [](const ProgressUpdate&) { return false; }), Error);
+    EXPECT_THROW(load_points(*layer, *reader, 1'000'000, [](const ProgressUpdate&) { return false; }), Error);
     EXPECT_EQ(layer->cm.vn, 0);
 }
 
@@ -281,8 +282,8 @@ TEST(TreeBeside, IsBuiltOnceAndAgainWhenTheFileChanges)
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 20000, far_away);
     const fs::path tree = folder / "a.pct";
-    EXPECT_EQ(tree_path_beside(las), tree);
-    const auto ensure = [&] { return ensure_tree_beside(las, open_reader(las)->info(), {}); };
+    EXPECT_EQ(tree_path(las), tree);
+    const auto ensure = [&] { return ensure_tree({las, tree_path(las), {}, false}, open_reader(las)->info(), {}); };
     EXPECT_EQ(ensure().at(0).rfind("Built", 0), 0u);
     EXPECT_NE(ensure().at(0).find("up to date"), std::string::npos);
     scene(folder, "a.las", 21000, far_away);
@@ -298,7 +299,7 @@ TEST(TreeBeside, NeverReplacesWhatIsNotItsOwn)
 {
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 20000, far_away);
-    const auto ensure = [&] { ensure_tree_beside(las, open_reader(las)->info(), {}); };
+    const auto ensure = [&] { ensure_tree({las, tree_path(las), {}, false}, open_reader(las)->info(), {}); };
 
     const fs::path other = tree_of(scene(folder, "b.las", 20000, far_away));
     fs::rename(other, folder / "a.pct");

@@ -1,0 +1,133 @@
+#include "io/import_settings.h"
+
+#include "cloud/error.h"
+#include "io/formats.h"
+#include "io/names.h"
+#include "io/reader.h"
+
+#include <meshlab/glarea.h>
+
+#include <algorithm>
+#include <array>
+
+namespace pcm::host {
+
+namespace {
+
+// Names of parameters: of one file, and with the prefix in MeshLab's settings.
+const QString global_prefix = "MeshLab::PointCloud::";
+const QString largest_layer = "LargestLayer";
+const QString tree_folder = "TreeFolder";
+const QString ask = "ImportDialog";
+const QString columns = "Columns";
+const QString separator = "Separator";
+const QString skip_lines = "SkipLines";
+const QString colour_range = "ColourRange";
+
+enum Ask { never, text_files, always };
+constexpr std::array<char, 4> separators{' ', ',', ';', '\t'};  // of the choices after "Detect"
+constexpr std::array<double, 3> colour_ranges{1, 255, 65535};
+
+const auto default_largest = static_cast<int>(ImportSettings().largest_layer);
+
+RichInt largest_layer_parameter(const QString& name, int value)
+{
+    return RichInt(
+        name, value, "Largest layer (points)",
+        "A point cloud of more points becomes a tree on disk, of which MeshLab shows what the view asks for; "
+        "one of fewer becomes an ordinary layer in memory, for all of MeshLab's tools, at about 150 bytes a "
+        "point. In points. Default 1000000.");
+}
+
+RichString tree_folder_parameter(const QString& name, const QString& value)
+{
+    return RichString(name, value, "Folder for trees",
+                      "The folder where the trees of large point clouds are put. Empty, the default: beside the file, "
+                      "NAME.pct. Elsewhere the tree's name tells files of the same name apart.");
+}
+
+// MeshLab's current settings; null without a window.
+const RichParameterList* current_globals()
+{
+    for (QWidget* widget : QApplication::allWidgets())
+        if (widget->inherits("GLArea")) return static_cast<GLArea*>(widget)->glas.currentGlobalParamSet;
+    return nullptr;
+}
+
+// The parameter `name` of the file, else the persistent one, else null.
+const RichParameter* find(const RichParameterList& parameters, const QString& name)
+{
+    for (const QString& key : {name, global_prefix + name})
+        if (parameters.hasParameter(key)) return &parameters.getParameterByName(key);
+    return nullptr;
+}
+
+}  // namespace
+
+void add_global_settings(RichParameterList& parameters)
+{
+    parameters.addParam(largest_layer_parameter(global_prefix + largest_layer, default_largest));
+    parameters.addParam(tree_folder_parameter(global_prefix + tree_folder, ""));
+    parameters.addParam(RichEnum(global_prefix + ask, text_files, {"Never", "For text files", "Always"},
+                                 "Ask before importing a cloud",
+                                 "For which point clouds a dialog asks about the layout of text, the largest layer and "
+                                 "the folder for trees before the file is opened. Default: for text files (XYZ, TXT, "
+                                 "ASC, CSV)."));
+}
+
+void add_file_settings(RichParameterList& parameters, const std::filesystem::path& file)
+{
+    const RichParameterList* globals = current_globals();
+    if (!globals) return;
+    const bool is_text = has_text_layout(extension_of(file));
+    const RichParameter* asked = find(*globals, ask);
+    const int when = asked ? asked->value().getEnum() : text_files;
+    if (when == never || (when == text_files && !is_text)) return;
+
+    if (is_text) {
+        QString found;
+        try {
+            const auto reader = open_reader(file);
+            found = " [" + QString::fromStdString(reader->info().format).toHtmlEscaped() + "]";
+        } catch (const Error&) {
+            // Then opening it says why; perhaps the user knows the layout.
+        }
+        parameters.addParam(
+            RichString(columns, "", "Columns" + found,
+                       "What the columns are, from the left, between blanks: x y z, each once; r g b for "
+                       "a colour, nx ny nz for a normal, - for a column to leave out, any other name for "
+                       "an attribute, such as intensity. Example: x y z intensity r g b. Empty, the "
+                       "default: as found, which is said in brackets."));
+        parameters.addParam(RichEnum(separator, 0, {"Detect", "Blanks", "Comma", "Semicolon", "Tab"}, "Separator",
+                                     "What stands between two columns. Default: as found."));
+        parameters.addParam(RichInt(skip_lines, -1, "Lines to skip",
+                                    "Number of lines before the first point. -1, the default: as found."));
+        parameters.addParam(RichEnum(colour_range, 0, {"Detect", "0 to 1", "0 to 255", "0 to 65535"}, "Colour range",
+                                     "The range of the numbers of a colour. Default: as found."));
+    }
+    const RichParameter* points = find(*globals, largest_layer);
+    const RichParameter* folder = find(*globals, tree_folder);
+    parameters.addParam(largest_layer_parameter(largest_layer, points ? points->value().getInt() : default_largest));
+    parameters.addParam(tree_folder_parameter(tree_folder, folder ? folder->value().getString() : QString()));
+}
+
+ImportSettings read_import_settings(const RichParameterList& parameters)
+{
+    ImportSettings settings;
+    if (const RichParameter* p = find(parameters, largest_layer))
+        settings.largest_layer = static_cast<std::uint64_t>(std::max(0, p->value().getInt()));
+    if (const RichParameter* p = find(parameters, tree_folder))
+        settings.tree_folder = p->value().getString().trimmed().toStdString();
+    if (!parameters.hasParameter(columns)) return settings;
+
+    const QString text = parameters.getString(columns).trimmed();
+    if (!text.isEmpty()) settings.text.columns = parse_columns(text.toStdString());
+    if (const int i = parameters.getEnum(separator); i > 0)
+        settings.text.separator = separators[static_cast<std::size_t>(i) - 1];
+    if (const int n = parameters.getInt(skip_lines); n >= 0) settings.text.skip_lines = static_cast<std::size_t>(n);
+    if (const int i = parameters.getEnum(colour_range); i > 0)
+        settings.text.colour_range = colour_ranges[static_cast<std::size_t>(i) - 1];
+    return settings;
+}
+
+}  // namespace pcm::host
