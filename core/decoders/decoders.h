@@ -45,6 +45,46 @@ pcm_laz_bytes* pcm_laz_encode_chunk_table(const uint64_t* bytes, size_t chunks, 
 const uint8_t* pcm_laz_bytes_data(const pcm_laz_bytes* bytes);
 size_t pcm_laz_bytes_size(const pcm_laz_bytes* bytes);
 void pcm_laz_bytes_free(pcm_laz_bytes* bytes);
+// ---- E57 ----
+// What the header and the XML section of a file say; the points are decoded by io/e57_packets.
+typedef struct E57Description pcm_e57_description;
+
+typedef struct {
+    const char* data;  // not terminated; valid as long as the description
+    size_t bytes;
+} pcm_e57_text;
+
+typedef struct {
+    pcm_e57_text name, guid;
+    uint64_t file_offset;  // of the compressed vector's header, a physical one
+    uint64_t records;
+    size_t fields;
+    int has_pose;
+    double rotation[4];  // quaternion w x y z, as it stands in the file
+    double translation[3];
+    int has_box;  // of the cartesian coordinates before the pose
+    double box_min[3], box_max[3];
+    int has_colour_limit;
+    double colour_limit;  // largest of the maxima of red, green and blue
+} pcm_e57_scan_info;
+
+typedef struct {
+    pcm_e57_text space, name;  // prefix of the extension's namespace or nothing; "cartesianX", "pointSourceId"
+    int kind;                  // 0: float, 1: double, 2: integer
+    int64_t min, max;          // of integers: min <= max
+    double scale, offset;      // 1 and 0 but for scaled integers
+} pcm_e57_field_info;
+
+// Reads the file behind `descriptor`, with read_at only. The caller has looked at the size of the XML section.
+pcm_e57_description* pcm_e57_describe(int descriptor, char* error, size_t error_bytes);
+pcm_e57_text pcm_e57_xml(const pcm_e57_description* description);
+pcm_e57_text pcm_e57_coordinate_metadata(const pcm_e57_description* description);
+size_t pcm_e57_images(const pcm_e57_description* description);
+size_t pcm_e57_scans(const pcm_e57_description* description);
+// 0, or -1 where there is no such scan or field.
+int pcm_e57_scan(const pcm_e57_description* description, size_t scan, pcm_e57_scan_info* to);
+int pcm_e57_field(const pcm_e57_description* description, size_t scan, size_t field, pcm_e57_field_info* to);
+void pcm_e57_free(pcm_e57_description* description);
 
 #ifdef __cplusplus
 }

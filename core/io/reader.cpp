@@ -2,6 +2,7 @@
 
 #include "cloud/file.h"
 #include "io/bpc_reader.h"
+#include "io/e57_reader.h"
 #include "io/las_reader.h"
 #include "io/names.h"
 #include "io/ply_reader.h"
@@ -26,6 +27,8 @@ bool begins_like_bpc(std::string_view start) { return begins_with(start, "BPCLOU
 
 bool begins_like_las(std::string_view start) { return begins_with(start, "LASF"); }
 
+bool begins_like_e57(std::string_view start) { return begins_with(start, "ASTM-E57"); }
+
 bool begins_like_ply(std::string_view start)
 {
     return begins_with(start, "ply") && start.size() > 3 &&
@@ -45,6 +48,7 @@ constexpr Format formats[] = {
     {"las", begins_like_las, open_las},
     {"laz", begins_like_las, open_las},
     {"ply", begins_like_ply, plainly<open_ply>},
+    {"e57", begins_like_e57, plainly<open_e57>},
 };
 
 struct ForeignFormat {
@@ -52,12 +56,12 @@ struct ForeignFormat {
     std::string_view name;
 };
 constexpr ForeignFormat foreign_formats[] = {
-    {"ASTM-E57", "an E57 file"},     {"# .PCD", "a PCD file"},  {"[Expe/PointSet", "an Expe point set"},
+    {"# .PCD", "a PCD file"},  {"[Expe/PointSet", "an Expe point set"},
     {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"}, {"%PDF", "a PDF file"},
     {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"e57", "an E57 file"}, {"pcd", "a PCD file"},  {"pts", "a PTS file"},
+    {"pcd", "a PCD file"},  {"pts", "a PTS file"},
     {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
     {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };

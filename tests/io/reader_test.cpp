@@ -39,7 +39,7 @@ TEST(OpenReader, SaysWhatItFound)
         {"a.las", "PLY!", ErrorCode::bad_format, "LASF"},
         {"a.ply", "plymouth", ErrorCode::bad_format, "line 1"},
         {"a.dat", std::string("\x01\x02zz", 4), ErrorCode::bad_format, "\\x01\\x02zz"},
-        {"a.e57", "ASTM-E57....", ErrorCode::unsupported, "E57"},
+        {"a.e57", "ASTM-E57....", ErrorCode::truncated, "1024 bytes"},
         {"a.las", "# .PCD v0.7", ErrorCode::unsupported, "PCD"},
         {"a.xyz", "1 2 3\n", ErrorCode::unsupported, "XYZ"},
         {"a.laz", "nonsense", ErrorCode::bad_format, "LASF"},
