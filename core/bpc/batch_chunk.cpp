@@ -26,58 +26,73 @@ void put_axis(const std::vector<std::int64_t>& codes, std::size_t axis, ChunkPos
         put(positions.narrow_xyz[axis]);
 }
 
-ChunkPositions positions_on_grid(const PointBatch& batch)
+ChunkPositions positions_on_grid(const PointColumns& points)
 {
     ChunkPositions positions;
     for (std::size_t a = 0; a < 3; ++a) {
-        const std::vector<std::int32_t>& from = batch.grid_xyz[a];
-        const std::int32_t low = *std::min_element(from.begin(), from.end());
+        const std::int32_t* from = points.grid_xyz[a];
+        const std::int32_t low = *std::min_element(from, from + points.size);
         positions.origin[a] = low;
-        positions.narrow_xyz[a].resize(from.size());
-        for (std::size_t i = 0; i < from.size(); ++i)
+        positions.narrow_xyz[a].resize(points.size);
+        for (std::size_t i = 0; i < points.size; ++i)
             positions.narrow_xyz[a][i] = static_cast<std::uint32_t>(from[i]) - static_cast<std::uint32_t>(low);
     }
     return positions;
 }
 
-ChunkPositions positions_of_doubles(const PointBatch& batch, DoubleCodes& doubles)
+ChunkPositions positions_of_doubles(const PointColumns& points, DoubleCodes& doubles)
 {
     ChunkPositions positions;
     std::array<std::vector<std::int64_t>, 3> codes;
     for (std::size_t a = 0; a < 3; ++a) {
-        codes[a].resize(batch.size);
-        code_doubles(batch.xyz[a].data(), batch.size, a, doubles, codes[a].data());
+        codes[a].resize(points.size);
+        code_doubles(points.xyz[a], points.size, a, doubles, codes[a].data());
         const auto [low, high] = std::minmax_element(codes[a].begin(), codes[a].end());
         positions.origin[a] = *low;
         if (static_cast<std::uint64_t>(*high) - static_cast<std::uint64_t>(*low) >
             std::numeric_limits<std::uint32_t>::max())
             positions.wide = true;
     }
-    for (std::size_t a = 0; a < 3; ++a) put_axis(codes[a], a, positions);
+    for (std::size_t a = 0; a < 3; ++a) {
+        put_axis(codes[a], a, positions);
+        codes[a] = {};
+    }
     return positions;
 }
 
 }  // namespace
 
-std::vector<std::byte> encode_batch(const PointBatch& batch, const Schema& schema, const std::optional<Grid>& grid)
+std::vector<std::byte> encode_points(const PointColumns& points, const Schema& schema, const std::optional<Grid>& grid)
 {
-    bool same = batch.size > 0 && batch.gridded == grid.has_value() && batch.attributes.size() == schema.size() &&
-                batch.size <= std::numeric_limits<std::uint32_t>::max();
+    bool same = points.size > 0 && points.size <= std::numeric_limits<std::uint32_t>::max() &&
+                points.gridded == grid.has_value() && points.attributes.size() == schema.size();
     for (std::size_t a = 0; a < 3; ++a)
-        same = same && (batch.gridded ? batch.grid_xyz[a].size() : batch.xyz[a].size()) == batch.size;
-    if (!same) throw Error(ErrorCode::invalid_argument, {}, "a batch of another shape than the cloud's");
+        same = same && (points.gridded ? points.grid_xyz[a] != nullptr : points.xyz[a] != nullptr);
+    if (!same) throw Error(ErrorCode::invalid_argument, {}, "points of another shape than the cloud's");
     Chunk chunk;
-    chunk.points = static_cast<std::uint32_t>(batch.size);
-    // The columns stay the batch's own: these pointers own nothing.
-    for (const Column& column : batch.attributes)
-        chunk.attributes.push_back(std::shared_ptr<const Column>(std::shared_ptr<const Column>(), &column));
-    if (batch.gridded) {
-        chunk.positions = std::make_shared<ChunkPositions>(positions_on_grid(batch));
+    chunk.points = static_cast<std::uint32_t>(points.size);
+    for (const Column* column : points.attributes)  // these pointers own nothing
+        chunk.attributes.push_back(std::shared_ptr<const Column>(std::shared_ptr<const Column>(), column));
+    if (points.gridded) {
+        chunk.positions = std::make_shared<ChunkPositions>(positions_on_grid(points));
         return encode_chunk(chunk, schema, *grid, {});
     }
     DoubleCodes doubles;
-    chunk.positions = std::make_shared<ChunkPositions>(positions_of_doubles(batch, doubles));
+    chunk.positions = std::make_shared<ChunkPositions>(positions_of_doubles(points, doubles));
     return encode_chunk(chunk, schema, doubles);
+}
+
+std::vector<std::byte> encode_batch(const PointBatch& batch, const Schema& schema, const std::optional<Grid>& grid)
+{
+    PointColumns points;
+    points.size = batch.size;
+    points.gridded = batch.gridded;
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (batch.grid_xyz[a].size() == batch.size) points.grid_xyz[a] = batch.grid_xyz[a].data();
+        if (batch.xyz[a].size() == batch.size) points.xyz[a] = batch.xyz[a].data();
+    }
+    for (const Column& column : batch.attributes) points.attributes.push_back(&column);
+    return encode_points(points, schema, grid);
 }
 
 bool fits_gridded_batch(const BpcHeader& header)

@@ -4,16 +4,28 @@
 #include "bpc/bpc.h"
 #include "cloud/point_batch.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace pcm {
 
+// Points column by column, owned by somebody else.
+struct PointColumns {
+    std::size_t size = 0;
+    bool gridded = false;
+    std::array<const std::int32_t*, 3> grid_xyz{};  // when gridded
+    std::array<const double*, 3> xyz{};             // when not
+    std::vector<const Column*> attributes;          // each of `size` points
+};
+
 // All points of the batch (at least 1, at most 2^32 - 1) in their order. A gridded batch becomes a chunk of version 1
 // on `grid`, which it must have; a batch of doubles one of version 2, in which every double keeps its bits. Throws
 // Error(invalid_argument) for a batch that is not of this shape.
 std::vector<std::byte> encode_batch(const PointBatch& batch, const Schema& schema, const std::optional<Grid>& grid);
+std::vector<std::byte> encode_points(const PointColumns& points, const Schema& schema, const std::optional<Grid>& grid);
 
 // Whether the positions of a chunk are integers that a gridded batch can hold.
 bool fits_gridded_batch(const BpcHeader& header);

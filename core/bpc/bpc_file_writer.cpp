@@ -3,6 +3,7 @@
 #include "bpc/batch_chunk.h"
 #include "cloud/error.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pcm {
@@ -25,6 +26,12 @@ BpcCloud emptied(const std::filesystem::path& path, const BpcCloud& cloud)
 }
 
 }  // namespace
+
+std::size_t default_chunk_points(const Schema& schema)
+{
+    constexpr std::size_t most_points = 100000, most_bytes = std::size_t{16} << 20;
+    return std::clamp<std::size_t>(most_bytes / (3 * sizeof(double) + schema.point_bytes()), 1, most_points);
+}
 
 BpcFileWriter::BpcFileWriter(const std::filesystem::path& path, const BpcCloud& cloud)
     : cloud_(emptied(path, cloud)), out_(path)

@@ -11,15 +11,6 @@
 namespace pcm {
 namespace {
 
-// A point of kilobytes makes smaller chunks.
-constexpr std::size_t chunk_points = 100000;
-constexpr std::size_t most_chunk_bytes = std::size_t{16} << 20;
-
-std::size_t points_a_chunk(const Schema& schema)
-{
-    return std::clamp<std::size_t>(most_chunk_bytes / (3 * sizeof(double) + schema.point_bytes()), 1, chunk_points);
-}
-
 BpcCloud cloud_of(const FileInfo& info)
 {
     BpcCloud cloud;
@@ -35,7 +26,7 @@ public:
     BpcWriter(const std::filesystem::path& path, const FileInfo& cloud)
         : schema_(cloud.schema),
           grid_(cloud.grid),
-          chunk_points_(points_a_chunk(cloud.schema)),
+          chunk_points_(default_chunk_points(cloud.schema)),
           path_(path),
           file_(path, cloud_of(cloud))
     {

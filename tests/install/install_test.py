@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Installs the library, builds core/examples and every public header against the install, and runs the example.
+"""Installs the library, builds core/examples and every public header against the install, and runs the examples.
 
-The oracle is the generated LAS file, read here with nothing but struct: the example must find exactly its points in a
-box, and their mean height to the last printed digit.
+The oracle is the generated LAS file, read here with nothing but struct: one example must find exactly its points in a
+box, and their mean height to the last printed digit; the other must change exactly the points below a height, once.
 """
 import argparse
 import json
@@ -27,7 +27,7 @@ def run(*command, expect=0):
 
 
 def read_las(path):
-    """Positions of a LAS 1.2 file, in source coordinates, by the specification: integer * scale + offset."""
+    """Positions and intensities of a LAS 1.2 file, in source coordinates: integer * scale + offset."""
     data = path.read_bytes()
     assert data[:4] == b"LASF", path
     first, = struct.unpack_from("<I", data, 96)
@@ -36,8 +36,8 @@ def read_las(path):
     offset = struct.unpack_from("<3d", data, 155)
     points = []
     for i in range(count):
-        xyz = struct.unpack_from("<3i", data, first + i * record)
-        points.append(tuple(xyz[a] * scale[a] + offset[a] for a in range(3)))
+        *xyz, intensity = struct.unpack_from("<3iH", data, first + i * record)
+        points.append((*(xyz[a] * scale[a] + offset[a] for a in range(3)), intensity))
     return points
 
 
@@ -127,6 +127,17 @@ def main():
         assert int(match[1]) == count and abs(float(match[2]) - mean) <= 1e-6, (line, count, mean, box)
         counts.add(count)
     assert {0, POINTS} < counts, counts  # the boxes do select
+
+    # A tree's first data file holds all levels of so small a tree, and is a cloud.
+    cloud = work / "tiny.bpc"
+    shutil.copyfile(tree / "chunks-000.bpc", cloud)
+    darken = work / "examples-build" / "darken_below"
+    height = sorted(p[2] for p in points)[POINTS // 3]
+    below = sum(p[2] < height and p[3] > 0 for p in points)
+    assert 0 < below < POINTS, below
+    for changed in (below, 0):
+        line = run(darken, cloud, repr(height)).stdout
+        assert line == f"{changed} of {POINTS} points changed\n", (line, changed)
 
     missing = run(example, work / "no.pct", *["0"] * 6, expect=1)
     assert "no.pct" in missing.stderr, missing.stderr

@@ -1,0 +1,519 @@
+#include "bpc/bpc_array.h"
+
+#include "bpc/array_chunk.h"
+#include "bpc/batch_chunk.h"
+#include "bpc/bpc_file_writer.h"
+#include "cloud/error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <future>
+#include <limits>
+#include <list>
+#include <string>
+#include <unordered_map>
+
+namespace pcm {
+
+using array::ColumnFlags;
+using array::Columns;
+
+// A chunk of which columns are in memory.
+struct BpcArray::Resident {
+    std::uint64_t chunk = 0;
+    std::size_t capacity = 0;  // points that its columns have room for
+    Columns columns;
+    std::vector<std::byte*> data;  // of the columns that were touched
+    ColumnFlags changed;
+    std::size_t bytes = 0;  // of all columns that are there
+    bool grows = false;     // all columns are there, touched and changed
+};
+
+// Invariants. first has one element more than there are chunks; the last one is size_. A changed column is in memory or
+// in the scratch file, and the one in memory is newer. The window is the first of the residents, or there is none
+// (count_ == 0). The chunk that is read ahead is not resident.
+struct BpcArray::State {
+    using Place = std::list<Resident>::iterator;
+
+    State(const std::filesystem::path& file, const BpcArrayOptions& choices)
+        : path(file), options(choices), scratch(file, choices.scratch_folder)
+    {
+    }
+
+    std::filesystem::path path;
+    BpcArrayOptions options;
+    std::vector<Attribute> shape;
+    std::size_t row_bytes = 0;
+    std::size_t metadata_bytes = 0;
+    std::size_t chunk_points = 0;
+    std::size_t largest_chunk = 0;  // points
+    std::unique_ptr<BpcFile> base;
+    std::vector<std::uint64_t> first{0};
+    std::list<Resident> residents;  // used last, first
+    std::vector<Place> where;       // by chunk; residents.end() for none
+    std::size_t resident_bytes = 0;
+    std::unordered_map<std::uint64_t, array::Spilled> spilled;
+    array::ScratchFile scratch;
+    ColumnFlags expected;  // the columns that were touched of the last window
+    std::uint64_t last_opened = std::numeric_limits<std::uint64_t>::max() - 1;
+    std::uint64_t ahead_chunk = 0;
+    std::future<Columns> ahead;  // last, for its destructor waits: all that it uses is still there
+
+    std::uint64_t chunks() const { return first.size() - 1; }
+    std::size_t count(std::uint64_t chunk) const { return static_cast<std::size_t>(first[chunk + 1] - first[chunk]); }
+    // Only the last chunk grows.
+    std::size_t capacity(std::uint64_t chunk) const
+    {
+        return chunk + 1 == chunks() ? std::max(count(chunk), chunk_points) : count(chunk);
+    }
+    // Memory that is not for resident columns: what is known about chunks, coding, the output's buffer, and the chunk
+    // read ahead.
+    std::size_t overhead(bool with_ahead) const
+    {
+        const std::size_t coding = array::coding_bytes(shape, largest_chunk);
+        const std::size_t a_chunk = 200 + 9 * shape.size();
+        constexpr std::size_t output_buffer = std::size_t{1} << 20;
+        return chunks() * a_chunk + 4 * metadata_bytes + output_buffer + coding +
+               (with_ahead ? coding + largest_chunk * row_bytes : 0);
+    }
+    bool reads_ahead() const
+    {
+        return options.read_ahead && options.memory_bytes >= overhead(true) + 2 * largest_chunk * row_bytes;
+    }
+    std::size_t resident_limit() const
+    {
+        return options.memory_bytes - std::min(options.memory_bytes, overhead(reads_ahead()));
+    }
+
+    void set_up(const BpcCloud& cloud);
+    void check_memory() const;
+    array::ChunkSource source(std::uint64_t chunk) const;
+    std::uint64_t chunk_of(std::uint64_t index) const;
+    void add_resident(std::uint64_t chunk);
+    void make_room(std::size_t bytes, Statistics& statistics);
+    void spill(Resident& resident, Statistics& statistics);
+    void install(Resident& resident, Columns columns, Statistics& statistics);
+    void load_missing(ColumnFlags wanted, Statistics& statistics);
+    void read_ahead_of(std::uint64_t chunk);
+    void drop_ahead();
+    bool is_changed(std::uint64_t chunk) const;
+    std::vector<std::byte> encoded(Resident& resident, const BpcCloud& cloud) const;
+};
+
+void BpcArray::State::set_up(const BpcCloud& cloud)
+{
+    shape = array::columns_of(cloud);
+    for (const Attribute& column : shape) row_bytes += column.bytes();
+    for (const Metadata& block : cloud.metadata) metadata_bytes += block.key.size() + block.value.size() + 64;
+    chunk_points = options.chunk_points ? options.chunk_points : default_chunk_points(cloud.schema);
+    expected.resize(shape.size());
+    for (std::uint64_t c = 0; c < chunks(); ++c) largest_chunk = std::max(largest_chunk, capacity(c));
+    largest_chunk = std::max(largest_chunk, chunk_points);
+    where.assign(static_cast<std::size_t>(chunks()), residents.end());
+    check_memory();
+}
+
+void BpcArray::State::check_memory() const
+{
+    const std::size_t least = overhead(false) + 2 * largest_chunk * row_bytes;
+    if (options.memory_bytes < least)
+        throw Error(ErrorCode::invalid_argument, path,
+                    "an array of " + std::to_string(chunks()) + " chunks of up to " + std::to_string(largest_chunk) +
+                        " points takes at least " + std::to_string(least) + " bytes of memory; " +
+                        std::to_string(options.memory_bytes) + " were given");
+}
+
+array::ChunkSource BpcArray::State::source(std::uint64_t chunk) const
+{
+    array::ChunkSource source;
+    if (base && chunk < base->index().end().number) {
+        source.base = base.get();
+        source.place = base->index().at(chunk);
+    }
+    source.count = count(chunk);
+    source.capacity = capacity(chunk);
+    if (const auto found = spilled.find(chunk); found != spilled.end()) {
+        source.scratch = &scratch.file();
+        source.spilled = found->second;
+    }
+    return source;
+}
+
+std::uint64_t BpcArray::State::chunk_of(std::uint64_t index) const
+{
+    // Most clouds have chunks of one size.
+    const std::uint64_t guess = index / first[1];
+    if (guess < chunks() && first[guess] <= index && index < first[guess + 1]) return guess;
+    return static_cast<std::uint64_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
+}
+
+void BpcArray::State::spill(Resident& resident, Statistics& statistics)
+{
+    if (std::none_of(resident.changed.begin(), resident.changed.end(), [](std::uint8_t c) { return c != 0; })) return;
+    auto found = spilled.find(resident.chunk);
+    if (found == spilled.end()) found = spilled.emplace(resident.chunk, scratch.slot(shape, resident.capacity)).first;
+    for (std::size_t k = 0; k < shape.size(); ++k)
+        if (resident.changed[k]) {
+            scratch.write(found->second, shape, resident.capacity, k, *resident.columns[k], count(resident.chunk));
+            ++statistics.columns_spilled;
+        }
+}
+
+// In front, without columns.
+void BpcArray::State::add_resident(std::uint64_t chunk)
+{
+    Resident resident;
+    resident.chunk = chunk;
+    resident.capacity = capacity(chunk);
+    resident.columns.resize(shape.size());
+    resident.data.resize(shape.size());
+    resident.changed.resize(shape.size());
+    residents.push_front(std::move(resident));
+}
+
+// Evicts until there is room for so many bytes more; the first resident stays.
+void BpcArray::State::make_room(std::size_t bytes, Statistics& statistics)
+{
+    const std::size_t limit = resident_limit();
+    while (resident_bytes + bytes > limit && residents.size() > 1) {
+        Resident& last = residents.back();
+        spill(last, statistics);
+        resident_bytes -= last.bytes;
+        where[static_cast<std::size_t>(last.chunk)] = residents.end();
+        residents.pop_back();
+        ++statistics.chunks_evicted;
+    }
+}
+
+void BpcArray::State::install(Resident& resident, Columns columns, Statistics& statistics)
+{
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        if (columns[k]) {
+            resident.bytes += columns[k]->bytes();
+            resident_bytes += columns[k]->bytes();
+            resident.columns[k] = std::move(columns[k]);
+        }
+    ++statistics.chunks_decoded;
+    statistics.most_resident_bytes = std::max(statistics.most_resident_bytes, resident_bytes);
+}
+
+// Of the wanted columns of the first resident those that are not there.
+void BpcArray::State::load_missing(ColumnFlags wanted, Statistics& statistics)
+{
+    Resident& window = residents.front();
+    std::size_t bytes = 0;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        if (window.columns[k]) wanted[k] = 0;
+        if (wanted[k]) bytes += window.capacity * shape[k].bytes();
+    }
+    if (bytes == 0) return;
+    make_room(bytes, statistics);
+    install(window, array::load_columns(source(window.chunk), shape, wanted), statistics);
+}
+
+void BpcArray::State::read_ahead_of(std::uint64_t chunk)
+{
+    if (chunk >= chunks() || where[static_cast<std::size_t>(chunk)] != residents.end() || !reads_ahead()) return;
+    if (ahead.valid()) {
+        if (ahead_chunk == chunk || ahead.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+        drop_ahead();
+    }
+    if (std::none_of(expected.begin(), expected.end(), [](std::uint8_t e) { return e != 0; })) return;
+    ahead_chunk = chunk;
+    ahead = std::async(std::launch::async, [this, source = source(chunk), wanted = expected] {
+        return array::load_columns(source, shape, wanted);
+    });
+}
+
+void BpcArray::State::drop_ahead()
+{
+    if (ahead.valid()) ahead.wait();
+    ahead = {};
+}
+
+bool BpcArray::State::is_changed(std::uint64_t chunk) const
+{
+    if (!base || chunk >= base->index().end().number || spilled.count(chunk)) return true;
+    const auto place = where[static_cast<std::size_t>(chunk)];
+    if (place == std::list<Resident>::const_iterator(residents.end())) return false;
+    return std::any_of(place->changed.begin(), place->changed.end(), [](std::uint8_t c) { return c != 0; });
+}
+
+std::vector<std::byte> BpcArray::State::encoded(Resident& resident, const BpcCloud& cloud) const
+{
+    const std::size_t points = count(resident.chunk);
+    for (const auto& column : resident.columns) column->resize(points);  // its memory stays
+    PointColumns columns;
+    columns.size = points;
+    columns.gridded = cloud.grid.has_value();
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (columns.gridded)
+            columns.grid_xyz[a] = resident.columns[a]->as<std::int32_t>();
+        else
+            columns.xyz[a] = resident.columns[a]->as<double>();
+    }
+    for (std::size_t k = 3; k < shape.size(); ++k) columns.attributes.push_back(resident.columns[k].get());
+    std::vector<std::byte> bytes = encode_points(columns, cloud.schema, cloud.grid);
+    for (const auto& column : resident.columns) column->resize(resident.capacity);
+    return bytes;
+}
+
+BpcArray::BpcArray(const std::filesystem::path& path, const BpcArrayOptions& options)
+    : state_(std::make_unique<State>(path, options))
+{
+    State& s = *state_;
+    s.base = std::make_unique<BpcFile>(path);
+    cloud_ = s.base->cloud();
+    size_ = cloud_.points;
+    const ChunkIndex& index = s.base->index();
+    if (!index.knows_every_chunk())
+        throw Error(ErrorCode::unsupported, path,
+                    std::to_string(index.end().number) + " chunks; an array can have " +
+                        std::to_string(ChunkIndex::most_places),
+                    "write the cloud again, which makes larger chunks");
+    s.first.reserve(static_cast<std::size_t>(index.end().number) + 1);
+    for (std::uint64_t c = 1; c <= index.end().number; ++c) s.first.push_back(index.at(c)->first_point);
+    s.set_up(cloud_);
+}
+
+BpcArray::BpcArray(const std::filesystem::path& path, const BpcCloud& cloud, const BpcArrayOptions& options)
+    : cloud_(cloud), state_(std::make_unique<State>(path, options))
+{
+    cloud_.points = cloud_.chunks = 0;
+    cloud_.box.reset();
+    encode_cloud_block(cloud_, 0);  // refuses now what could not be written later
+    state_->set_up(cloud_);
+}
+
+BpcArray::~BpcArray() = default;
+
+void BpcArray::open_window(std::uint64_t index)
+{
+    State& s = *state_;
+    if (index >= size_)
+        throw Error(ErrorCode::invalid_argument, s.path,
+                    "point " + std::to_string(index) + " of an array of " + std::to_string(size_));
+    const std::uint64_t chunk = s.chunk_of(index);
+    // What the last window needed, this one needs too, probably.
+    if (count_) {
+        const Resident& before = s.residents.front();
+        for (std::size_t k = 0; k < s.shape.size(); ++k) s.expected[k] = before.data[k] != nullptr;
+    }
+    State::Place& place = s.where[static_cast<std::size_t>(chunk)];
+    count_ = 0;  // until all has gone well
+    if (place != s.residents.end()) {
+        s.residents.splice(s.residents.begin(), s.residents, place);
+    } else {
+        std::optional<Columns> ahead;
+        if (s.ahead.valid() && s.ahead_chunk == chunk) ahead = s.ahead.get();
+        s.add_resident(chunk);
+        place = s.residents.begin();
+        if (ahead) {
+            std::size_t bytes = 0;
+            for (const auto& column : *ahead) bytes += column ? column->bytes() : 0;
+            s.make_room(bytes, statistics_);
+            s.install(*place, std::move(*ahead), statistics_);
+            ++statistics_.chunks_read_ahead;
+        } else {
+            s.load_missing(s.expected, statistics_);
+        }
+        if (chunk == s.last_opened + 1) s.read_ahead_of(chunk + 1);
+    }
+    s.last_opened = chunk;
+    first_ = s.first[chunk];
+    count_ = s.count(chunk);
+    window_data_ = place->data.data();
+    window_changed_ = place->changed.data();
+}
+
+std::byte* BpcArray::load(std::size_t column)
+{
+    // The axes are one column in the file.
+    ColumnFlags wanted(state_->shape.size());
+    wanted[column] = 1;
+    if (column < positions_) std::fill_n(wanted.begin(), positions_, std::uint8_t{1});
+    state_->load_missing(std::move(wanted), statistics_);
+    Resident& window = state_->residents.front();
+    return window.data[column] = window.columns[column]->data();
+}
+
+std::size_t BpcArray::find(std::string_view name, ScalarType type) const
+{
+    const auto found = schema().find(name);
+    if (!found) {
+        std::string known;
+        for (const Attribute& attribute : schema()) known += (known.empty() ? "" : ", ") + attribute.name;
+        throw Error(ErrorCode::invalid_argument, state_->path, "no attribute '" + std::string(name) + "'",
+                    known.empty() ? "the points have no attributes" : "there are " + known);
+    }
+    if (schema()[*found].type != type)
+        throw Error(ErrorCode::invalid_argument, state_->path,
+                    "attribute '" + std::string(name) + "' is of type " + std::string(name_of(schema()[*found].type)) +
+                        ", not " + std::string(name_of(type)));
+    return *found;
+}
+
+void BpcArray::set_position(std::uint64_t index, const Vec3d& position)
+{
+    if (cloud_.grid) {
+        std::array<std::int32_t, 3> grid;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double steps = std::nearbyint((position[a] - cloud_.grid->offset[a]) / cloud_.grid->scale[a]);
+            if (!(steps >= std::numeric_limits<std::int32_t>::min() &&
+                  steps <= std::numeric_limits<std::int32_t>::max()))
+                throw Error(ErrorCode::invalid_argument, state_->path,
+                            "the coordinate " + std::to_string(position[a]) + " has no place on the cloud's grid");
+            grid[a] = static_cast<std::int32_t>(steps);
+        }
+        return set_grid_position(index, grid);
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+        std::byte* data = at_for_change(index, a);
+        reinterpret_cast<double*>(data)[index - first_] = position[a];
+    }
+}
+
+std::array<std::int32_t, 3> BpcArray::grid_position(std::uint64_t index)
+{
+    if (!cloud_.grid) throw Error(ErrorCode::invalid_argument, state_->path, "the points are on no grid");
+    std::array<std::int32_t, 3> position;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::byte* data = at(index, a);
+        position[a] = reinterpret_cast<const std::int32_t*>(data)[index - first_];
+    }
+    return position;
+}
+
+void BpcArray::set_grid_position(std::uint64_t index, const std::array<std::int32_t, 3>& position)
+{
+    if (!cloud_.grid) throw Error(ErrorCode::invalid_argument, state_->path, "the points are on no grid");
+    for (std::size_t a = 0; a < 3; ++a) {
+        std::byte* data = at_for_change(index, a);
+        reinterpret_cast<std::int32_t*>(data)[index - first_] = position[a];
+    }
+}
+
+double BpcArray::value(std::uint64_t index, std::size_t attribute, std::uint32_t component)
+{
+    at(index, positions_ + attribute);
+    return state_->residents.front().columns[positions_ + attribute]->value(static_cast<std::size_t>(index - first_),
+                                                                            component);
+}
+
+// Up to `points` more, 0 in every column, in the last chunk or a new one, which becomes the window; how many there were
+// room for.
+std::size_t BpcArray::grow(std::size_t points)
+{
+    State& s = *state_;
+    if (s.chunks() == 0 || s.count(s.chunks() - 1) >= s.capacity(s.chunks() - 1)) {
+        if (s.chunks() == ChunkIndex::most_places)
+            throw Error(ErrorCode::unsupported, s.path, "an array can have " + std::to_string(s.chunks()) + " chunks");
+        // All that can fail comes first: beside the first resident, which stays, there is always room for a second.
+        s.make_room(s.chunk_points * s.row_bytes, statistics_);
+        s.first.push_back(size_);
+        s.where.push_back(s.residents.end());
+        try {
+            s.check_memory();
+            s.add_resident(s.chunks() - 1);
+        } catch (...) {
+            s.first.pop_back();
+            s.where.pop_back();
+            throw;
+        }
+        if (!s.reads_ahead()) s.drop_ahead();
+        s.where.back() = s.residents.begin();
+        s.last_opened = s.chunks() - 1;
+        count_ = 0;
+        first_ = size_;
+        window_data_ = s.residents.front().data.data();
+        window_changed_ = s.residents.front().changed.data();
+    } else if (first_ + count_ != size_ || count_ == 0) {
+        open_window(size_ - 1);
+    }
+    Resident& last = s.residents.front();
+    if (!last.grows) {
+        s.load_missing(ColumnFlags(s.shape.size(), 1), statistics_);
+        for (std::size_t k = 0; k < s.shape.size(); ++k) {
+            last.data[k] = last.columns[k]->data();
+            last.changed[k] = 1;
+        }
+        last.grows = true;
+    }
+    points = std::min(points, last.capacity - s.count(last.chunk));
+    size_ += points;
+    s.first.back() = size_;
+    count_ = s.count(last.chunk);
+    return points;
+}
+
+BpcArray::Point BpcArray::push_back()
+{
+    grow(1);
+    return {*this, size_ - 1};
+}
+
+void BpcArray::append(const PointBatch& batch)
+{
+    State& s = *state_;
+    bool same = batch.gridded == cloud_.grid.has_value() && batch.attributes.size() == schema().size();
+    for (std::size_t i = 0; same && i < schema().size(); ++i)
+        same = batch.attributes[i].type() == schema()[i].type &&
+               batch.attributes[i].components() == schema()[i].components;
+    if (!same) throw Error(ErrorCode::invalid_argument, s.path, "a batch of another shape than the array's points");
+    for (std::size_t done = 0; done < batch.size;) {
+        const std::size_t now = grow(batch.size - done);
+        const auto at = static_cast<std::size_t>(size_ - first_) - now;
+        for (std::size_t k = 0; k < s.shape.size(); ++k) {
+            const std::size_t bytes = s.shape[k].bytes();
+            const auto* from = k >= positions_ ? batch.attributes[k - positions_].data()
+                               : batch.gridded ? reinterpret_cast<const std::byte*>(batch.grid_xyz[k].data())
+                                               : reinterpret_cast<const std::byte*>(batch.xyz[k].data());
+            std::memcpy(window_data_[k] + at * bytes, from + done * bytes, now * bytes);
+        }
+        done += now;
+    }
+}
+
+void BpcArray::save_as(const std::filesystem::path& path)
+{
+    State& s = *state_;
+    s.drop_ahead();
+    BpcFileWriter writer(path, cloud_);
+    std::vector<std::byte> bytes;
+    for (std::uint64_t chunk = 0; chunk < s.chunks(); ++chunk) {
+        if (s.is_changed(chunk)) {
+            open_window(s.first[chunk]);
+            s.load_missing(ColumnFlags(s.shape.size(), 1), statistics_);
+            bytes = s.encoded(s.residents.front(), cloud_);
+        } else {
+            const ChunkPlace place = *s.base->index().at(chunk);
+            bytes.resize(static_cast<std::size_t>(s.base->header(place).total_bytes));
+            s.base->file().read_at(bytes.data(), bytes.size(), place.offset);
+        }
+        writer.append(bytes);
+        bytes = {};
+    }
+    s.drop_ahead();
+    writer.finish();
+}
+
+void BpcArray::flush()
+{
+    State& s = *state_;
+    save_as(s.path);
+    sync_folder(s.path.has_parent_path() ? s.path.parent_path() : std::filesystem::path("."));
+    auto base = std::make_unique<BpcFile>(s.path);
+    if (base->index().end().number != s.chunks() || base->index().end().first_point != size_)
+        throw Error(ErrorCode::io, s.path, "the file was changed by somebody else while it was being written");
+    s.base = std::move(base);
+    s.spilled.clear();
+    s.scratch.clear();
+    for (Resident& resident : s.residents) {
+        std::fill(resident.changed.begin(), resident.changed.end(), std::uint8_t{0});
+        resident.grows = false;
+    }
+}
+
+}  // namespace pcm
