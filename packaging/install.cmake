@@ -11,7 +11,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 set(public_headers
   point_cloud.h
   io/reader.h io/text_layout.h io/writer.h
-  bpc/chunk.h
+  bpc/bpc_array.h bpc/chunk.h bpc/chunk_index.h bpc/cloud_block.h
   tree/tree.h tree/builder.h tree/verify.h
   cache/l2_cache.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS

@@ -12,7 +12,7 @@
 // columns that are touched are read. Changed columns that memory has no room for go to a scratch file, uncompressed.
 #pragma once
 
-#include "bpc/bpc_file.h"
+#include "bpc/cloud_block.h"
 #include "cloud/point_batch.h"
 
 #include <array>

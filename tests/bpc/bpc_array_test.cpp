@@ -1,6 +1,7 @@
 #include "bpc/bpc_array.h"
 
 #include "bpc/batch_chunk.h"
+#include "bpc/bpc_file.h"
 #include "bpc/bpc_file_writer.h"
 #include "cloud/error.h"
 #include "support.h"
