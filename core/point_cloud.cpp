@@ -3,6 +3,7 @@
 #include "cloud/error.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pcm {
 
@@ -14,7 +15,11 @@ struct PointCursor::State {
     std::vector<NodeId> nodes;
     std::size_t next = 0;
     L2Cache::Handle handle;
+    Selector selector, without_box;  // the second for chunks inside of the box
+    std::vector<const Column*> tested;
     std::vector<std::uint32_t> selected;
+
+    State(Selector all, Selector inside) : selector(std::move(all)), without_box(std::move(inside)) {}
 };
 
 PointCursor::PointCursor(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -36,10 +41,15 @@ bool PointCursor::getNextData(PointView& view)
         view.grid_ = &tree.info().grid;
         view.chunk_ = &*s.handle;
         view.slots_ = &s.slots;
-        if (s.query.box && !s.query.box->contains(tree.box(node))) {
-            s.selected.clear();
-            for (std::uint32_t i = 0; i < s.handle->points; ++i)
-                if (s.query.box->contains(tree.info().grid.to_source(s.handle->positions->grid(i)))) s.selected.push_back(i);
+        const bool inside = s.query.box && s.query.box->contains(tree.box(node));
+        const Selector& selector = inside ? s.without_box : s.selector;
+        if (selector.tests_points()) {
+            s.selected.resize(s.handle->points);
+            std::iota(s.selected.begin(), s.selected.end(), 0u);
+            s.tested.assign(s.handle->attributes.size(), nullptr);
+            for (const std::size_t k : selector.tested()) s.tested[k] = s.handle->attributes[k].get();
+            selector.narrow(s.tested, [&](std::size_t i) { return tree.info().grid.to_source(s.handle->positions->grid(i)); },
+                            s.selected);
             if (s.selected.empty()) continue;
             view.selected_ = &s.selected;
         }
@@ -60,7 +70,11 @@ std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, 
 
 PointCursor PointCloud::points(const Query& query)
 {
-    auto state = std::make_unique<PointCursor::State>();
+    Selection selection;
+    selection.where = query.where;
+    Selector without_box(selection, info().schema);
+    selection.box = query.box;
+    auto state = std::make_unique<PointCursor::State>(Selector(selection, info().schema), std::move(without_box));
     state->cloud = shared_from_this();
     state->query = query;
     for (const std::string& name : query.attributes) {
@@ -70,7 +84,8 @@ PointCursor PointCloud::points(const Query& query)
         state->slots.push_back(*slot);
         state->columns.attributes.set(*slot);
     }
-    state->nodes = nodes_of(query);
+    for (const std::size_t slot : state->selector.tested()) state->columns.attributes.set(slot);
+    state->nodes = tree_->nodes_in(state->selector.bounds(), query.level);
     state->nodes.erase(std::remove_if(state->nodes.begin(), state->nodes.end(),
                                       [&](NodeId id) { return tree_->node(id).points == 0; }),
                        state->nodes.end());
@@ -79,19 +94,7 @@ PointCursor PointCloud::points(const Query& query)
 
 std::vector<NodeId> PointCloud::nodes_of(const Query& query) const
 {
-    // Parents come first in the node vector: what lies below an untouched parent is skipped without a look at its box.
-    const std::vector<Node>& nodes = tree_->nodes();
-    std::vector<bool> touched(nodes.size(), false);
-    std::vector<NodeId> result;
-    for (NodeId id = 0; id < nodes.size(); ++id) {
-        const Node& node = nodes[id];
-        if (node.parent != no_node && !touched[node.parent]) continue;
-        if (query.level && node.level > *query.level) continue;
-        if (query.box && !query.box->intersects(tree_->box(id))) continue;
-        touched[id] = true;
-        result.push_back(id);
-    }
-    return result;
+    return tree_->nodes_in(query.box, query.level);
 }
 
 }  // namespace pcm

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "cache/l2_cache.h"
+#include "io/selection.h"
 #include "tree/tree.h"
 
 #include <filesystem>
@@ -23,6 +24,7 @@ namespace pcm {
 struct Query {
     std::optional<Box3d> box;                // source coordinates, both ends included; everything when absent
     std::optional<std::uint16_t> level;      // the cloud at this level; the whole cloud when absent
+    std::vector<Condition> where;            // on attributes; all must be met (parse_condition() makes them from text)
     std::vector<std::string> attributes;     // names to read beside the position; unknown names are an error
 };
 
@@ -78,7 +80,8 @@ public:
     const std::shared_ptr<const Tree>& tree() const { return tree_; }
     L2Cache& cache() { return *cache_; }
 
-    // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute.
+    // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute and what Selector
+    // throws.
     PointCursor points(const Query& query = {});
 
     // Nodes whose boxes a query touches, parents first.

@@ -10,7 +10,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # The public headers and all that they include; tests/install compiles each of them by itself out of the install.
 set(public_headers
   point_cloud.h
-  io/reader.h io/text_layout.h io/writer.h
+  io/reader.h io/selection.h io/text_layout.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_index.h bpc/cloud_block.h
   tree/tree.h tree/builder.h tree/verify.h
   cache/l2_cache.h)

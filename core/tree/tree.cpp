@@ -87,6 +87,22 @@ std::vector<NodeId> Tree::path_from_root(NodeId id) const
     return path;
 }
 
+std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const
+{
+    // Parents come first in the node vector: what lies below an untouched parent is skipped without a look at its box.
+    std::vector<bool> touched(nodes_.size(), false);
+    std::vector<NodeId> result;
+    for (NodeId id = 0; id < nodes_.size(); ++id) {
+        const Node& node = nodes_[id];
+        if (node.parent != no_node && !touched[node.parent]) continue;
+        if (level && node.level > *level) continue;
+        if (box && !box->intersects(this->box(id))) continue;
+        touched[id] = true;
+        result.push_back(id);
+    }
+    return result;
+}
+
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
 {
     const Node& node = nodes_.at(id);

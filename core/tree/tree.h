@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,9 @@ public:
     const Node& node(NodeId id) const { return nodes_[id]; }
     Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
     std::vector<NodeId> path_from_root(NodeId id) const;  // root first, `id` last
+
+    // Nodes of levels 0..level whose boxes touch `box` (source coordinates), parents first; absent means all.
+    std::vector<NodeId> nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const;
 
     // Reads and decodes the asked columns of a node's chunk; verifies their checksums. A node without points gives an
     // empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.

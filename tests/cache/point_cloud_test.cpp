@@ -82,6 +82,31 @@ TEST_F(PointCloudTest, BoxesAgainstBruteForce)
     }
 }
 
+TEST_F(PointCloudTest, ConditionsOnAttributesThatAreNotAskedForToo)
+{
+    Query query;
+    query.attributes = {"intensity"};
+    query.where = {parse_condition("rgb[1]=10000..50000"), parse_condition("z<6500000")};
+    query.box = Box3d{{5e6, 4.8e6, 0}, {5e6 + 500, 4.8e6 + 300, 1e4}};
+    std::vector<std::array<std::int64_t, 4>> expected, found;
+    for (const LasRecord& p : points_)
+        if (p.green >= 10000 && p.green <= 50000 && query.box->contains(grid_.to_source(Vec3i{p.x, p.y, p.z})))
+            expected.push_back({p.x, p.y, p.z, p.intensity});
+    auto cursor = cloud_->points(query);
+    PointView view;
+    while (cursor.getNextData(view))
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            const Vec3i q = view.grid_position(i);
+            found.push_back({q[0], q[1], q[2], static_cast<std::int64_t>(view.value(i, 0))});
+        }
+    std::sort(expected.begin(), expected.end());
+    std::sort(found.begin(), found.end());
+    EXPECT_GT(expected.size(), 100u);
+    EXPECT_TRUE(found == expected);
+    query.where = {parse_condition("nothing=1")};
+    EXPECT_THROW(cloud_->points(query), Error);
+}
+
 TEST_F(PointCloudTest, LevelsAreSubsets)
 {
     for (std::uint16_t level = 0; level < cloud_->info().levels; ++level) {

@@ -1,0 +1,202 @@
+#include "tree/tree_reader.h"
+
+#include "cloud/error.h"
+#include "cloud/text.h"
+#include "io/batch_shape.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+Selection without_box(Selection selection)
+{
+    selection.box.reset();
+    return selection;
+}
+
+bool fits_32_bits(const Box3i& box)
+{
+    for (std::size_t a = 0; a < 3; ++a)
+        if (box.min[a] < std::numeric_limits<std::int32_t>::min() || box.max[a] > std::numeric_limits<std::int32_t>::max()) return false;
+    return true;
+}
+
+template <std::size_t Size>
+void gather(const std::byte* from, const std::uint32_t* points, std::size_t count, std::byte* to)
+{
+    for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * Size, from + points[i] * Size, Size);
+}
+
+// Points [first, first + count) of a column, or those of them that `points` lists.
+void copy_points(const Column& column, const std::uint32_t* points, std::size_t first, std::size_t count, Column& to)
+{
+    const std::size_t size = column.point_bytes();
+    if (count == 0) return;
+    if (!points) {
+        std::memcpy(to.data(), column.data() + first * size, count * size);
+        return;
+    }
+    points += first;
+    switch (size) {
+    case 1: return gather<1>(column.data(), points, count, to.data());
+    case 2: return gather<2>(column.data(), points, count, to.data());
+    case 4: return gather<4>(column.data(), points, count, to.data());
+    case 6: return gather<6>(column.data(), points, count, to.data());
+    case 8: return gather<8>(column.data(), points, count, to.data());
+    default:
+        for (std::size_t i = 0; i < count; ++i) std::memcpy(to.data() + i * size, column.data() + points[i] * size, size);
+    }
+}
+
+}  // namespace
+
+TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
+                       unsigned chunks_ahead)
+    : tree_(std::move(tree)),
+      selector_(selection, tree_->info().schema),
+      without_box_(without_box(selection), tree_->info().schema),
+      box_(selection.box),
+      chunks_ahead_(std::max(1u, chunks_ahead))
+{
+    const TreeInfo& tree_info = tree_->info();
+    std::uint64_t points = 0;
+    for (const NodeId id : tree_->nodes_in(selector_.bounds(), level)) {
+        if (tree_->node(id).points == 0) continue;
+        nodes_.push_back(id);
+        first_.push_back(points);
+        points += tree_->node(id).points;
+    }
+    for (const std::size_t k : selector_.kept()) columns_.attributes.set(k);
+    for (const std::size_t k : selector_.tested()) columns_.attributes.set(k);
+
+    info_.format = "point cloud tree of " + std::to_string(tree_info.levels) + " levels";
+    if (level) info_.format += ", level " + std::to_string(*level);
+    info_.points = points;
+    info_.points_known = !selector_.tests_points();
+    info_.schema = selector_.kept_schema();
+    info_.metadata = tree_info.metadata;
+    info_.position_type = tree_info.position_type;
+    if (tree_info.position_type == ScalarType::i32) {
+        if (fits_32_bits(tree_info.box)) {
+            info_.grid = tree_info.grid;
+        } else {
+            info_.near_grid = tree_info.grid;
+            info_.position_type = ScalarType::f64;
+        }
+    }
+    single_precision_ = info_.position_type == ScalarType::f32;
+    if (points) {
+        Box3d box = tree_info.bounds();
+        if (const auto& bounds = selector_.bounds())
+            for (std::size_t a = 0; a < 3; ++a) {
+                box.min[a] = std::max(box.min[a], bounds->min[a]);
+                box.max[a] = std::min(box.max[a], bounds->max[a]);
+            }
+        if (!box.empty()) info_.promised_box = box;
+    }
+    if (tree_info.points_skipped)
+        info_.notes.push_back(grouped(tree_info.points_skipped) + " points without a finite position were left out when the tree was built");
+    if (tree_info.position_error > 0 && !single_precision_)
+        info_.notes.push_back("positions are up to " + brief(tree_info.position_error) + " from those that the tree was built from");
+}
+
+Vec3d TreeReader::position(std::size_t i) const
+{
+    Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
+    // The grid is much finer than floats are: rounding gives the source's own number back.
+    if (single_precision_)
+        for (double& c : p) c = static_cast<double>(static_cast<float>(c));
+    return p;
+}
+
+bool TreeReader::next_chunk()
+{
+    chunk_ = Chunk();
+    while (next_node_ < nodes_.size()) {
+        for (; next_ahead_ < nodes_.size() && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
+            ahead_.push_back(std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_], columns = columns_] {
+                return tree->read_chunk(id, columns);
+            }));
+        std::future<Chunk> next = std::move(ahead_.front());
+        ahead_.pop_front();
+        const NodeId node = nodes_[next_node_++];
+        chunk_ = next.get();
+        seen_ += chunk_.points;
+        const Selector& selector = box_ && box_->contains(tree_->box(node)) ? without_box_ : selector_;
+        all_ = !selector.tests_points();
+        next_point_ = 0;
+        chunk_points_ = chunk_.points;
+        if (!all_) {
+            std::vector<const Column*> columns(chunk_.attributes.size(), nullptr);
+            for (const std::size_t k : selector.tested()) columns[k] = chunk_.attributes[k].get();
+            selected_.resize(chunk_.points);
+            std::iota(selected_.begin(), selected_.end(), 0u);
+            selector.narrow(columns, [this](std::size_t i) { return position(i); }, selected_);
+            chunk_points_ = selected_.size();
+        }
+        if (chunk_points_ > 0) return true;
+    }
+    return false;
+}
+
+bool TreeReader::read(PointBatch& batch, std::size_t max_points)
+{
+    if (next_point_ == chunk_points_ && !next_chunk()) {
+        chunk_points_ = next_point_ = 0;
+        shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
+        return false;
+    }
+    const std::size_t first = next_point_;
+    const std::size_t count = std::min({std::max<std::size_t>(max_points, 1), chunk_points_ - first, points_that_fit_a_batch(info_.schema)});
+    next_point_ += count;
+    shape_batch(batch, info_.schema, info_.grid.has_value(), count);
+    const std::uint32_t* points = all_ ? nullptr : selected_.data();
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t from = points ? points[first + i] : first + i;
+        if (batch.gridded) {
+            for (std::size_t a = 0; a < 3; ++a)
+                batch.grid_xyz[a][i] = static_cast<std::int32_t>(chunk_.positions->grid(from, a));
+        } else {
+            const Vec3d p = position(from);
+            for (std::size_t a = 0; a < 3; ++a) batch.xyz[a][i] = p[a];
+        }
+    }
+    const std::vector<std::size_t>& kept = selector_.kept();
+    for (std::size_t k = 0; k < kept.size(); ++k) copy_points(*chunk_.attributes[kept[k]], points, first, count, batch.attributes[k]);
+    return true;
+}
+
+void TreeReader::seek(std::uint64_t index)
+{
+    if (!seekable()) return PointReader::seek(index);
+    if (index > info_.points)
+        throw Error(ErrorCode::invalid_argument, tree_->folder(),
+                    "point " + std::to_string(index) + " asked for, the cloud has " + std::to_string(info_.points));
+    const auto node = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), index) - first_.begin());
+    const std::size_t wanted = node ? node - 1 : 0;
+    if (nodes_.empty()) return;
+    if (next_node_ == 0 || wanted != next_node_ - 1 || !chunk_.positions) {
+        ahead_.clear();  // waits for those on their way
+        next_node_ = next_ahead_ = wanted;
+        next_chunk();
+    }
+    next_point_ = static_cast<std::size_t>(index - first_[wanted]);
+}
+
+double TreeReader::fraction_read() const
+{
+    if (nodes_.empty() || (next_node_ == nodes_.size() && next_point_ == chunk_points_)) return 1.0;
+    if (next_node_ == 0) return 0.0;
+    const std::uint64_t total = first_.back() + tree_->node(nodes_.back()).points;
+    const double in_chunk = chunk_points_ ? static_cast<double>(next_point_) / static_cast<double>(chunk_points_) : 0.0;
+    const double done = static_cast<double>(first_[next_node_ - 1]) + in_chunk * tree_->node(nodes_[next_node_ - 1]).points;
+    return done / static_cast<double>(total);
+}
+
+}  // namespace pcm
