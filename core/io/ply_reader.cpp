@@ -3,15 +3,15 @@
 #include "cloud/file.h"
 #include "io/batch_shape.h"
 #include "io/carried_comments.h"
+#include "io/line_stream.h"
 #include "io/names.h"
+#include "io/number_text.h"
 #include "io/ply_header.h"
+#include "io/scalars.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -20,67 +20,6 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t read_buffer_bytes = std::size_t{1} << 20;
-constexpr std::size_t longest_line = std::size_t{16} << 20;
-
-// Calls `f` with a value of the C++ type that `type` names.
-template <class F>
-auto with_type(ScalarType type, F&& f)
-{
-    switch (type) {
-        case ScalarType::i8:
-            return f(std::int8_t{});
-        case ScalarType::u8:
-            return f(std::uint8_t{});
-        case ScalarType::i16:
-            return f(std::int16_t{});
-        case ScalarType::u16:
-            return f(std::uint16_t{});
-        case ScalarType::i32:
-            return f(std::int32_t{});
-        case ScalarType::u32:
-            return f(std::uint32_t{});
-        case ScalarType::i64:
-            return f(std::int64_t{});
-        case ScalarType::u64:
-            return f(std::uint64_t{});
-        case ScalarType::f32:
-            return f(float{});
-        case ScalarType::f64:
-            break;
-    }
-    return f(double{});
-}
-
-template <std::size_t Bytes, bool Swap>
-void load_bytes(const std::byte* from, std::byte* to)
-{
-    if constexpr (Swap) {
-        for (std::size_t i = 0; i < Bytes; ++i) to[i] = from[Bytes - 1 - i];
-    } else {
-        std::memcpy(to, from, Bytes);
-    }
-}
-
-template <class T, bool Swap>
-T load(const std::byte* from)
-{
-    T value;
-    load_bytes<sizeof(T), Swap>(from, reinterpret_cast<std::byte*>(&value));
-    return value;
-}
-
-// One scalar of each of `count` records, `stride` bytes apart.
-template <class T, bool Swap>
-void widen(const std::byte* from, std::size_t stride, std::size_t count, double* to)
-{
-    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<double>(load<T, Swap>(from + i * stride));
-}
-
-template <std::size_t Bytes, bool Swap>
-void copy(const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
-{
-    for (std::size_t i = 0; i < count; ++i) load_bytes<Bytes, Swap>(from + i * stride, to + i * to_stride);
-}
 
 // Consecutive bytes of a file, for what cannot be addressed: instances with lists.
 class ByteStream {
@@ -125,146 +64,6 @@ private:
     std::uint64_t buffer_start_ = 0;
     std::vector<std::byte> buffer_;
 };
-
-// The lines of a text file that are not blank, one after the other.
-class LineStream {
-public:
-    LineStream(const File& file, std::uint64_t start, std::uint64_t lines_before, char line_end)
-        : file_(file), next_byte_(start), line_(lines_before), line_end_(line_end)
-    {
-    }
-
-    // False at the end of the file. The line, without its end, is valid until the next call.
-    bool next(std::string_view& line)
-    {
-        while (raw_next(line))
-            if (line.find_first_not_of(" \t\r\v\f") != std::string_view::npos) return true;
-        return false;
-    }
-    std::uint64_t line_number() const { return line_; }
-    std::uint64_t bytes_consumed() const { return next_byte_ - (end_ - begin_); }
-
-private:
-    bool raw_next(std::string_view& line)
-    {
-        std::size_t searched = 0;
-        for (;;) {
-            const char* start = buffer_.data() + begin_;
-            const void* found =
-                end_ > begin_ + searched ? std::memchr(start + searched, line_end_, end_ - begin_ - searched) : nullptr;
-            if (found) {
-                line = {start, static_cast<std::size_t>(static_cast<const char*>(found) - start)};
-                begin_ += line.size() + 1;
-                ++line_;
-                return true;
-            }
-            searched = end_ - begin_;
-            if (at_end_) {
-                if (searched == 0) return false;
-                line = {start, searched};
-                begin_ = end_;
-                ++line_;
-                return true;
-            }
-            refill();
-        }
-    }
-
-    void refill()
-    {
-        const std::size_t kept = end_ - begin_;
-        if (kept >= longest_line)
-            throw Error(
-                ErrorCode::bad_format, file_.path(),
-                "line " + std::to_string(line_ + 1) + " is longer than " + std::to_string(longest_line) + " bytes");
-        if (kept) std::memmove(buffer_.data(), buffer_.data() + begin_, kept);
-        buffer_.resize(std::max(kept * 2, read_buffer_bytes));
-        const std::size_t got = file_.read_some_at(buffer_.data() + kept, buffer_.size() - kept, next_byte_);
-        at_end_ = got == 0;
-        next_byte_ += got;
-        begin_ = 0;
-        end_ = kept + got;
-    }
-
-    const File& file_;
-    std::uint64_t next_byte_;  // of the file, not yet in the buffer
-    std::uint64_t line_;
-    char line_end_;
-    bool at_end_ = false;
-    std::vector<char> buffer_;
-    std::size_t begin_ = 0, end_ = 0;  // of the unread part of the buffer
-};
-
-// What from_chars leaves over: a plus sign, numbers beyond the range of T, and what Microsoft's printf writes for NaN.
-template <class T>
-bool parse_odd_real(std::string_view word, T& value)
-{
-    if (!word.empty() && word[0] == '+') {
-        word.remove_prefix(1);
-        if (word.empty() || word[0] == '-' || word[0] == '+') return false;
-    }
-    const char* const end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(word.data(), end, value);
-    const std::string_view rest(stop, static_cast<std::size_t>(end - stop));
-    const bool negative = !word.empty() && word[0] == '-';
-    if (error == std::errc::result_out_of_range && rest.empty()) {
-        double wide = 0;
-        const auto [wide_stop, wide_error] = std::from_chars(word.data(), end, wide);
-        if (wide_stop == end && wide_error == std::errc()) {  // a double that is no float
-            value = static_cast<T>(std::abs(wide) > 1 ? std::numeric_limits<T>::infinity() : T{0});
-        } else {
-            const std::size_t exponent = word.find_first_of("eE");
-            const bool tiny = exponent != std::string_view::npos ? word.substr(exponent + 1, 1) == "-"
-                                                                 : word.find_first_of("123456789") > word.find('.');
-            value = tiny ? T{0} : std::numeric_limits<T>::infinity();
-        }
-        if (negative) value = -value;
-        return true;
-    }
-    if (error != std::errc()) return false;
-    if (rest.empty()) return true;
-    if (rest.substr(0, 4) == "#INF") {
-        value = negative ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
-        return true;
-    }
-    if (rest.substr(0, 4) == "#IND" || rest.substr(0, 5) == "#QNAN" || rest.substr(0, 5) == "#SNAN") {
-        value = std::numeric_limits<T>::quiet_NaN();
-        return true;
-    }
-    return false;
-}
-
-template <class T>
-bool parse_number(std::string_view word, T& value)
-{
-    const char* const end = word.data() + word.size();
-    const auto [stop, error] = std::from_chars(word.data(), end, value);
-    if (error == std::errc() && stop == end) return true;
-    if constexpr (std::is_floating_point_v<T>) {
-        return parse_odd_real(word, value);
-    } else {
-        // "+7", and "255.0" where a whole number was promised.
-        double real = 0;
-        if (!parse_number(word, real) || real != std::floor(real)) return false;
-        if (!(real >= static_cast<double>(std::numeric_limits<T>::min()) &&
-              real < static_cast<double>(std::numeric_limits<T>::max()) + 1.0))
-            return false;
-        value = static_cast<T>(real);
-        return true;
-    }
-}
-
-std::string_view next_word(std::string_view& line)
-{
-    const auto blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
-    const char* at = line.data();
-    const char* const end = at + line.size();
-    while (at != end && blank(*at)) ++at;
-    const char* const start = at;
-    while (at != end && !blank(*at)) ++at;
-    line = {at, static_cast<std::size_t>(end - at)};
-    return {start, static_cast<std::size_t>(at - start)};
-}
 
 std::string lower(std::string text)
 {
@@ -584,7 +383,7 @@ std::uint64_t PlyReader::take_list_length(const PlyProperty& list, const std::st
     const bool swap = header_.encoding == PlyHeader::Encoding::big_endian;
     return with_type(list.count_type, [&](auto example) {
         using T = decltype(example);
-        const T length = swap ? load<T, true>(raw.data()) : load<T, false>(raw.data());
+        const T length = swap ? load_scalar<T, true>(raw.data()) : load_scalar<T, false>(raw.data());
         if (length < T{0})
             fail(ErrorCode::bad_format, "byte " + std::to_string(at) + ": the list '" + list.name + "' of " + owner +
                                             " has " + std::to_string(length) + " entries");
@@ -617,35 +416,32 @@ void PlyReader::read_line(std::byte* record)
     if (!lines_->next(line))
         fail_line(ErrorCode::truncated,
                   "the file ends after " + std::to_string(next_) + " of " + std::to_string(info_.points) + " vertices");
-    std::string_view rest = line;
-    const auto expect_word = [&](const PlyProperty& property) {
-        const std::string_view word = next_word(rest);
-        if (word.empty())
-            fail_line(ErrorCode::bad_format,
-                      "found " + quote_bytes(line) + ", which ends before the property '" + property.name + "'");
-        return word;
+    LineWords words(line);
+    std::string_view word;
+    const auto ends_before = [&](const PlyProperty& property) {
+        fail_line(ErrorCode::bad_format,
+                  "found " + quote_bytes(line) + ", which ends before the property '" + property.name + "'");
     };
     for (const PlyProperty& property : vertices().properties) {
-        const std::string_view word = expect_word(property);
         if (property.is_list) {
             std::uint64_t length = 0;
-            if (!parse_number(word, length))
-                fail_line(ErrorCode::bad_format,
-                          "found " + quote_bytes(word) + ", expected the length of the list '" + property.name + "'");
-            for (std::uint64_t i = 0; i < length; ++i) expect_word(property);
+            if (!words.next_number(ScalarType::u64, reinterpret_cast<std::byte*>(&length), word)) {
+                if (word.empty()) ends_before(property);
+                fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + ", expected the length of the list '" +
+                                                     property.name + "'");
+            }
+            for (std::uint64_t i = 0; i < length; ++i)
+                if (words.next().empty()) ends_before(property);
             continue;
         }
-        const bool parsed = with_type(property.type, [&](auto value) {
-            if (!parse_number(word, value)) return false;
-            std::memcpy(record, &value, sizeof value);
-            return true;
-        });
-        if (!parsed)
+        if (!words.next_number(property.type, record, word)) {
+            if (word.empty()) ends_before(property);
             fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + " for the property '" + property.name +
                                                  "', expected a number of type " + std::string(name_of(property.type)));
+        }
         record += size_of(property.type);
     }
-    if (const std::string_view more = next_word(rest); !more.empty())
+    if (const std::string_view more = words.next(); !more.empty())
         fail_line(ErrorCode::bad_format,
                   "found " + quote_bytes(more) + " behind the last property, expected the end of the line");
 }
@@ -666,16 +462,16 @@ void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& 
         std::byte* to = column.data() + first * stride + target.byte;
         switch (bytes) {
             case 1:
-                copy<1, Swap>(from, record_bytes_, count, to, stride);
+                copy_scalars<1, Swap>(from, record_bytes_, count, to, stride);
                 break;
             case 2:
-                copy<2, Swap>(from, record_bytes_, count, to, stride);
+                copy_scalars<2, Swap>(from, record_bytes_, count, to, stride);
                 break;
             case 4:
-                copy<4, Swap>(from, record_bytes_, count, to, stride);
+                copy_scalars<4, Swap>(from, record_bytes_, count, to, stride);
                 break;
             default:
-                copy<8, Swap>(from, record_bytes_, count, to, stride);
+                copy_scalars<8, Swap>(from, record_bytes_, count, to, stride);
                 break;
         }
     }

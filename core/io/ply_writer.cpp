@@ -1,13 +1,12 @@
 #include "io/ply_writer.h"
 
-#include "cloud/text.h"
+#include "cloud/error.h"
 #include "io/carried_comments.h"
 #include "io/output_file.h"
 #include "io/ply_header.h"
 #include "io/record_encoder.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <utility>
 
@@ -53,8 +52,15 @@ bool has_a_meaning(const std::string& lower_name)
 
 class Plan {
 public:
-    explicit Plan(const FileInfo& cloud)
+    Plan(const std::filesystem::path& path, const FileInfo& cloud)
     {
+        // Not a list of names for each of a million components first.
+        constexpr std::size_t shortest_line = 16;
+        std::uint64_t components = 0;
+        for (const Attribute& attribute : cloud.schema) components += attribute.components;
+        if (components > longest_ply_header / shortest_line)
+            throw Error(ErrorCode::invalid_argument, path,
+                        "a PLY header has no room for the " + std::to_string(components) + " components of the attributes");
         const ScalarType position =
             cloud.position_type == ScalarType::f32 && !cloud.grid ? ScalarType::f32 : ScalarType::f64;
         for (std::size_t a = 0; a < 3; ++a)
@@ -89,7 +95,7 @@ private:
         for (std::size_t k = 0; k < names.size(); ++k) {
             // The upper half of a negative number is negative.
             const ScalarType half = attribute.type == ScalarType::i64 && k % 2 == 1 ? ScalarType::i32 : type;
-            properties.push_back({names[k], RecordField::scalar(index, k * size_of(type), half)});
+            properties.push_back({names[k], RecordField::scalars(index, k * size_of(type), half)});
         }
     }
 
@@ -129,7 +135,7 @@ std::vector<RecordField> fields_of(const Plan& plan)
 class PlyWriter final : public PointWriter {
 public:
     PlyWriter(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
-        : ascii_(options.ascii), plan_(cloud), records_(cloud, options, fields_of(plan_)), file_(path)
+        : ascii_(options.ascii), plan_(path, cloud), records_(cloud, options, fields_of(plan_)), file_(path)
     {
         Carried carried{plan_.carried, cloud.metadata};
         add_grid(cloud, carried.metadata);

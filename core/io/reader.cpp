@@ -5,6 +5,7 @@
 #include "io/e57_reader.h"
 #include "io/las_reader.h"
 #include "io/names.h"
+#include "io/pcd_reader.h"
 #include "io/ply_reader.h"
 
 #include <algorithm>
@@ -35,6 +36,8 @@ bool begins_like_ply(std::string_view start)
            std::string_view("\n\r \t").find(start[3]) != std::string_view::npos;
 }
 
+bool begins_like_pcd(std::string_view start) { return begins_with(start, "# .PCD") || begins_with(start, "VERSION "); }
+
 // Readers that have nothing to choose.
 template <std::unique_ptr<PointReader> (*open)(const std::filesystem::path&)>
 std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const ReadOptions&)
@@ -47,6 +50,7 @@ constexpr Format formats[] = {
     {"bpc", begins_like_bpc, plainly<open_bpc>},
     {"las", begins_like_las, open_las},
     {"laz", begins_like_las, open_las},
+    {"pcd", begins_like_pcd, plainly<open_pcd>},
     {"ply", begins_like_ply, plainly<open_ply>},
     {"e57", begins_like_e57, plainly<open_e57>},
 };
@@ -56,12 +60,12 @@ struct ForeignFormat {
     std::string_view name;
 };
 constexpr ForeignFormat foreign_formats[] = {
-    {"# .PCD", "a PCD file"},  {"[Expe/PointSet", "an Expe point set"},
+    {"[Expe/PointSet", "an Expe point set"},
     {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"}, {"%PDF", "a PDF file"},
     {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"pcd", "a PCD file"},  {"pts", "a PTS file"},
+    {"pts", "a PTS file"},
     {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
     {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };

@@ -88,7 +88,7 @@ RecordEncoder::RecordEncoder(const FileInfo& cloud, const WriteOptions& options,
                     std::to_string(*decimals_) + " decimals asked for, at most " +
                         std::to_string(TextOutput::most_decimals) + " can be written");
     for (const RecordField& field : fields_) {
-        const std::size_t bytes = size_of(field.type);
+        const std::size_t bytes = size_of(field.type) * field.count;
         if (!runs_.empty()) {
             Run& last = runs_.back();
             if (field.source == RecordField::Source::attribute && last.field.source == field.source &&
@@ -199,21 +199,30 @@ void RecordEncoder::append_text(const PointBatch& batch, OutputFile& file)
     text_.resize(flush_at + longest_number);
     char* to = text_.data();
     char* const end = text_.data() + text_.size();
+    const auto end_number = [&](char separator) {
+        *to++ = separator;
+        if (static_cast<std::size_t>(to - text_.data()) < flush_at) return;
+        file.append(text_.data(), static_cast<std::size_t>(to - text_.data()));
+        to = text_.data();
+    };
     for (std::size_t i = 0; i < batch.size; ++i)
         for (std::size_t f = 0; f < fields_.size(); ++f) {
             const RecordField& field = fields_[f];
-            if (field.source == RecordField::Source::position) {
-                to = put_coordinate(coordinate(batch, field.index, i), field.type, to, end);
-            } else if (field.source == RecordField::Source::attribute) {
+            const char last = f + 1 == fields_.size() ? '\n' : ' ';
+            if (field.source == RecordField::Source::attribute) {
                 const Column& column = batch.attributes[field.index];
-                to = put_scalar(field.type, column.data() + i * column.point_bytes() + field.byte, to, end);
-            } else {
-                to = std::to_chars(to, end, packed_colour(batch, field, i)).ptr;
+                const std::byte* from = column.data() + i * column.point_bytes() + field.byte;
+                for (std::uint32_t k = 0; k < field.count; ++k, from += size_of(field.type)) {
+                    to = put_scalar(field.type, from, to, end);
+                    end_number(k + 1 == field.count ? last : ' ');
+                }
+                continue;
             }
-            *to++ = f + 1 == fields_.size() ? '\n' : ' ';
-            if (static_cast<std::size_t>(to - text_.data()) < flush_at) continue;
-            file.append(text_.data(), static_cast<std::size_t>(to - text_.data()));
-            to = text_.data();
+            if (field.source == RecordField::Source::position)
+                to = put_coordinate(coordinate(batch, field.index, i), field.type, to, end);
+            else
+                to = std::to_chars(to, end, packed_colour(batch, field, i)).ptr;
+            end_number(last);
         }
     file.append(text_.data(), static_cast<std::size_t>(to - text_.data()));
 }

@@ -11,7 +11,7 @@
 
 namespace pcm {
 
-// One scalar of a record.
+// One scalar of a record, or several of one attribute in a row.
 struct RecordField {
     enum class Source { position, attribute, packed_rgb };
     Source source = Source::position;
@@ -19,12 +19,13 @@ struct RecordField {
     ScalarType type = ScalarType::f64;
     std::size_t index = 0;  // the axis; or of the attribute in the schema (of packed_rgb: u8 x 3)
     std::size_t byte = 0;   // of the attribute's bytes of a point, the first of this scalar
+    std::uint32_t count = 1;
     std::optional<std::size_t> alpha;  // packed_rgb: the attribute, u8 x 1, that is the highest byte; else 0
 
-    static RecordField axis(std::size_t axis, ScalarType type) { return {Source::position, type, axis, 0, {}}; }
-    static RecordField scalar(std::size_t attribute, std::size_t byte, ScalarType type)
+    static RecordField axis(std::size_t axis, ScalarType type) { return {Source::position, type, axis, 0, 1, {}}; }
+    static RecordField scalars(std::size_t attribute, std::size_t byte, ScalarType type, std::uint32_t count = 1)
     {
-        return {Source::attribute, type, attribute, byte, {}};
+        return {Source::attribute, type, attribute, byte, count, {}};
     }
 };
 

@@ -3,6 +3,7 @@
 #include "cloud/error.h"
 #include "io/bpc_writer.h"
 #include "io/names.h"
+#include "io/pcd_writer.h"
 #include "io/ply_writer.h"
 #include "io/pts_writer.h"
 #include "io/xyz_writer.h"
@@ -26,6 +27,7 @@ constexpr Format formats[] = {
     {"txt", create_xyz},
     {"asc", create_xyz},
     {"csv", create_xyz},
+    {"pcd", create_pcd},
     {"ply", create_ply},
 };
 

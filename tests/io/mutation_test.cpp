@@ -1,5 +1,6 @@
 // Damaged files must be read or refused, never crash, and never take memory because a header says so.
 #include "las_file.h"
+#include "lzf.h"
 
 #include <atomic>
 #include <cstdlib>
@@ -68,6 +69,26 @@ std::vector<std::string> ply_seeds()
             "w\nend_header\n3 0 1 2\n1.5 2e3 -3 4 1 7\n1 2 3 4 0\n nan inf -0 5 2 1 2\n"};
 }
 
+std::vector<std::string> pcd_seeds()
+{
+    const auto header = [](const char* encoding) {
+        return std::string("# .PCD v0.7 - Point Cloud Data file format\n# pcm attribute u u16 2 1 0 name -\nVERSION "
+                           "0.7\nFIELDS x y z rgb _ u\nSIZE 4 4 8 4 1 2\nTYPE F F F F U U\nCOUNT 1 1 1 1 3 2\nWIDTH "
+                           "3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ") +
+               encoding + "\n";
+    };
+    Bytes records, columns;
+    for (int i = 0; i < 3; ++i)
+        records.put(1.f).put(2.f).put(3.).put(0x00010203u).raw("pad").put(std::uint16_t{7}).put(std::uint16_t{8});
+    for (int i = 0; i < 93; ++i) columns.raw(i % 7 ? "a" : "b");
+    const std::string packed = lzf_compress(columns.data, 11);
+    Bytes block;
+    block.put(static_cast<std::uint32_t>(packed.size())).put(93u).raw(packed);
+    std::string lines;
+    for (int i = 0; i < 3; ++i) lines += "1.5 -2e3 nan 4.2108e+06 0 0 0 7 8\n";
+    return {header("ascii") + lines, header("binary") + records.data, header("binary_compressed") + block.data};
+}
+
 // Flips, replaces, removes and inserts some bytes, most of them near the start.
 std::string mutated(std::string bytes, std::mt19937_64& random)
 {
@@ -132,6 +153,7 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
 }
 
 TEST(Mutations, Las) { survive(las_seeds(), "las", 1, 20000); }
+TEST(Mutations, Pcd) { survive(pcd_seeds(), "pcd", 3, 20000); }
 TEST(Mutations, Ply) { survive(ply_seeds(), "ply", 2, 20000); }
 
 }  // namespace

@@ -152,11 +152,13 @@ TEST(PlyWriter, RefusesBatchesOfAnotherShape)
 TEST(PlyWriter, RefusesAttributesBeyondAnyHeader)
 {
     TemporaryFolder folder;
-    FileInfo info;
-    info.schema.add({"extra_bytes", ScalarType::u8, 60000, 1, 0, {}});
-    const Error error = error_of([&] { create_ply(folder / "a.ply", info, {}); });
-    EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
-    EXPECT_TRUE(mentions(error.what(), "a.ply")) << error.what();
+    for (const std::uint32_t components : {60000u, 4000000000u}) {
+        FileInfo info;
+        info.schema.add({"extra_bytes", ScalarType::u8, components, 1, 0, {}});
+        const Error error = error_of([&] { create_ply(folder / "a.ply", info, {}); });
+        EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+        EXPECT_TRUE(mentions(error.what(), "a.ply")) << error.what();
+    }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

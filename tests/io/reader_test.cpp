@@ -40,7 +40,7 @@ TEST(OpenReader, SaysWhatItFound)
         {"a.ply", "plymouth", ErrorCode::bad_format, "line 1"},
         {"a.dat", std::string("\x01\x02zz", 4), ErrorCode::bad_format, "\\x01\\x02zz"},
         {"a.e57", "ASTM-E57....", ErrorCode::truncated, "1024 bytes"},
-        {"a.las", "# .PCD v0.7", ErrorCode::unsupported, "PCD"},
+        {"a.las", "%PDF-1.7", ErrorCode::unsupported, "PDF"},
         {"a.xyz", "1 2 3\n", ErrorCode::unsupported, "XYZ"},
         {"a.laz", "nonsense", ErrorCode::bad_format, "LASF"},
         {"a.las", "", ErrorCode::bad_format, "empty"},

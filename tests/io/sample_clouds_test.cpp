@@ -95,6 +95,25 @@ TEST(SampleClouds, E57)
     expect_as_in_manifest("e57/", ".e57", 11);
 }
 
+TEST(SampleClouds, Pcd)
+{
+    PCM_REQUIRE_SAMPLE("MANIFEST.csv");
+    expect_as_in_manifest("pcd/", ".pcd", 14);
+    expect_as_in_manifest("primitives/", ".pcd", 5);
+    // Where the sensor saw nothing, points are there and have no position.
+    std::size_t organised = 0;
+    for (const auto& [name, fields] : manifest()) {
+        const std::size_t at = fields[4].find("; ");
+        if (at == std::string::npos || std::filesystem::path(name).extension() != ".pcd") continue;
+        ++organised;
+        const Whole whole = read_whole(sample(name));
+        std::size_t missing = 0;
+        for (std::size_t i = 0; i < whole.points.size; ++i) missing += std::isnan(whole.position(i)[0]);
+        EXPECT_EQ(missing, std::stoul(fields[4].substr(at + 2))) << name;
+    }
+    EXPECT_GE(organised, 4u);
+}
+
 TEST(SampleClouds, TheSameCloudInThreeFormats)
 {
     PCM_REQUIRE_SAMPLE("crossformat");
@@ -120,7 +139,8 @@ TEST(SampleClouds, BadFilesAreRefusedByName)
     std::size_t files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(sample("bad"))) {
         const auto extension = entry.path().extension();
-        if (extension != ".las" && extension != ".laz" && extension != ".ply") continue;
+        if (extension != ".las" && extension != ".laz" && extension != ".pcd" && extension != ".ply")
+            continue;
         ++files;
         const Error error = error_of([&] { read_whole(*open_reader(entry.path())); });
         EXPECT_TRUE(mentions(error.what(), entry.path().string())) << error.what();
@@ -136,10 +156,12 @@ TEST(SampleClouds, EdgeCases)
                                                          {"malformed_extrabytes.las", 10},
                                                          {"cube_binary_header_with_RN_newline.ply", 8},
                                                          {"empty_ok_ascii.ply", 0},
-                                                         {"simple_text.ply", 3}};
+                                                         {"simple_text.ply", 3},
+                                                         {"utm17_comma.pcd", 10},
+                                                         {"utm17_tab.pcd", 10}};
     for (const auto& entry : std::filesystem::directory_iterator(sample("edge"))) {
         const auto extension = entry.path().extension();
-        if (extension != ".las" && extension != ".ply") continue;
+        if (extension != ".las" && extension != ".pcd" && extension != ".ply") continue;
         SCOPED_TRACE(entry.path().filename());
         const auto known = readable.find(entry.path().filename().string());
         if (known != readable.end()) {

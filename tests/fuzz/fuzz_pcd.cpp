@@ -1,0 +1,8 @@
+#include "io/pcd_reader.h"
+#include "reader_input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
+{
+    pcm::fuzz::read_all(pcm::open_pcd, bytes, size);
+    return 0;
+}
