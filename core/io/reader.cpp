@@ -52,7 +52,7 @@ std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const Re
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
-    {"bpc", begins_like_bpc, plainly<open_bpc>},
+    {"bpc", begins_like_bpc, open_bpc},
     {"las", begins_like_las, open_las},
     {"laz", begins_like_las, open_las},
     {"pcd", begins_like_pcd, plainly<open_pcd>},
