@@ -51,8 +51,8 @@ void add_generate(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
     SceneOptions& options = arguments->options;
-    CLI::App* command = app.add_subcommand("generate", "Write a scan-like scene with exact ground truth as LAS");
-    command->add_option("output", arguments->output, "LAS file to write")->required();
+    CLI::App* command = app.add_subcommand("generate", "Write a scan-like scene with exact ground truth as LAS or LAZ");
+    command->add_option("output", arguments->output, "LAS or LAZ file to write")->required();
     command->add_option("-n,--points", options.points, "Number of points (default 1000000)");
     command->add_option("--origin", arguments->origin, "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
         ->delimiter(',')

@@ -30,6 +30,14 @@ constexpr double nearest_range = 0.6, farthest_range = 150;                     
 constexpr double lowest_elevation = -50.0 / 360, highest_elevation = 50.0 / 360;  // turns
 constexpr std::uint64_t block_points = 8192;
 
+struct ScannedPoint {
+    std::int32_t x = 0, y = 0, z = 0;  // on the grid
+    std::uint16_t intensity = 0;
+    std::uint8_t classification = 0;
+    std::uint16_t source_id = 0;
+    std::uint16_t red = 0, green = 0, blue = 0;
+};
+
 // Makes any point of the scan from its number alone.
 class Scanner {
 public:
@@ -38,7 +46,7 @@ public:
     {
     }
 
-    LasPoint point(std::uint64_t number) const;
+    ScannedPoint point(std::uint64_t number) const;
 
 private:
     const Site& site_;
@@ -48,7 +56,7 @@ private:
     Vec3d corner_;  // of the site, from the grid's offset
 };
 
-LasPoint Scanner::point(std::uint64_t number) const
+ScannedPoint Scanner::point(std::uint64_t number) const
 {
     // One station after the other, as real scans lie in their files; all get the same share.
     const std::uint64_t stations = site_.stations.size();
@@ -72,7 +80,7 @@ LasPoint Scanner::point(std::uint64_t number) const
     const Look look = look_at(site_, shape, exact, hit.normal, random);
     const Vec3d measured = corner_ + exact + (options_.noise * random.normal()) * ray.direction;
 
-    LasPoint point;
+    ScannedPoint point;
     std::int32_t* const to[] = {&point.x, &point.y, &point.z};
     for (std::size_t a = 0; a < 3; ++a)
         *to[a] = static_cast<std::int32_t>(std::floor(measured[a] / grid_.scale[a] + 0.5));
@@ -107,14 +115,14 @@ public:
     BlockMaker& operator=(const BlockMaker&) = delete;
 
     // The next block, or nothing when it is not ready after `patience`. Rethrows what a worker threw.
-    std::optional<std::vector<LasPoint>> next(std::chrono::milliseconds patience)
+    std::optional<std::vector<ScannedPoint>> next(std::chrono::milliseconds patience)
     {
         std::unique_lock lock(mutex_);
         ready_.wait_for(lock, patience, [&] { return failure_ || blocks_.count(taken_); });
         if (failure_) std::rethrow_exception(failure_);
         const auto found = blocks_.find(taken_);
         if (found == blocks_.end()) return std::nullopt;
-        std::vector<LasPoint> block = std::move(found->second);
+        std::vector<ScannedPoint> block = std::move(found->second);
         blocks_.erase(found);
         ++taken_;
         room_.notify_all();
@@ -135,7 +143,7 @@ private:
                     index = begun_++;
                 }
                 const std::uint64_t first = index * block_points;
-                std::vector<LasPoint> block(static_cast<std::size_t>(std::min(block_points, points_ - first)));
+                std::vector<ScannedPoint> block(static_cast<std::size_t>(std::min(block_points, points_ - first)));
                 for (std::size_t i = 0; i < block.size(); ++i) {
                     block[i] = scanner_.point(first + i);
                     if (i % 1024 == 0 && stopping_) return;
@@ -167,11 +175,69 @@ private:
     const std::uint64_t window_;
     std::mutex mutex_;
     std::condition_variable ready_, room_;
-    std::map<std::uint64_t, std::vector<LasPoint>> blocks_;  // made and not yet handed out
+    std::map<std::uint64_t, std::vector<ScannedPoint>> blocks_;  // made and not yet handed out
     std::uint64_t begun_ = 0, taken_ = 0;
     std::atomic<bool> stopping_{false};
     std::exception_ptr failure_;
     std::vector<std::thread> workers_;
+};
+
+// Turns blocks into batches with the fields of LAS point format 2.
+class BatchMaker {
+public:
+    explicit BatchMaker(const Grid& grid)
+    {
+        info_.position_type = ScalarType::i32;
+        info_.grid = grid;
+        intensity_ = add("intensity", ScalarType::u16);
+        for (const char* constant : {"return_number", "number_of_returns", "scan_direction_flag", "edge_of_flight_line"})
+            add(constant, ScalarType::u8);
+        classification_ = add("classification", ScalarType::u8);
+        for (const char* constant : {"synthetic", "key_point", "withheld"}) add(constant, ScalarType::u8);
+        add("scan_angle_rank", ScalarType::i8);
+        add("user_data", ScalarType::u8);
+        source_id_ = add("point_source_id", ScalarType::u16);
+        colour_ = add("rgb", ScalarType::u16, 3);
+        batch_.reset(info_.schema, true, block_points);
+        for (const char* one : {"return_number", "number_of_returns"}) {
+            Column& column = batch_.attributes[*info_.schema.find(one)];
+            std::fill_n(column.as<std::uint8_t>(), column.size(), std::uint8_t{1});
+        }
+    }
+
+    const FileInfo& info() const { return info_; }
+    const PointBatch& batch_of(const std::vector<ScannedPoint>& block)
+    {
+        batch_.resize(block.size());  // the last one is shorter
+        auto* const intensity = batch_.attributes[intensity_].as<std::uint16_t>();
+        auto* const classification = batch_.attributes[classification_].as<std::uint8_t>();
+        auto* const source_id = batch_.attributes[source_id_].as<std::uint16_t>();
+        auto* const colour = batch_.attributes[colour_].as<std::uint16_t>();
+        for (std::size_t i = 0; i < block.size(); ++i) {
+            const ScannedPoint& point = block[i];
+            batch_.grid_xyz[0][i] = point.x;
+            batch_.grid_xyz[1][i] = point.y;
+            batch_.grid_xyz[2][i] = point.z;
+            intensity[i] = point.intensity;
+            classification[i] = point.classification;
+            source_id[i] = point.source_id;
+            colour[3 * i] = point.red;
+            colour[3 * i + 1] = point.green;
+            colour[3 * i + 2] = point.blue;
+        }
+        return batch_;
+    }
+
+private:
+    std::size_t add(const char* name, ScalarType type, std::uint32_t components = 1)
+    {
+        info_.schema.add({name, type, components, 1, 0, {}});
+        return info_.schema.size() - 1;
+    }
+
+    FileInfo info_;
+    PointBatch batch_;
+    std::size_t intensity_ = 0, classification_ = 0, source_id_ = 0, colour_ = 0;
 };
 
 // Calls the caller's function a few times a second and throws when it says stop.
@@ -268,10 +334,10 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
     Watch watch(options.progress);
     const double side = side_of(options);
     const Grid grid = checked_grid(options, side);
-    if (options.points > std::numeric_limits<std::uint32_t>::max())
-        refuse(std::to_string(options.points) + " points asked for; LAS 1.2 holds at most 4294967295");
-
-    LasWriter writer(las, grid);  // early: an unwritable folder shows at once
+    BatchMaker batches(grid);
+    WriteOptions writing;
+    writing.threads = options.threads;
+    const auto writer = create_las(las, batches.info(), writing);  // early: an unwritable folder shows at once
     watch.report(0);
     Site site = make_site(side, options.seed);
     const Scanner scanner(site, grid, options);
@@ -281,14 +347,14 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
         BlockMaker maker(scanner, options.points, options.threads ? options.threads : processors);
         for (std::uint64_t written = 0; written < options.points;) {
             if (const auto block = maker.next(std::chrono::milliseconds(100))) {
-                writer.write(block->data(), block->size());
+                writer->write(batches.batch_of(*block));
                 written += block->size();
-                for (const LasPoint& point : *block) ++counts[point.source_id];
+                for (const ScannedPoint& point : *block) ++counts[point.source_id];
             }
             watch.report(static_cast<double>(written) / static_cast<double>(options.points));
         }
     }
-    writer.finish();
+    writer->finish();
 
     SceneReport report;
     report.primitives = std::move(site.primitives);

@@ -38,9 +38,9 @@ struct SceneReport {
     std::vector<ScenePrimitive> primitives;
 };
 
-// Writes LAS 1.2 format 2 to `las`, and the primitives as JSON beside it (`las` with the extension .truth.json) when
-// write_truth. The same options give the same bytes on every machine. Errors: those of LasWriter, invalid_argument for
-// a scene that does not fit its grid.
+// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and the primitives as JSON beside it (`las` with
+// the extension .truth.json) when write_truth. The same options give the same bytes on every machine. Errors: those of
+// create_las(), invalid_argument for a scene that does not fit its grid.
 SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm

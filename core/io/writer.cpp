@@ -2,6 +2,7 @@
 
 #include "cloud/error.h"
 #include "io/bpc_writer.h"
+#include "io/las_writer.h"
 #include "io/names.h"
 #include "io/pcd_writer.h"
 #include "io/ply_writer.h"
@@ -22,6 +23,8 @@ struct Format {
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
     {"bpc", create_bpc},
+    {"las", create_las},
+    {"laz", create_las},
     {"pts", create_pts},
     {"xyz", create_xyz},
     {"txt", create_xyz},

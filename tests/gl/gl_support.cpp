@@ -163,9 +163,7 @@ Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, i
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
                                        const std::vector<LasPoint>& points, std::uint32_t chunk_points)
 {
-    LasWriter writer(folder / (name + ".las"), grid);
-    writer.write(points.data(), points.size());
-    writer.finish();
+    write_las_points(folder / (name + ".las"), grid, points);
     BuildOptions options;
     options.chunk_points = chunk_points;
     options.threads = 2;

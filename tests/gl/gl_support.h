@@ -1,10 +1,10 @@
 // An OpenGL context without a window, a framebuffer to draw into, and small trees to draw.
 #pragma once
 
+#include "las_points.h"
 #include "support.h"
 
 #include "gl/cloud_renderer.h"
-#include "io/las_writer.h"
 
 #include <GL/glew.h>
 

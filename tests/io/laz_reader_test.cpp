@@ -1,49 +1,11 @@
 // LAZ: the same points as the LAS file it was made from, and damage that is told.
+#include "cloud_copy.h"
 #include "las_file.h"
 
 #include <algorithm>
 
 namespace pcm::test {
 namespace {
-
-bool have_laz()
-{
-    static const bool have = [] {
-        TemporaryFolder folder;
-        std::mt19937_64 random(1);
-        Bytes bytes;
-        bytes.raw(random_las(random, 2, 0, 1).bytes());
-        bytes.overwrite(104, std::uint8_t{0x80});
-        return error_of([&] { open_reader(write_file(folder / "a.laz", bytes.data)); }).code() !=
-               ErrorCode::unsupported;
-    }();
-    return have;
-}
-
-#define PCM_REQUIRE_LAZ() \
-    if (!have_laz()) GTEST_SKIP() << "this build leaves LAZ out"
-
-std::vector<Metadata> without_header(const FileInfo& info)
-{
-    std::vector<Metadata> rest;
-    for (const Metadata& block : info.metadata)
-        if (block.key != "las.header") rest.push_back(block);
-    return rest;
-}
-
-void expect_same_points(const Whole& a, const Whole& b)
-{
-    EXPECT_EQ(a.info.schema, b.info.schema);
-    EXPECT_EQ(a.info.grid, b.info.grid);
-    ASSERT_EQ(a.points.size, b.points.size);
-    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(a.points.grid_xyz[axis], b.points.grid_xyz[axis]);
-    ASSERT_EQ(a.points.attributes.size(), b.points.attributes.size());
-    for (std::size_t i = 0; i < a.points.attributes.size(); ++i) {
-        const Column &x = a.points.attributes[i], &y = b.points.attributes[i];
-        ASSERT_EQ(x.bytes(), y.bytes());
-        EXPECT_EQ(std::memcmp(x.data(), y.data(), x.bytes()), 0) << a.info.schema[i].name;
-    }
-}
 
 TEST(Laz, WithoutDecodersTheMessageSaysHowToGetThem)
 {
@@ -84,7 +46,7 @@ TEST(Laz, SamplesEqualTheirUncompressedTwins)
             SCOPED_TRACE(entry.path().filename());
             ++twins;
             const Whole las = read_whole(twin), laz = read_whole(entry.path(), 777);
-            expect_same_points(las, laz);
+            expect_same_cloud(las, laz);
             EXPECT_EQ(without_header(las.info), without_header(laz.info));
             EXPECT_EQ(las.info.promised_box, laz.info.promised_box);
             EXPECT_TRUE(mentions(laz.info.format, "LAZ")) << laz.info.format;
@@ -102,7 +64,7 @@ TEST(Laz, SamplesAreTheSameWithAnyNumberOfThreads)
         const Whole one = read_whole(*open_reader(sample(name), options), 4321);
         for (const unsigned threads : {2u, 4u, 7u, 0u}) {
             options.threads = threads;
-            expect_same_points(one, read_whole(*open_reader(sample(name), options), 10000));
+            expect_same_cloud(one, read_whole(*open_reader(sample(name), options), 10000));
         }
     }
 }

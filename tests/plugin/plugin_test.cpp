@@ -1,4 +1,5 @@
 // What the plugins do apart from MeshLab's window: documents and layers are MeshLab's own, without a view.
+#include "las_points.h"
 #include "support.h"
 
 #include "filter/tree_information.h"
@@ -9,7 +10,6 @@
 #include "host/points_layer.h"
 #include "host/proxy.h"
 #include "host/text.h"
-#include "io/las_writer.h"
 #include "io/tree_beside.h"
 #include "tree/builder.h"
 
@@ -52,17 +52,16 @@ fs::path write_las(const fs::path& path, std::size_t points, std::uint16_t red, 
 {
     Grid grid;
     grid.scale = {0.01, 0.01, 0.01};
-    LasWriter writer(path, grid);
+    std::vector<test::LasPoint> cloud(points);
     for (std::size_t i = 0; i < points; ++i) {
-        LasPoint point;
+        test::LasPoint& point = cloud[i];
         point.x = static_cast<std::int32_t>(i * 7919 % 10007);
         point.y = static_cast<std::int32_t>(i * 104729 % 10009);
         point.z = static_cast<std::int32_t>(i % 101);
         point.red = red;
         point.intensity = static_cast<std::uint16_t>(i * intensity_step);
-        writer.write(&point, 1);
     }
-    writer.finish();
+    test::write_las_points(path, grid, cloud);
     return path;
 }
 
