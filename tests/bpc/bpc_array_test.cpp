@@ -184,7 +184,7 @@ TEST_P(BpcArrayAgainstVector, RandomOperations)
                                              : new BpcArray(path, cloud_of_rows(gridded), options));
         const Columns columns(*array);
         std::vector<Row> flushed = model;
-        for (int step = 0; step < 1500; ++step) {
+        for (int step = 0; step < 600; ++step) {
             ASSERT_EQ(array->size(), model.size());
             const std::uint64_t i = model.empty() ? 0 : random() % model.size();
             switch (model.empty() ? 0 : random() % 12) {
@@ -278,14 +278,14 @@ TEST(BpcArray, MemoryStaysWithinTheBudget)
 {
     TemporaryFolder folder;
     const auto path = folder / "a.bpc";
-    write_numbered(path, 400000, 10000);
+    write_numbered(path, 150000, 10000);
     for (const bool gridded_file : {true, false}) {
-        if (!gridded_file) write_numbered(path, 400000, 10000, false);
+        if (!gridded_file) write_numbered(path, 150000, 10000, false);
         for (const bool read_ahead : {false, true}) {
             BpcArrayOptions options;
             options.chunk_points = 10000;
             options.read_ahead = read_ahead;
-            options.memory_bytes = least_memory(path, options) + (std::size_t{4} << 20);
+            options.memory_bytes = least_memory(path, options) + (std::size_t{1} << 20);
             const std::size_t before = live;
             most = before;
             {
@@ -297,17 +297,17 @@ TEST(BpcArray, MemoryStaysWithinTheBudget)
                     sum += point.position()[0];
                     point.set(columns.intensity, 7);
                 }
-                EXPECT_EQ(sum, 400000 * (1000 + 399999 / 2.0));
+                EXPECT_EQ(sum, 150000 * (1000 + 149999 / 2.0));
                 for (int i = 0; i < 300; ++i) (array)[random() % array.size()].set(columns.time, 1);
                 for (int i = 0; i < 30000; ++i) array.push_back().set(columns.intensity, 9);
-                EXPECT_GT(array.statistics().columns_spilled, 40u);
+                EXPECT_GT(array.statistics().columns_spilled, 15u);
                 EXPECT_LE(array.statistics().most_resident_bytes, options.memory_bytes);
                 array.flush();
             }
             // The thread and the small things around it are not counted in the budget.
             EXPECT_LE(most - before, options.memory_bytes + 65536) << "read ahead " << read_ahead;
             EXPECT_GT(most - before, options.memory_bytes / 3) << "a budget that is used";
-            write_numbered(path, 400000, 10000, gridded_file);
+            write_numbered(path, 150000, 10000, gridded_file);
         }
     }
 }
