@@ -59,7 +59,7 @@ private:
 
     void describe();
     void keep_metadata();
-    Pose pose_of(std::size_t scan) const;
+    Pose pose_of(std::size_t scan);
     void check_promises();
     void begin_scan();
     // Reads up to `most` records; the valid ones go to the batch from `first` on. Returns how many they were.
@@ -79,7 +79,6 @@ private:
     std::size_t scan_ = 0;  // at hand
     std::uint64_t scan_read_ = 0;
     std::optional<E57Packets> packets_;
-    std::vector<std::size_t> missing_;  // attributes that it has nothing for
     std::vector<Pose> poses_;  // of all scans
     std::vector<Numbers> numbers_;
     std::vector<std::uint32_t> valid_;      // which of the points at hand have positions
@@ -104,7 +103,6 @@ void E57Reader::describe()
     info_.schema = plan_.schema;
     info_.notes = plan_.notes;
     bool all_f32 = true, all_boxes = true;
-    std::size_t null_rotations = 0;
     Box3d box;
     for (std::size_t i = 0; i < scans; ++i) {
         const E57Scan& scan = description_.scans[i];
@@ -118,7 +116,6 @@ void E57Reader::describe()
         records_ += scan.records;
         poses_.push_back(pose_of(i));
         const Pose& pose = poses_.back();
-        null_rotations += scan.has_pose && scan.rotation == std::array<double, 4>{0, 0, 0, 0};
         if (scan.records == 0) continue;
         if (plan.cartesian_state || plan.spherical_state) info_.points_known = false;
         const bool moved = pose.turns || pose.moves || !plan.cartesian || plan.spherical;
@@ -128,9 +125,6 @@ void E57Reader::describe()
         all_boxes = all_boxes && !pose.turns && !pose.moves && scan.box && !scan.box->empty();
         if (all_boxes) box.extend(*scan.box);
     }
-    if (null_rotations)
-        info_.notes.push_back("the quaternion of " + grouped(null_rotations) +
-                              (null_rotations == 1 ? " scan" : " scans") + " is 0 0 0 0: taken for no rotation");
     info_.points = records_;
     info_.position_type = all_f32 && records_ ? ScalarType::f32 : ScalarType::f64;
     if (all_boxes && records_) info_.promised_box = box;
@@ -164,7 +158,7 @@ void E57Reader::keep_metadata()
     }
 }
 
-Pose E57Reader::pose_of(std::size_t index) const
+Pose E57Reader::pose_of(std::size_t index)
 {
     const E57Scan& scan = description_.scans[index];
     Pose pose;
@@ -183,7 +177,10 @@ Pose E57Reader::pose_of(std::size_t index) const
     // Divided by the largest first: squares of tiny and huge numbers are none.
     double largest = 0;
     for (const double number : scan.rotation) largest = std::max(largest, std::abs(number));
-    if (largest == 0) return pose;  // 0 0 0 0 is no rotation; describe() tells
+    if (largest == 0) {
+        info_.notes.push_back(scan.called(index) + ": its pose has the quaternion 0 0 0 0, taken for no rotation");
+        return pose;
+    }
     std::array<double, 4> q = scan.rotation;
     double squares = 0;
     for (double& number : q) {
@@ -221,11 +218,6 @@ void E57Reader::begin_scan()
 {
     packets_.emplace(pages_, description_.scans[scan_], description_.scans[scan_].called(scan_));
     scan_read_ = 0;
-    std::vector<bool> has(info_.schema.size());
-    for (const E57Target& target : plan_.scans[scan_].targets) has[target.attribute] = true;
-    missing_.clear();
-    for (std::size_t i = 0; i < has.size(); ++i)
-        if (!has[i] && i != plan_.scan_number) missing_.push_back(i);
 }
 
 double E57Reader::value(std::size_t field, std::size_t point) const
@@ -330,7 +322,7 @@ std::size_t E57Reader::read_piece(PointBatch& batch, std::size_t first, std::siz
         for (std::size_t a = 0; a < 3; ++a) batch.xyz[a][first + k] = p[a];
     }
     for (const E57Target& target : plan.targets) store(target, batch, first);
-    for (const std::size_t attribute : missing_) {
+    for (const std::size_t attribute : plan.missing) {
         Column& column = batch.attributes[attribute];
         std::memset(column.data() + first * column.point_bytes(), 0, valid_.size() * column.point_bytes());
     }

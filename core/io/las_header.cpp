@@ -221,6 +221,7 @@ private:
             return;
         }
         if (!needed) bytes_ += length + overhead;
+        vlr.offset = offset;
         vlr.value.resize(static_cast<std::size_t>(length));
         file_.read_at(vlr.value.data(), vlr.value.size(), offset);
         // One laszip VLR describes the points; more would be as many ways around the limit.

@@ -38,6 +38,7 @@ struct Vlr {
     std::string description;
     bool extended = false;
     std::vector<std::byte> value;
+    std::uint64_t offset = 0;  // of the value in the file that it comes from
 };
 
 // VLRs, then EVLRs, in file order. Damaged ones end the list and are noted; what is beyond 64 MB together is noted and left

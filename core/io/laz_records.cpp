@@ -281,7 +281,7 @@ private:
     }
 
     void read_vlr(const std::vector<Vlr>& vlrs);
-    void check_items(const std::byte* vlr, std::size_t count) const;
+    void check_items(const Vlr& vlr, std::size_t count) const;
     void find_chunks();
     std::uint64_t table_position() const;
     std::string read_table(std::uint64_t position);
@@ -293,6 +293,9 @@ private:
     std::vector<std::string>& notes_;
     Chunks chunks_;
 };
+
+// Where in the file, as messages begin.
+std::string byte_of(const Vlr& vlr, std::size_t in_value) { return "byte " + std::to_string(vlr.offset + in_value) + ": "; }
 
 void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
 {
@@ -306,36 +309,36 @@ void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
     const std::size_t size = vlr->value.size();
     const std::size_t count = size >= at::items ? load<std::uint16_t>(&vlr->value[at::item_count]) : 0;
     if (size < at::items + count * at::item_bytes)
-        fail(ErrorCode::bad_format, "the laszip VLR has " + std::to_string(size) + " bytes, at least " +
+        fail(ErrorCode::bad_format, "the laszip VLR at byte " + std::to_string(vlr->offset) + " has " + std::to_string(size) + " bytes, at least " +
                                         std::to_string(at::items + count * at::item_bytes) + " were expected");
     const auto compressor = load<std::uint16_t>(&vlr->value[at::compressor]);
     if (compressor < 1 || compressor > 3)
         fail(ErrorCode::unsupported,
-             "the laszip VLR names compressor " + std::to_string(compressor) + "; 1 to 3 can be read");
+             byte_of(*vlr, at::compressor) + "the laszip VLR names compressor " + std::to_string(compressor) + "; 1 to 3 can be read");
     const auto coder = load<std::uint16_t>(&vlr->value[at::coder]);
     if (coder != 0)
         fail(ErrorCode::unsupported,
-             "the laszip VLR names coder " + std::to_string(coder) + "; 0, the arithmetic coder, can be read");
+             byte_of(*vlr, at::coder) + "the laszip VLR names coder " + std::to_string(coder) + "; 0, the arithmetic coder, can be read");
     chunks_.vlr = vlr->value;
     chunks_.compressor = static_cast<laz::Compressor>(compressor);
     chunks_.chunk_points = load<std::uint32_t>(&vlr->value[at::chunk_points]);
     if (chunks_.chunk_points == 0) chunks_.chunk_points = laz::variable_chunks;
-    check_items(vlr->value.data(), count);
+    check_items(*vlr, count);
 }
 
-void LazOpener::check_items(const std::byte* vlr, std::size_t count) const
+void LazOpener::check_items(const Vlr& vlr, std::size_t count) const
 {
     const std::size_t extra = header_.record_length - record_bytes[header_.format];
     const std::vector<laz::Item> expected = laz::items_of(header_.format, extra);
     if (count != expected.size())
-        fail(ErrorCode::bad_format, "the laszip VLR lists " + std::to_string(count) + " items; records of " +
+        fail(ErrorCode::bad_format, byte_of(vlr, at::item_count) + "the laszip VLR lists " + std::to_string(count) + " items; records of " +
                                         std::to_string(header_.record_length) + " bytes of point format " +
                                         std::to_string(header_.format) + " have " + std::to_string(expected.size()));
     const bool layered = is_extended(header_.format);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::byte* from = vlr + at::items + i * at::item_bytes;
+        const std::byte* from = &vlr.value[at::items + i * at::item_bytes];
         const laz::Item item{load<std::uint16_t>(from), load<std::uint16_t>(from + 2), load<std::uint16_t>(from + 4)};
-        const std::string name = "item " + std::to_string(i + 1) + " of the laszip VLR";
+        const std::string name = byte_of(vlr, at::items + i * at::item_bytes) + "item " + std::to_string(i + 1) + " of the laszip VLR";
         if (item.type != expected[i].type || item.size != expected[i].size)
             fail(ErrorCode::bad_format, name + " is of type " + std::to_string(item.type) + " and " +
                                             std::to_string(item.size) + " bytes; type " +
@@ -348,7 +351,7 @@ void LazOpener::check_items(const std::byte* vlr, std::size_t count) const
                                              " can be read");
     }
     if ((chunks_.compressor == laz::Compressor::layered_chunked) != layered)
-        fail(ErrorCode::bad_format, "the laszip VLR names a compressor that is not for point format " +
+        fail(ErrorCode::bad_format, byte_of(vlr, at::compressor) + "the laszip VLR names a compressor that is not for point format " +
                                         std::to_string(header_.format));
     if (laz::coder_bytes(header_.format, extra) > laz::most_coder_bytes)
         fail(ErrorCode::unsupported,

@@ -20,6 +20,11 @@ FORMATS = {
     "las": ((".las",), "las_by_laspy"),
     "laz": ((".laz",), "las_by_laspy"),
     "ply": ((".ply",), "ply_by_plyfile"),
+    "pcd": ((".pcd",), "pcd_by_pypcd4"),
+    "e57": ((".e57",), "e57_by_pye57"),
+    "pts": ((".pts",), "text_by_numpy"),
+    "ptx": ((".ptx",), "text_by_numpy"),
+    "text": ((".xyz", ".txt", ".pwn", ".csv", ".asc"), "text_by_numpy"),
 }
 
 
@@ -45,7 +50,7 @@ def common_arguments(description, add=lambda parser: None):
 
 def clouds_of(data, extensions):
     """Every sample of these extensions that is a cloud to be read: bad/ and edge/ hold those that are none."""
-    return sorted(path for path in data.rglob("*") if path.suffix.lower() in extensions
+    return sorted(path for path in data.glob("*/**/*") if path.suffix.lower() in extensions
                   and path.relative_to(data).parts[0] not in ("bad", "edge"))
 
 
