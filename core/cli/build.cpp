@@ -1,4 +1,5 @@
 #include "cli/common.h"
+#include "cli/reading.h"
 #include "tree/builder.h"
 
 #include <cstdio>
@@ -9,6 +10,7 @@ namespace {
 
 struct Arguments {
     Common common;
+    ReadingOptions reading;
     std::vector<std::string> inputs;
     std::string output;
     std::uint64_t memory = std::uint64_t(1) << 30;
@@ -25,6 +27,7 @@ int build(Arguments& arguments)
         output.replace_extension(tree_extension);
     }
     arguments.options.memory_bytes = arguments.memory;
+    arguments.options.read = arguments.reading.get(arguments.options.threads);
     arguments.options.progress = console_progress(arguments.common);
     const BuildReport report =
         build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
@@ -68,6 +71,7 @@ void add_build(CLI::App& app, int& result)
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
+    arguments->reading.add_to(*command);
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = build(*arguments); });
 }

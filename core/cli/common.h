@@ -33,6 +33,7 @@ double points_per_second(const Outcome& outcome);
 void put_outcome(Json& json, const Outcome& outcome);
 
 void add_build(CLI::App& app, int& result);
+void add_convert(CLI::App& app, int& result);
 void add_info(CLI::App& app, int& result);
 void add_verify(CLI::App& app, int& result);
 void add_generate(CLI::App& app, int& result);

@@ -1,6 +1,11 @@
 #include "cli/common.h"
+#include "cli/reading.h"
+#include "cloud/error.h"
+#include "io/merged_reader.h"
+#include "io/metadata_text.h"
 #include "tree/tree.h"
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -9,12 +14,70 @@ namespace {
 
 struct Arguments {
     Common common;
-    std::string tree;
+    ReadingOptions reading;
+    std::vector<std::string> inputs;
+    unsigned threads = 0;
+    bool scan = false;
 };
 
-int info(const Arguments& arguments)
+Json attributes_of(const Schema& schema)
 {
-    const auto tree = Tree::open(arguments.tree);
+    Json attributes = Json::array();
+    for (const Attribute& attribute : schema)
+        attributes.push_back({{"name", attribute.name},
+                              {"type", name_of(attribute.type)},
+                              {"components", attribute.components},
+                              {"scale", attribute.scale},
+                              {"offset", attribute.offset}});
+    return attributes;
+}
+
+Json box_of(const Box3d& box)
+{
+    if (box.empty()) return nullptr;
+    return {{"min", box.min}, {"max", box.max}};
+}
+
+Json metadata_of(const std::vector<Metadata>& metadata)
+{
+    Json blocks = Json::array();
+    for (const Metadata& block : metadata) {
+        blocks.push_back({{"key", block.key}, {"bytes", block.value.size()}});
+        if (const std::string text = text_of(block); !text.empty()) blocks.back()["text"] = text;
+    }
+    return blocks;
+}
+
+void print_vec(const char* name, const Vec3d& v)
+{
+    std::printf("%-11s %s  %s  %s\n", name, exact(v[0]).c_str(), exact(v[1]).c_str(), exact(v[2]).c_str());
+}
+
+void print_attributes(const Schema& schema)
+{
+    std::printf("attributes ");
+    for (const Attribute& attribute : schema) {
+        std::printf(" %s:%s", attribute.name.c_str(), std::string(name_of(attribute.type)).c_str());
+        if (attribute.components > 1) std::printf("x%u", attribute.components);
+        if (attribute.scale != 1) std::printf("*%s", exact(attribute.scale).c_str());
+        if (attribute.offset != 0) std::printf("%+.17g", attribute.offset);
+    }
+    std::printf("%s\n", schema.empty() ? " none" : "");
+}
+
+void print_metadata(const std::vector<Metadata>& metadata)
+{
+    constexpr std::size_t shown = 300;  // of a text; --json has all of it
+    for (const Metadata& block : metadata) {
+        std::string text = text_of(block);
+        if (text.size() > shown) text = text.substr(0, shown) + "...";
+        std::printf("metadata    %s, %s%s%s\n", block.key.c_str(), bytes_text(block.value.size()).c_str(), text.empty() ? "" : ": ", text.c_str());
+    }
+}
+
+int tree_info(const Arguments& arguments)
+{
+    const auto tree = Tree::open(arguments.inputs[0]);
     const TreeInfo& info = tree->info();
     const Box3d bounds = info.bounds();
     const std::vector<LevelSummary> levels = tree->level_summaries();
@@ -23,22 +86,12 @@ int info(const Arguments& arguments)
         json["tree"] = tree->folder().string();
         json["points"] = info.points;
         json["points_skipped"] = info.points_skipped;
-        if (info.points) {
-            json["bounds"] = {{"min", bounds.min}, {"max", bounds.max}};
-        } else {
-            json["bounds"] = nullptr;
-        }
+        json["bounds"] = box_of(info.points ? bounds : Box3d());
         json["scale"] = info.grid.scale;
         json["origin"] = info.grid.offset;
         json["position_type"] = name_of(info.position_type);
         json["position_error"] = info.position_error;
-        json["attributes"] = Json::array();
-        for (const Attribute& attribute : info.schema)
-            json["attributes"].push_back({{"name", attribute.name},
-                                          {"type", name_of(attribute.type)},
-                                          {"components", attribute.components},
-                                          {"scale", attribute.scale},
-                                          {"offset", attribute.offset}});
+        json["attributes"] = attributes_of(info.schema);
         json["levels"] = info.levels;
         json["level"] = Json::array();
         for (const LevelSummary& level : levels)
@@ -49,6 +102,7 @@ int info(const Arguments& arguments)
                                      {"spacing_max", level.coarsest}});
         json["nodes"] = tree->nodes().size();
         json["bytes"] = info.bytes;
+        json["metadata"] = metadata_of(info.metadata);
         json["sources"] = info.sources;
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
@@ -57,9 +111,6 @@ int info(const Arguments& arguments)
     std::printf("points      %s\n", grouped(info.points).c_str());
     if (info.points_skipped)
         std::printf("skipped     %s without a finite position\n", grouped(info.points_skipped).c_str());
-    const auto print_vec = [](const char* name, const Vec3d& v) {
-        std::printf("%-11s %s  %s  %s\n", name, exact(v[0]).c_str(), exact(v[1]).c_str(), exact(v[2]).c_str());
-    };
     if (info.points) {
         print_vec("min", bounds.min);
         print_vec("max", bounds.max);
@@ -68,12 +119,8 @@ int info(const Arguments& arguments)
     print_vec("origin", info.grid.offset);
     std::printf("positions   %s, largest error %s\n", std::string(name_of(info.position_type)).c_str(),
                 exact(info.position_error).c_str());
-    std::printf("attributes ");
-    for (const Attribute& attribute : info.schema) {
-        std::printf(" %s:%s", attribute.name.c_str(), std::string(name_of(attribute.type)).c_str());
-        if (attribute.components > 1) std::printf("x%u", attribute.components);
-    }
-    std::printf("%s\n", info.schema.empty() ? " none" : "");
+    print_attributes(info.schema);
+    print_metadata(info.metadata);
     std::printf("size        %s, %.2f bytes a point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
     std::printf("level  nodes          points  points to here  spacing\n");
@@ -89,13 +136,118 @@ int info(const Arguments& arguments)
     return 0;
 }
 
+// What all points say, as opposed to headers.
+struct Scan {
+    std::uint64_t points = 0, not_finite = 0;
+    Box3d box;
+};
+
+Scan scan(PointReader& cloud, const ProgressFunction& progress)
+{
+    Scan seen;
+    PointBatch batch;
+    while (cloud.read(batch, default_batch_points)) {
+        seen.points += batch.size;
+        for (std::size_t i = 0; i < batch.size; ++i) {
+            Vec3d p;
+            for (std::size_t a = 0; a < 3; ++a)
+                p[a] = batch.gridded ? cloud.info().grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+            if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
+                seen.box.extend(p);
+            else
+                ++seen.not_finite;
+        }
+        ProgressUpdate update;
+        update.stage = "Reading points";
+        update.fraction = cloud.fraction_read();
+        if (!progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    }
+    return seen;
+}
+
+int file_info(const Arguments& arguments)
+{
+    MergedReader cloud({arguments.inputs.begin(), arguments.inputs.end()}, arguments.reading.get(arguments.threads));
+    const FileInfo& info = cloud.info();
+    std::optional<Scan> scanned;
+    if (arguments.scan) {
+        scanned = scan(cloud, console_progress(arguments.common));
+        end_progress(arguments.common);
+    }
+    if (arguments.common.json) {
+        Json json;
+        json["files"] = Json::array();
+        for (const MergedReader::Source& source : cloud.sources()) json["files"].push_back(source.path.string());
+        json["format"] = info.format;
+        json["points"] = info.points;
+        json["points_known"] = info.points_known;
+        json["promised_bounds"] = box_of(info.promised_box.value_or(Box3d()));
+        if (scanned) {
+            json["scanned"] = {{"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
+            json["peak_rss_bytes"] = peak_rss_bytes();
+        }
+        json["position_type"] = name_of(info.position_type);
+        if (info.grid) {
+            json["scale"] = info.grid->scale;
+            json["offset"] = info.grid->offset;
+        }
+        json["attributes"] = attributes_of(info.schema);
+        json["metadata"] = metadata_of(info.metadata);
+        json["notes"] = info.notes;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    if (cloud.sources().size() == 1)
+        std::printf("%s\n", cloud.sources()[0].path.string().c_str());
+    else
+        std::printf("%s files, the first %s\n", grouped(cloud.sources().size()).c_str(), cloud.sources()[0].path.string().c_str());
+    std::printf("format      %s\n", info.format.c_str());
+    if (scanned)
+        std::printf("points      %s\n", grouped(scanned->points).c_str());
+    else
+        std::printf("points      %s%s\n", info.points_known ? "" : "about ", grouped(info.points).c_str());
+    if (scanned && scanned->not_finite) std::printf("            %s without a finite position\n", grouped(scanned->not_finite).c_str());
+    if (scanned && !scanned->box.empty()) {
+        print_vec("min", scanned->box.min);
+        print_vec("max", scanned->box.max);
+    }
+    if (info.promised_box && !(scanned && scanned->box == *info.promised_box)) {
+        print_vec(scanned ? "header min" : "min", info.promised_box->min);
+        print_vec(scanned ? "header max" : "max", info.promised_box->max);
+    }
+    if (info.grid) {
+        print_vec("scale", info.grid->scale);
+        print_vec("offset", info.grid->offset);
+    }
+    std::printf("positions   %s\n", info.grid ? "i32 on a grid" : std::string(name_of(info.position_type)).c_str());
+    print_attributes(info.schema);
+    print_metadata(info.metadata);
+    for (const std::string& note : info.notes) std::printf("note        %s\n", note.c_str());
+    return 0;
+}
+
+int info(const Arguments& arguments)
+{
+    for (const std::string& input : arguments.inputs) {
+        if (!is_tree(input) && std::filesystem::path(input).extension() != std::string(".") + tree_extension) continue;
+        if (arguments.inputs.size() > 1)
+            throw Error(ErrorCode::invalid_argument, input, "this is a tree; it is looked at alone");
+        return tree_info(arguments);
+    }
+    return file_info(arguments);
+}
+
 }  // namespace
 
 void add_info(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("info", "Say what a point cloud tree holds");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    CLI::App* command = app.add_subcommand("info", "Say what a point cloud tree, or cloud files of any format, hold");
+    command->add_option("input", arguments->inputs, "A tree folder, or the index file in it; or files and folders of files, together one cloud")
+        ->required();
+    command->add_flag("--scan", arguments->scan, "Files: read all points, for the true number and box");
+    command->add_option("-t,--threads", arguments->threads, "Threads to read with (default: one a processor)");
+    arguments->reading.add_to(*command);
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = info(*arguments); });
 }

@@ -1,4 +1,4 @@
-// The pcm command: build, info, verify, generate.
+// The pcm command: build, convert, info, verify, generate.
 //
 // Exit codes: 0 all is well; 1 it is not (the message says what); 2 the command line makes no sense; 130 cancelled.
 #include "cli/common.h"
@@ -14,6 +14,7 @@ int main(int argc, char** argv)
     app.require_subcommand(1);
     int result = 0;
     pcm::cli::add_build(app, result);
+    pcm::cli::add_convert(app, result);
     pcm::cli::add_info(app, result);
     pcm::cli::add_verify(app, result);
     pcm::cli::add_generate(app, result);

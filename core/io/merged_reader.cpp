@@ -232,18 +232,29 @@ void MergedReader::describe_missing(Notes& notes)
             if (!has[k]) shape.missing.push_back(k);
         shape.same = shape.missing.empty() && std::is_sorted(shape.slots.begin(), shape.slots.end());
     }
+    // Attributes that the same files lack are one note.
+    std::map<std::vector<bool>, std::vector<std::size_t>> lacked_by;
     for (std::size_t k = 0; k < info_.schema.size(); ++k) {
+        std::vector<bool> shapes(shapes_.size());
+        for (std::size_t s = 0; s < shapes_.size(); ++s) {
+            const std::vector<std::size_t>& missing = shapes_[s].missing;
+            shapes[s] = std::binary_search(missing.begin(), missing.end(), k);
+        }
+        lacked_by[shapes].push_back(k);
+    }
+    for (const auto& [shapes, attributes] : lacked_by) {
         std::vector<std::string> names;
         std::size_t count = 0;
         for (std::size_t p = 0; p < parts_.size(); ++p) {
-            const std::vector<std::size_t>& missing = shapes_[parts_[p].shape].missing;
-            if (!std::binary_search(missing.begin(), missing.end(), k)) continue;
+            if (!shapes[parts_[p].shape]) continue;
             if (names.size() < named_files) names.push_back(file_name(sources_[p].path));
             ++count;
         }
-        if (count)
-            notes.add("attribute '" + info_.schema[k].name + "' is not in " + grouped(count) + " of " +
-                      grouped(parts_.size()) + " files and is zero there: " + Notes::list_of(names, count));
+        if (count == 0) continue;
+        std::string text = attributes.size() == 1 ? "attribute " : "attributes ";
+        for (std::size_t i = 0; i < attributes.size(); ++i) text += (i ? ", '" : "'") + info_.schema[attributes[i]].name + "'";
+        notes.add(text + (attributes.size() == 1 ? " is" : " are") + " not in " + grouped(count) + " of " + grouped(parts_.size()) +
+                  " files and zero there: " + Notes::list_of(names, count));
     }
 }
 

@@ -92,6 +92,80 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     EXPECT_EQ(pcm("build --overwrite " + path("scene.las")).code, 0);
 }
 
+TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
+{
+    write_las(folder_ / "in.las", records(Shape::volume, 5000, 1), {{0.01, 0.01, 0.01}, {0, 0, 0}});
+    const Result made = pcm("convert --json --chunk-points 1000 " + path("in.las") + " " + path("in.pct"));
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_EQ(Json::parse(made.out)["points"], 5000);
+
+    std::size_t in_box = 0;
+    for (const LasRecord& p : records(Shape::volume, 5000, 1))
+        in_box += p.x >= -20000 && p.x <= 20000 && p.y >= -30000 && p.y <= 0 && p.intensity >= 1000;
+    const Result part = pcm("convert --json " + path("in.pct") + " " + path("part.ply") +
+                            " --box -200 -300 -1e9 200 0 1e9 --where 'intensity>=1000' --attributes intensity,rgb");
+    ASSERT_EQ(part.code, 0) << part.err;
+    const Json json = Json::parse(part.out);
+    EXPECT_EQ(json["points"], in_box);
+    EXPECT_EQ(json["position_error"], 0);
+    EXPECT_EQ(json["bytes"], fs::file_size(folder_ / "part.ply"));
+    for (const char* key : {"seconds", "points_per_second", "peak_rss_bytes"}) EXPECT_GT(json[key], 0) << key;
+
+    const Result asked = pcm("info --json --scan " + path("part.ply"));
+    ASSERT_EQ(asked.code, 0) << asked.err;
+    const Json info = Json::parse(asked.out);
+    EXPECT_EQ(info["points"], in_box);
+    EXPECT_EQ(info["scanned"]["points"], in_box);
+    EXPECT_GE(info["scanned"]["bounds"]["min"][0], -200);
+    EXPECT_LE(info["scanned"]["bounds"]["max"][1], 0);
+    ASSERT_EQ(info["attributes"].size(), 2u);
+    EXPECT_EQ(info["attributes"][0]["name"], "intensity");
+
+    const Result text = pcm("convert --overwrite --where classification=1,2 " + path("in.pct") + " " + path("part.ply"));
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_NE(text.out.find("part.ply: "), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("largest position error 0"), std::string::npos) << text.out;
+}
+
+TEST_F(CliTest, ConvertRefusesWithTheReason)
+{
+    write_las(folder_ / "in.las", records(Shape::surface, 100, 1), {});
+    const auto refused = [&](const std::string& arguments, int code, const std::string& reason) {
+        const Result result = pcm("convert " + arguments);
+        EXPECT_EQ(result.code, code) << arguments;
+        EXPECT_NE(result.err.find(reason), std::string::npos) << arguments << ": " << result.err;
+    };
+    const std::string in = path("in.las") + " ";
+    refused(in, 2, "an input and an output");
+    refused(in + path("in.las"), 1, "this is the input");
+    refused(in + path("out.stl"), 1, "writable are");
+    refused(in + path("out.ply") + " --where intensty=3", 1, "intensity");
+    refused(in + path("out.ply") + " --where intensity", 1, "no =");
+    refused(in + path("out.ply") + " --box 1 2 3", 2, "--box");
+    refused(in + path("out.ply") + " --box 1 2 3 0 5 6", 1, "along x");
+    refused(in + path("out.ply") + " --level 2", 1, "levels are those of");
+    refused(in + path("out.ply") + " --grid 0.01", 1, "grid");
+    refused(in + path("out.ply") + " --separator xx", 1, "'xx'");
+    refused(path("no.las") + " " + path("out.ply"), 1, "no.las");
+    EXPECT_FALSE(fs::exists(folder_ / "out.ply"));
+}
+
+TEST_F(CliTest, InfoOfFiles)
+{
+    fs::create_directory(folder_ / "tiles");
+    write_las(folder_ / "tiles" / "a.las", records(Shape::surface, 100, 1), {});
+    write_las(folder_ / "tiles" / "b.las", records(Shape::surface, 50, 1), {});
+    const Result one = pcm("info " + path("tiles/a.las"));
+    ASSERT_EQ(one.code, 0) << one.err;
+    for (const char* word : {"LAS 1.2, point format 2", "100", "intensity:u16", "rgb:u16x3", "i32 on a grid"})
+        EXPECT_NE(one.out.find(word), std::string::npos) << one.out;
+    const Result all = pcm("info --json --scan " + path("tiles"));
+    ASSERT_EQ(all.code, 0) << all.err;
+    EXPECT_EQ(Json::parse(all.out)["points"], 150);
+    EXPECT_EQ(Json::parse(all.out)["scanned"]["points"], 150);
+    EXPECT_EQ(Json::parse(all.out)["files"].size(), 2u);
+}
+
 TEST_F(CliTest, ADamagedTreeHasFaultsAndExitCodeOne)
 {
     write_las(folder_ / "in.las", records(Shape::surface, 5000, 1), {});

@@ -1,0 +1,134 @@
+#include "convert/convert.h"
+
+#include "cli/common.h"
+#include "cli/reading.h"
+#include "cloud/error.h"
+#include "tree/tree.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    ReadingOptions reading;
+    std::vector<std::string> paths;  // inputs, then the output
+    std::vector<double> box, scale, offset;
+    double step = 0;
+    std::vector<std::string> where;
+    std::uint64_t memory = std::uint64_t(1) << 30;
+    unsigned threads = 0;
+    ConvertOptions options;
+};
+
+Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+void take_grid(const Arguments& arguments, ConvertOptions& options)
+{
+    std::vector<double> scale = arguments.scale;
+    if (arguments.step != 0) scale = {arguments.step, arguments.step, arguments.step};
+    for (const double s : scale)
+        if (!(s > 0)) throw Error(ErrorCode::invalid_argument, {}, "the steps of a grid are positive");
+    if (!arguments.offset.empty()) {
+        if (scale.empty()) throw Error(ErrorCode::invalid_argument, {}, "an offset goes with a scale", "say --scale too");
+        options.write.grid = Grid{vector_of(scale), vector_of(arguments.offset)};
+    } else if (!scale.empty()) {
+        options.scale = vector_of(scale);
+    }
+}
+
+int convert(Arguments& arguments)
+{
+    if (arguments.paths.size() < 2) throw CLI::ValidationError("paths", "an input and an output are needed");
+    ConvertOptions& options = arguments.options;
+    const std::string output = arguments.paths.back();
+    const std::vector<std::filesystem::path> inputs(arguments.paths.begin(), arguments.paths.end() - 1);
+    options.cloud.read = arguments.reading.get(arguments.threads);
+    options.write.threads = options.threads = arguments.threads;
+    options.memory_bytes = arguments.memory;
+    if (!arguments.box.empty())
+        options.cloud.selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]},
+                                            {arguments.box[3], arguments.box[4], arguments.box[5]}};
+    for (const std::string& condition : arguments.where) options.cloud.selection.where.push_back(parse_condition(condition));
+    take_grid(arguments, options);
+    options.progress = console_progress(arguments.common);
+
+    const ConvertReport report = pcm::convert(inputs, output, options);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        Json json;
+        json["output"] = output;
+        put_outcome(json, report.outcome);
+        json["points_selected"] = report.outcome.points_in;
+        json["points_skipped"] = report.points_skipped;
+        json["bytes"] = report.bytes;
+        json["position_error"] = report.outcome.error;
+        if (report.grid) json["grid"] = {{"scale", report.grid->scale}, {"offset", report.grid->offset}};
+        json["notes"] = report.notes;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s points in %.1f s (%.2f M points/s), %s\n", output.c_str(), grouped(report.outcome.points_out).c_str(),
+                report.outcome.seconds, points_per_second(report.outcome) / 1e6, bytes_text(report.bytes).c_str());
+    if (report.grid)
+        std::printf("grid chosen: scale %s, offset %s\n", exact(report.grid->scale).c_str(), exact(report.grid->offset).c_str());
+    std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
+                bytes_text(peak_rss_bytes()).c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    ConvertOptions& options = arguments->options;
+    CLI::App* command = app.add_subcommand("convert", "Write clouds of any format, or trees, as a file of another, or as a tree");
+    std::string writable = tree_extension;
+    for (const std::string& extension : writable_extensions()) writable += ", " + extension;
+    command->add_option("paths", arguments->paths,
+                        "Files, folders of files or trees, together one cloud; last the output, whose extension says the format: " + writable)
+        ->required();
+
+    const char* group = "What is taken";
+    command->add_option("--level", options.cloud.level, "Of trees: the cloud at this level")->group(group);
+    command->add_option("--max-points", options.cloud.max_points, "Of a tree: its deepest level with at most so many points")->group(group);
+    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
+        ->expected(6)
+        ->group(group);
+    command->add_option("--where", arguments->where,
+                        "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
+                        "of several all")
+        ->allow_extra_args(false)
+        ->group(group);
+    command->add_option("--attributes,--keep", options.cloud.selection.keep, "Only these attributes, names between commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->group(group);
+    command->add_option("--drop", options.cloud.selection.drop, "All attributes but these, names between commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->group(group);
+
+    group = "How it is written";
+    command->add_option("--grid", arguments->step, "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
+        ->group(group);
+    command->add_option("--scale", arguments->scale, "LAS, LAZ: steps x y z")->expected(3)->excludes("--grid")->group(group);
+    command->add_option("--offset", arguments->offset, "LAS, LAZ: offset x y z of the grid")->expected(3)->group(group);
+    command->add_option("--decimals", options.write.decimals, "Text: digits after the point (default: as many as are exact)")->group(group);
+    command->add_flag("--ascii", options.write.ascii, "PLY, PCD: text instead of binary")->group(group);
+    command->add_option("-m,--memory", arguments->memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
+        ->transform(CLI::AsSizeValue(false))
+        ->group(group);
+    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 100000)")->group(group);
+    command->add_flag("--overwrite", options.overwrite, "Replace the output if it is there")->group(group);
+    command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
+    arguments->reading.add_to(*command);
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = convert(*arguments); });
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,35 @@
+#include "cli/reading.h"
+
+#include "cloud/error.h"
+
+namespace pcm::cli {
+
+void ReadingOptions::add_to(CLI::App& command)
+{
+    const char* const group = "Text files (detected where not given)";
+    command.add_option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")->group(group);
+    command.add_option("--separator", separator_, "space (any run of blanks), tab, comma, semicolon, or the character itself")->group(group);
+    command.add_option("--skip-lines", skip_lines_, "Lines before the first point")->group(group);
+    command.add_option("--colour-range", colour_range_, "Largest value of a colour: 1, 255 or 65535")->group(group);
+}
+
+ReadOptions ReadingOptions::get(unsigned threads) const
+{
+    ReadOptions options;
+    options.threads = threads;
+    if (!columns_.empty()) options.text.columns = parse_columns(columns_);
+    if (!separator_.empty()) {
+        const std::string& s = separator_;
+        const char c = s == "space" ? ' ' : s == "tab" || s == "\\t" ? '\t' : s == "comma" ? ',' : s == "semicolon" ? ';' : s.size() == 1 ? s[0] : '\0';
+        if (c != ' ' && c != '\t' && c != ',' && c != ';')
+            throw Error(ErrorCode::invalid_argument, {}, "'" + s + "' does not separate columns", "use space, tab, comma or semicolon");
+        options.text.separator = c;
+    }
+    options.text.skip_lines = skip_lines_;
+    if (colour_range_ && *colour_range_ != 1 && *colour_range_ != 255 && *colour_range_ != 65535)
+        throw Error(ErrorCode::invalid_argument, {}, "the largest colour is 1, 255 or 65535");
+    options.text.colour_range = colour_range_;
+    return options;
+}
+
+}  // namespace pcm::cli

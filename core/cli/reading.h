@@ -1,0 +1,25 @@
+// How inputs are read: options that the commands share.
+#pragma once
+
+#include "cli/common.h"
+#include "io/reader.h"
+
+#include <optional>
+#include <string>
+
+namespace pcm::cli {
+
+class ReadingOptions {
+public:
+    // --columns, --separator, --skip-lines, --colour-range.
+    void add_to(CLI::App& command);
+    // Throws Error(invalid_argument).
+    ReadOptions get(unsigned threads) const;
+
+private:
+    std::string columns_, separator_;
+    std::optional<std::size_t> skip_lines_;
+    std::optional<double> colour_range_;
+};
+
+}  // namespace pcm::cli

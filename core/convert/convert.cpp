@@ -1,0 +1,168 @@
+#include "convert/convert.h"
+
+#include "cloud/error.h"
+#include "cloud/text.h"
+#include "convert/open_cloud.h"
+#include "convert/output_grid.h"
+#include "io/names.h"
+#include "tree/builder.h"
+#include "tree/crew.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path without_slash(const fs::path& path) { return path.filename().empty() ? path.parent_path() : path; }
+
+bool is_one_of(std::string_view extension, std::initializer_list<std::string_view> extensions)
+{
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+bool has_grid(std::string_view extension) { return is_one_of(extension, {"las", "laz"}); }
+
+// An option that would do nothing is a mistake of the user's.
+void refuse_idle_options(const ConvertOptions& options, const fs::path& output, const std::string& extension)
+{
+    const auto refuse = [&](const std::string& what) {
+        throw Error(ErrorCode::invalid_argument, output, what + ", not to ." + extension);
+    };
+    if ((options.write.grid || options.scale) && !has_grid(extension)) refuse("a grid goes to .las and .laz");
+    if (options.write.decimals && !is_one_of(extension, {"xyz", "txt", "asc", "csv", "pts"})) refuse("decimals go to text formats");
+    if (options.write.ascii && !is_one_of(extension, {"ply", "pcd"})) refuse("ascii goes to .ply and .pcd");
+}
+
+void refuse_bad_selection(const Selection& selection)
+{
+    if (!selection.box) return;
+    for (std::size_t a = 0; a < 3; ++a)
+        if (!(selection.box->min[a] <= selection.box->max[a]))
+            throw Error(ErrorCode::invalid_argument, {},
+                        "the box holds nothing: along " + std::string(1, "xyz"[a]) + " it goes from " +
+                            exact(selection.box->min[a]) + " to " + exact(selection.box->max[a]),
+                        "give the smaller corner first");
+}
+
+void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, bool overwrite)
+{
+    std::error_code error;
+    const fs::file_status status = fs::status(output, error);
+    if (!fs::exists(status)) return;
+    for (const fs::path& input : inputs)
+        if (fs::equivalent(input, output, error))
+            throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too", "choose another name");
+    if (!overwrite) throw Error(ErrorCode::exists, output, "the output is there already", "choose another name, or overwrite it");
+    if (extension_of(output) != tree_extension && !fs::is_regular_file(status))
+        throw Error(ErrorCode::exists, output, "the output's name is that of something that is not a file", "choose another name");
+}
+
+// Leaves the points with three finite coordinates.
+void drop_not_finite(PointBatch& batch)
+{
+    if (batch.gridded) return;
+    std::vector<std::uint32_t> finite;
+    for (std::size_t i = 0; i < batch.size; ++i)
+        if (std::isfinite(batch.xyz[0][i]) && std::isfinite(batch.xyz[1][i]) && std::isfinite(batch.xyz[2][i]))
+            finite.push_back(static_cast<std::uint32_t>(i));
+    if (finite.size() < batch.size) keep_points(batch, finite);
+}
+
+void append(std::vector<std::string>& notes, std::vector<std::string> more)
+{
+    for (std::string& note : more)
+        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
+}
+
+ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+{
+    const auto cloud = sources.open();
+    BuildOptions build;
+    build.memory_bytes = options.memory_bytes;
+    build.threads = options.threads;
+    build.chunk_points = options.chunk_points;
+    build.overwrite = options.overwrite;
+    build.progress = options.progress;
+    const BuildReport built = build_tree(*cloud, sources.names(), output, build);
+    ConvertReport report;
+    report.outcome = built.outcome;
+    report.points_skipped = built.points_skipped;
+    report.bytes = built.bytes;
+    report.notes = built.notes;
+    return report;
+}
+
+ConvertReport convert_to_file(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+{
+    Watch watch(options.progress);
+    ConvertReport report;
+    WriteOptions write = options.write;
+    auto cloud = sources.open();
+    report.notes = cloud->info().notes;
+    const bool gridded = has_grid(extension_of(output));
+    double done = 0;  // of the whole, before the points are written
+    if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
+        const OutputGrid chosen = choose_output_grid(*cloud, options.scale, [&](double fraction) {
+            watch.report("Finding the grid of the positions", 0.4 * fraction);
+        });
+        write.grid = report.grid = chosen.grid;
+        append(report.notes, chosen.notes);
+        if (chosen.points_read) {
+            done = 0.4;
+            cloud = sources.open();
+        }
+    }
+    const std::unique_ptr<PointWriter> writer = create_writer(output, cloud->info(), write);
+    PointBatch batch;
+    while (cloud->read(batch, default_batch_points)) {
+        report.outcome.points_in += batch.size;
+        if (gridded) drop_not_finite(batch);
+        report.outcome.points_out += batch.size;
+        if (batch.size) writer->write(batch);
+        watch.report("Writing points", done + (0.99 - done) * cloud->fraction_read());
+    }
+    writer->finish();
+    report.points_skipped = report.outcome.points_in - report.outcome.points_out;
+    if (report.points_skipped)
+        report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");
+    append(report.notes, writer->notes());
+    report.outcome.error = writer->position_error();
+    report.outcome.error_meaning = "largest position error, source units";
+    std::error_code error;
+    report.bytes = fs::file_size(output, error);
+    if (error) report.bytes = 0;
+    report.outcome.seconds = watch.seconds();
+    watch.report("Done", 1);
+    return report;
+}
+
+}  // namespace
+
+std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, const CloudOptions& options)
+{
+    return CloudSources(inputs, options).open();
+}
+
+ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output_as_given, const ConvertOptions& options)
+{
+    const fs::path output = without_slash(output_as_given);
+    const std::string extension = extension_of(output);
+    refuse_idle_options(options, output, extension);
+    refuse_bad_selection(options.cloud.selection);
+    const CloudSources sources(inputs, options.cloud);
+    refuse_output(sources.paths(), output, options.overwrite);
+    const bool to_tree = extension == tree_extension;
+    const std::vector<std::string> writable = writable_extensions();
+    if (!to_tree && std::find(writable.begin(), writable.end(), extension) == writable.end())
+        create_writer(output, {}, {});  // says which there are
+    return to_tree ? convert_to_tree(sources, output, options) : convert_to_file(sources, output, options);
+}
+
+}  // namespace pcm

@@ -1,0 +1,90 @@
+#include "convert/open_cloud.h"
+
+#include "cloud/error.h"
+#include "tree/tree_reader.h"
+
+#include <algorithm>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path folder_of_tree(const fs::path& path)
+{
+    if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
+    return path.filename().empty() ? path.parent_path() : path;
+}
+
+unsigned chunks_ahead(const ReadOptions& read)
+{
+    const unsigned threads = read.threads ? read.threads : std::thread::hardware_concurrency();
+    return std::clamp(threads, 1u, 8u);
+}
+
+std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions& options, const Selection& selection)
+{
+    const auto tree = Tree::open(path);
+    std::optional<std::uint16_t> level = options.level;
+    if (level && tree->info().levels && *level >= tree->info().levels)
+        throw Error(ErrorCode::invalid_argument, path,
+                    "level " + std::to_string(*level) + " asked for; this tree has levels 0 to " +
+                        std::to_string(tree->info().levels - 1));
+    if (options.max_points) level = tree->level_with_at_most(*options.max_points);
+    return std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));
+}
+
+}  // namespace
+
+CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptions& options) : options_(options)
+{
+    for (const fs::path& input : inputs) {
+        if (is_tree(input)) {
+            paths_.push_back(folder_of_tree(input));
+            is_tree_.push_back(true);
+            continue;
+        }
+        if (options.level || options.max_points)
+            throw Error(ErrorCode::invalid_argument, input, "levels are those of point cloud trees, and this is none",
+                        "build a tree of it first with 'pcm build'");
+        for (fs::path& file : expand_inputs({input})) {
+            paths_.push_back(std::move(file));
+            is_tree_.push_back(false);
+        }
+    }
+    if (paths_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
+    if (options.level && options.max_points)
+        throw Error(ErrorCode::invalid_argument, {}, "a level and a number of points were given; only one can choose");
+    if (options.max_points && paths_.size() > 1)
+        throw Error(ErrorCode::invalid_argument, {}, "a number of points chooses a level of one tree; there are more inputs");
+}
+
+std::unique_ptr<PointReader> CloudSources::open() const
+{
+    const Selection& selection = options_.selection;
+    if (paths_.size() == 1 && is_tree_[0]) return open_tree(paths_[0], options_, selection);
+    Selection box;  // of trees only what the box touches is read
+    box.box = selection.box;
+    std::vector<MergedReader::Source> sources;
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+        if (is_tree_[i])
+            sources.push_back({paths_[i], [path = paths_[i], options = options_, box] { return open_tree(path, options, box); }});
+        else
+            sources.push_back({paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
+    }
+    auto merged = std::make_unique<MergedReader>(std::move(sources));
+    if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
+    return std::make_unique<SelectedReader>(std::move(merged), selection);
+}
+
+std::vector<std::string> CloudSources::names() const
+{
+    std::vector<std::string> names;
+    for (const fs::path& path : paths_) names.push_back(path.filename().string());
+    return names;
+}
+
+}  // namespace pcm
