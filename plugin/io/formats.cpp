@@ -33,6 +33,7 @@ constexpr Description descriptions[] = {
     {"txt", "TXT points as text"},
     {"asc", "ASC points as text"},
     {"csv", "CSV points as text"},
+    {"pwn", "PWN points with normals as text"},
 };
 
 QList<MeshIOInterface::Format> described(const std::vector<std::string>& extensions)

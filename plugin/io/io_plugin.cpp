@@ -4,6 +4,7 @@
 #include "host/operation.h"
 #include "host/shading.h"
 #include "host/text.h"
+#include "io/export.h"
 #include "io/formats.h"
 #include "io/import.h"
 #include "io/stock.h"
@@ -119,14 +120,71 @@ void PointCloudIo::say(GLLogStream::Levels level, const std::string& line, const
     std::fflush(stdout);
 }
 
-void PointCloudIo::GetExportMaskCapability(QString&, int& capability, int& defaults) const
+QList<MeshIOInterface::Format> PointCloudIo::exportFormats() const { return export_formats(); }
+
+MeshIOInterface* PointCloudIo::exporter_instead(const QString& format, const MeshModel& layer) const
 {
-    capability = defaults = 0;
+    return is_ours_to_write(layer) ? nullptr : stock_exporter(format, this);
 }
 
-bool PointCloudIo::save(const QString&, const QString&, MeshModel&, const int, const RichParameterList&,
-                        vcg::CallBackPos*, QWidget*)
+void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, RichParameterList& parameters)
 {
-    errorMessage = "point clouds cannot be saved by this plugin";
-    return false;
+    if (auto* stock = exporter_instead(format, layer))
+        stock->initSaveParameter(format, layer, parameters);
+    else
+        add_export_settings(parameters, format.toLower().toStdString(), layer);
+}
+
+// MeshLab does not say which layer it asks for: what either of the exporters can write.
+void PointCloudIo::GetExportMaskCapability(QString& format, int& capability, int& defaults) const
+{
+    capability = defaults = export_mask();
+    if (auto* stock = stock_exporter(format, this)) {
+        stock->GetExportMaskCapability(format, capability, defaults);
+        capability |= export_mask();
+    }
+}
+
+bool PointCloudIo::save(const QString& format, const QString& file_name, MeshModel& layer, const int mask,
+                        const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent)
+{
+    errorMessage.clear();
+    const std::filesystem::path path = absolute_path(file_name);
+    try {
+        Operation::refuse_second();
+        if (auto* stock = exporter_instead(format, layer))
+            return hand_over_save(*stock, format, file_name, layer, mask, parameters, callback, parent);
+        // Without -m meshlabserver asks for nothing at all; then everything is meant.
+        const int wanted = mask == 0 && !parent ? export_mask() : mask;
+        Operation operation(callback);
+        for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
+            say(GLLogStream::FILTER, line, parent);
+        return true;
+    } catch (...) {
+        const std::string error = error_about(path);
+        errorMessage = QString::fromStdString(error);
+        say(GLLogStream::WARNING, "Cannot save " + error, parent);
+        return false;
+    }
+}
+
+bool PointCloudIo::hand_over_save(MeshIOInterface& stock, const QString& format, const QString& file_name,
+                                  MeshModel& layer, int mask, const RichParameterList& parameters,
+                                  vcg::CallBackPos* callback, QWidget* parent)
+{
+    stock.setLog(&layer.parent->Log);
+    stock.clearErrorString();
+    QString name = format;
+    int capability = 0, defaults = 0;
+    stock.GetExportMaskCapability(name, capability, defaults);
+    const bool saved = stock.save(format, file_name, layer, mask & capability, parameters, callback, parent);
+    errorMessage = stock.errorMsg();
+    stock.clearErrorString();
+    const auto origin = Registry::instance().origin_of(*layer.parent);
+    if (saved && origin && *origin != Vec3d{0, 0, 0})
+        say(GLLogStream::WARNING,
+            "MeshLab has written the mesh as it is shown: relative to the origin " + exact(*origin) +
+                " if it was made of a cloud of this project.",
+            parent);
+    return saved;
 }

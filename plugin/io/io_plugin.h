@@ -15,10 +15,11 @@ class PointCloudIo : public QObject, public MeshIOInterface {
 public:
     QString pluginName() const override { return "IOPointCloud"; }
     QList<Format> importFormats() const override;
-    QList<Format> exportFormats() const override { return {}; }
+    QList<Format> exportFormats() const override;
     void initGlobalParameterSet(QAction*, RichParameterList& parameters) override;
     void initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters) override;
     void initOpenParameter(const QString& format, MeshModel& layer, RichParameterList& parameters) override;
+    void initSaveParameter(const QString& format, MeshModel& layer, RichParameterList& parameters) override;
     void GetExportMaskCapability(QString& format, int& capability, int& defaults) const override;
 
     bool open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
@@ -31,4 +32,8 @@ private:
     void say(GLLogStream::Levels level, const std::string& line, const QWidget* window);
     bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
                         int& mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
+    // MeshLab's exporter, where it is the one to write this layer; else null.
+    MeshIOInterface* exporter_instead(const QString& format, const MeshModel& layer) const;
+    bool hand_over_save(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
+                        int mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
 };

@@ -31,6 +31,10 @@ class Run:
     def times(self):
         return {m[1]: int(m[2]) for m in re.finditer(r"driver: time (\S+) (\d+) ms", self.text)}
 
+    def layers(self):
+        """What the driver's print-layers printed."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: layer (\{.*\})", self.text)]
+
     def memory(self):
         found = re.finditer(r"driver: memory (\S+) now (\d+) peak (\d+)", self.text)
         return {m[1]: (int(m[2]), int(m[3])) for m in found}
@@ -48,6 +52,17 @@ def different(a, b):
     """The share of pixels in which two pictures differ; 1 when their sizes do."""
     done = subprocess.run([str(COMPARE), str(a), str(b)], capture_output=True, text=True, timeout=60, check=True)
     return json.loads(done.stdout)["different"]
+
+
+SAMPLES = SOURCE / ".." / "shared" / "data"
+
+
+def sample(name):
+    """A file of the samples, or the test is skipped."""
+    path = (SAMPLES / name).resolve()
+    if not path.exists():
+        raise unittest.SkipTest(f"there is no sample {name}")
+    return path
 
 
 # Driver commands for a picture that depends on nothing but the cloud: no budget of time, so that the view is complete

@@ -6,8 +6,12 @@
 
 #include <QAbstractButton>
 #include <QApplication>
+#include <QCheckBox>
 #include <QComboBox>
 #include <QFile>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
@@ -111,7 +115,11 @@ QString TestDriver::log() const
 
 QWidget* TestDriver::field(const QString& parameter) const
 {
-    // A filter's dialog shows a grid: the parameter's label, and beside it what one types or chooses in.
+    // A filter's dialog shows a grid: the parameter's label, and beside it what one types or chooses in. A box to tick
+    // has the label itself.
+    for (QWidget* widget : qApp->allWidgets())
+        if (auto* tick = qobject_cast<QCheckBox*>(widget))
+            if (tick->isVisible() && tick->text().startsWith(parameter)) return tick;
     for (QWidget* widget : qApp->allWidgets()) {
         auto* label = qobject_cast<QLabel*>(widget);
         if (!label || !label->isVisible() || !label->text().remove(QRegExp("<[^>]*>")).startsWith(parameter)) continue;
@@ -234,7 +242,31 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         if (drawn) say(QString("time first-picture %1 ms").arg(opened_.elapsed()));
         return until(drawn, "a first picture");
     }
-    if (command == "parameter") {  // parameter Name = value: one of MeshLab's global parameters that is a number
+    if (command == "export" || command == "export-asking") {  // the current layer; asking for what is to be written
+        const bool everything = command == "export";
+        QMetaObject::invokeMethod(window(), "saveAs", Qt::QueuedConnection, Q_ARG(QString, argument),
+                                  Q_ARG(bool, everything));
+        return Done::yes;
+    }
+    if (command == "print-layers") {
+        for (const MeshModel* layer : document()->meshList) {
+            QStringList attributes;
+            for (const auto& attribute : layer->cm.vert_attr) attributes << QString::fromStdString(attribute._name);
+            Box3m box;
+            for (const auto& vertex : layer->cm.vert) box.Add(vertex.cP());
+            QJsonObject described{{"label", layer->label()},
+                                  {"vertices", layer->cm.vn},
+                                  {"faces", layer->cm.fn},
+                                  {"min", QJsonArray{box.min[0], box.min[1], box.min[2]}},
+                                  {"max", QJsonArray{box.max[0], box.max[1], box.max[2]}},
+                                  {"colours", layer->hasDataMask(MeshModel::MM_VERTCOLOR)},
+                                  {"quality", layer->hasDataMask(MeshModel::MM_VERTQUALITY)},
+                                  {"attributes", QJsonArray::fromStringList(attributes)}};
+            say("layer " + QJsonDocument(described).toJson(QJsonDocument::Compact));
+        }
+        return Done::yes;
+    }
+    if (command == "parameter") {  // parameter Name = value: one of MeshLab's global parameters
         const QString name = argument.section('=', 0, 0).trimmed();
         auto* parameters = const_cast<RichParameterList*>(area()->glas.currentGlobalParamSet);
         if (!parameters->hasParameter(name)) fail("no parameter '" + name + "'");
@@ -244,6 +276,8 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
             parameters->setValue(name, FloatValue(static_cast<float>(number)));
         else if (value.isEnum())
             parameters->setValue(name, EnumValue(static_cast<int>(number)));
+        else if (value.isString())
+            parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
         else
             parameters->setValue(name, IntValue(static_cast<int>(number)));
         area()->update();
@@ -290,6 +324,8 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         } else if (auto* combo = qobject_cast<QComboBox*>(widget)) {
             if (combo->findText(value) < 0) fail("'" + parameter + "' offers no '" + value + "'");
             combo->setCurrentText(value);
+        } else if (auto* tick = qobject_cast<QCheckBox*>(widget)) {
+            tick->setChecked(value == "on");
         }
         return Done::yes;
     }

@@ -1,0 +1,205 @@
+#include "io/export.h"
+
+#include "cloud/error.h"
+#include "host/layer_reader.h"
+#include "host/registry.h"
+#include "host/text.h"
+#include "io/formats.h"
+#include "io/writer.h"
+#include "tree/tree_reader.h"
+
+#include <wrap/io_trimesh/io_mask.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace pcm::host {
+
+namespace {
+
+// Names of parameters. MeshLab sets the first by itself from meshlabserver's option -m sa.
+const QString binary = "Binary";
+const QString selected_only = "SelectedOnly";
+const QString level = "Level";
+const QString box = "Box";
+const QString where = "Where";
+const QString decimals = "Decimals";
+
+Vec3d three_numbers(const QStringList& numbers, int from)
+{
+    Vec3d v{};
+    for (int a = 0; a < 3; ++a) {
+        bool good = false;
+        v[static_cast<std::size_t>(a)] = numbers[from + a].toDouble(&good);
+        if (!good)
+            throw Error(ErrorCode::invalid_argument, {},
+                        "the box has '" + numbers[from + a].toStdString() + "' where a number was expected");
+    }
+    return v;
+}
+
+std::optional<Box3d> parse_box(const QString& text)
+{
+    const QStringList numbers = text.simplified().split(' ', Qt::SkipEmptyParts);
+    if (numbers.isEmpty()) return std::nullopt;
+    if (numbers.size() != 6)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "the box has " + std::to_string(numbers.size()) + " numbers, not 6",
+                    "give the smallest x y z, then the largest x y z");
+    const Box3d parsed{three_numbers(numbers, 0), three_numbers(numbers, 3)};
+    if (parsed.empty())
+        throw Error(ErrorCode::invalid_argument, {}, "the box is empty: a largest coordinate is below the smallest");
+    return parsed;
+}
+
+Selection selection_of(const RichParameterList& parameters)
+{
+    Selection selection;
+    selection.box = parse_box(parameters.getString(box));
+    for (const QString& condition : parameters.getString(where).split(';', Qt::SkipEmptyParts))
+        if (!condition.trimmed().isEmpty())
+            selection.where.push_back(parse_condition(condition.trimmed().toStdString()));
+    return selection;
+}
+
+std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const RichParameterList& parameters)
+{
+    const int chosen = parameters.getInt(level);
+    const int deepest = static_cast<int>(layer.cloud->info().levels) - 1;
+    if (chosen > deepest)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "there is no level " + std::to_string(chosen) + "; the deepest is " + std::to_string(deepest));
+    const auto asked = chosen < 0 ? std::nullopt : std::optional(static_cast<std::uint16_t>(chosen));
+    return std::make_unique<TreeReader>(layer.cloud->tree(), asked, selection_of(parameters));
+}
+
+LayerSelection members_of(int mask, bool selected)
+{
+    namespace io = vcg::tri::io;
+    LayerSelection selection;
+    selection.selected_only = selected;
+    selection.colour = mask & io::Mask::IOM_VERTCOLOR;
+    selection.normal = mask & io::Mask::IOM_VERTNORMAL;
+    selection.quality = mask & io::Mask::IOM_VERTQUALITY;
+    selection.radius = mask & io::Mask::IOM_VERTRADIUS;
+    return selection;
+}
+
+bool is_identity(const MeshModel& layer) { return layer.cm.Tr == Matrix44m::Identity(); }
+
+std::vector<std::string> layer_lines(const MeshModel& layer, const LayerReader& reader, const LayerSelection& taken)
+{
+    std::vector<std::string> lines;
+    const bool from_file = Registry::instance().source_of(layer) != nullptr;
+    if (from_file && reader.moved() == 0)
+        lines.emplace_back("Coordinates are those of the file that the layer came from.");
+    else if (from_file)
+        lines.push_back(
+            grouped(reader.moved()) +
+            " vertices are not where their file had them; theirs are MeshLab's, rounded to float relative to "
+            "the document's origin.");
+    std::string left_out;
+    const auto check = [&](bool wanted, int flag, const char* name) {
+        if (!wanted && layer.hasDataMask(flag)) left_out += (left_out.empty() ? "" : ", ") + std::string(name);
+    };
+    check(taken.colour, MeshModel::MM_VERTCOLOR, "colours");
+    check(taken.quality, MeshModel::MM_VERTQUALITY, "quality");
+    check(taken.radius, MeshModel::MM_VERTRADIUS, "radius");
+    const auto source = Registry::instance().source_of(layer);
+    if (!taken.normal && source && source->has(AttributePlace::Kind::normal))
+        left_out += (left_out.empty() ? "" : ", ") + std::string("normals");
+    if (!left_out.empty()) lines.push_back("Left out, as not ticked: " + left_out + ".");
+    return lines;
+}
+
+}  // namespace
+
+bool is_ours_to_write(const MeshModel& layer)
+{
+    const Registry& registry = Registry::instance();
+    if (registry.find(layer)) return true;
+    if (layer.cm.fn > 0 || layer.cm.en > 0) return false;
+    const auto origin = registry.origin_of(*layer.parent);
+    return registry.source_of(layer) || (origin && *origin != Vec3d{0, 0, 0});
+}
+
+void add_export_settings(RichParameterList& parameters, const std::string& extension, const MeshModel& layer)
+{
+    if (extension == "ply" || extension == "pcd")
+        parameters.addParam(RichBool(binary, true, "Binary encoding",
+                                     "Binary, which is smaller and faster, or plain text. Default on."));
+    if (has_text_layout(extension) || extension == "pts")
+        parameters.addParam(
+            RichInt(decimals, -1, "Decimals",
+                    "Digits after the point of a coordinate. -1, the default: as many as it takes to read "
+                    "back the same number."));
+    if (const auto tree = Registry::instance().find(layer))
+        parameters.addParam(RichInt(level, -1, "Level",
+                                    "Write the cloud at this level of detail, from 0 to " +
+                                        QString::number(tree->cloud->info().levels - 1) +
+                                        ". -1, the default: all points."));
+    else
+        parameters.addParam(RichBool(selected_only, false, "Selected vertices only",
+                                     "Write only the vertices that are selected. Default off."));
+    parameters.addParam(RichString(box, "", "Box",
+                                   "Write only points inside: the smallest x y z and the largest x y z, six numbers "
+                                   "between blanks, in source coordinates and units, both ends included. Empty, the "
+                                   "default: all."));
+    parameters.addParam(
+        RichString(where, "", "Where",
+                   "Write only points that meet these conditions on attributes, separated by semicolons. "
+                   "Example: classification = 2,6; intensity >= 100. Empty, the default: all."));
+}
+
+int export_mask()
+{
+    namespace io = vcg::tri::io;
+    return io::Mask::IOM_VERTCOLOR | io::Mask::IOM_VERTNORMAL | io::Mask::IOM_VERTQUALITY | io::Mask::IOM_VERTRADIUS;
+}
+
+std::vector<std::string> export_layer(const std::filesystem::path& path, const MeshModel& layer, int mask,
+                                      const RichParameterList& parameters, const ProgressFunction& progress)
+{
+    const auto started = std::chrono::steady_clock::now();
+    std::vector<std::string> lines;
+    std::unique_ptr<PointReader> reader;
+    std::string what;
+    if (const auto tree = Registry::instance().find(layer)) {
+        reader = reader_of_tree(*tree, parameters);
+        what = "of the tree " + tree->cloud->tree()->folder().string();
+    } else {
+        const LayerSelection taken = members_of(mask, parameters.getBool(selected_only));
+        auto vertices = std::make_unique<LayerReader>(layer, taken);
+        lines = layer_lines(layer, *vertices, taken);
+        what = "of the layer " + layer.label().toStdString();
+        reader = std::make_unique<SelectedReader>(std::move(vertices), selection_of(parameters));
+    }
+
+    WriteOptions options;
+    options.threads = 0;
+    if (parameters.hasParameter(binary)) options.ascii = !parameters.getBool(binary);
+    if (parameters.hasParameter(decimals) && parameters.getInt(decimals) >= 0)
+        options.decimals = static_cast<unsigned>(parameters.getInt(decimals));
+    const auto writer = create_writer(path, reader->info(), options);
+    std::uint64_t points = 0;
+    PointBatch batch;
+    while (reader->read(batch, default_batch_points)) {
+        writer->write(batch);
+        points += batch.size;
+        if (progress && !progress({"Writing points", reader->fraction_read(), -1}))
+            throw Error(ErrorCode::cancelled, path, "cancelled");
+    }
+    if (points == 0)
+        throw Error(ErrorCode::invalid_argument, path, "no point meets the conditions; nothing is written");
+    writer->finish();
+
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    lines.insert(lines.begin(), "Wrote " + grouped(points) + " points " + what + " to " + path.string() + " in " +
+                                    brief(seconds) + " s, in source coordinates; largest position error " +
+                                    exact(writer->position_error()) + " source units.");
+    for (const std::string& note : writer->notes()) lines.push_back("Note: " + note);
+    if (!is_identity(layer)) lines.emplace_back("The layer's matrix was not applied, as in all of MeshLab's exports.");
+    return lines;
+}
+
+}  // namespace pcm::host

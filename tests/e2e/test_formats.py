@@ -1,0 +1,277 @@
+"""Every format in and out of MeshLab: opened as a layer or by way of a tree, exported with all points and digits."""
+
+import csv
+
+import pathlib
+import shutil
+
+import subprocess
+import unittest
+
+from meshlab import FIXED_VIEW, PCM, SAMPLES, MeshLabTest, different, pcm, sample
+
+# One cloud a format, and one at map coordinates (LAS, 6.3 million feet east).
+ONE_A_FORMAT = {
+    "las": "las/certainty3d-color-utm-feet-navd88.las", "laz": "las/autzen_trim.laz", "ply": "ply/screwdriver_BE.ply",
+    "pcd": "pcd/milk_color.pcd", "pts": "pts/bunnyData.pts", "ptx": "ptx/1.2-with-color.ptx",
+    "xyz": "xyz/sphere_20k_normal.xyz", "txt": "crossformat/ripple.txt", "e57": "e57/bunnyDouble.e57",
+}
+TEXT = ("xyz", "txt", "asc", "csv")
+
+
+def in_manifest(name):
+    """Points, smallest and largest corner of a sample, as an independent reader found them."""
+    with open(SAMPLES / "MANIFEST.csv", newline="") as file:
+        row = next(row for row in csv.DictReader(file) if row["file"] == name)
+    box = [float(number) for number in row["bbox"].split()]
+    return int(row["points"]), box[:3], box[3:]
+
+
+def reads(file):
+    """Whether this build can read a file: LAZ and E57 are optional."""
+    done = subprocess.run([str(PCM), "build", str(file), "-o", "/dev/null/none.pct"], capture_output=True, text=True)
+    return not any(word in done.stderr for word in ("readable are", "was built without"))
+
+
+def source_box(run, layer):
+    """The box of a layer in source coordinates: MeshLab's, and the origin that the log names."""
+    origin = [0.0, 0.0, 0.0]
+    for line in run.text.splitlines():
+        if "minus the document's origin" in line:
+            origin = [float(n) for n in line.split("origin")[1].strip().rstrip(".").split()]
+    return ([m + o for m, o in zip(layer["min"], origin)], [m + o for m, o in zip(layer["max"], origin)])
+
+
+class Formats(MeshLabTest):
+    def assertOpened(self, run, layer, name):
+        points, smallest, largest = in_manifest(name)
+        self.assertEqual(layer["vertices"], points, name)
+        for found, expected in zip(source_box(run, layer), (smallest, largest)):
+            for a, b in zip(found, expected):
+                # The manifest has five to nine digits; MeshLab's float has seven of the local coordinate.
+                self.assertAlmostEqual(a, b, delta=max(1e-3, 1e-5 * abs(b)) if name.endswith("ptx") else
+                                       max(5.1e-3 if abs(b) > 1000 else 1e-4, 1e-7 * abs(b)), msg=name)
+
+    def test_one_cloud_a_format(self):
+        empty = self.result("empty.png")
+        for extension, name in ONE_A_FORMAT.items():
+            with self.subTest(extension):
+                file = sample(name)
+                if not reads(file):
+                    self.skipTest(f"this build does not read {extension}")
+                picture = self.result(f"{extension}.png")
+                answer = "press OK" if extension in TEXT else ""
+                run = self.gui(f"""
+                    wait-view
+                    {FIXED_VIEW}
+                    picture {empty}
+                    open {file}
+                    {answer}
+                    wait-layers 1
+                    wait-log Opened mesh
+                    expect-no-dialog
+                    pause 300
+                    picture {picture}
+                    print-layers
+                    quit
+                    """)
+                self.assertDriven(run)
+                self.assertEqual(len(run.layers()), 1)
+                self.assertOpened(run, run.layers()[0], name)
+                self.assertGreater(different(empty, picture), 0.005, "nothing is to be seen")
+
+    def test_size_of_a_layer_and_folder_for_trees(self):
+        """The same file below and above the size that the user sets; the tree where the user wants it."""
+        las = self.folder / "cloud.las"
+        pcm("generate", "--points", 30000, "--origin", "500000,4800000,100", "--no-truth", las)
+        trees = self.folder / "my trees"
+        trees.mkdir()
+        run = self.gui(f"""
+            wait-view
+            {FIXED_VIEW}
+            open {las}
+            wait-layers 1
+            wait-log 30,000 points, LAS
+            print-layers
+            parameter MeshLab::PointCloud::LargestLayer = 29999
+            open {las}
+            wait-layers 2
+            wait-log Built {self.folder / "cloud.pct"}
+            wait-status complete
+            parameter MeshLab::PointCloud::TreeFolder = {trees}
+            open {las}
+            wait-layers 3
+            wait-log Built {trees}
+            parameter MeshLab::PointCloud::TreeFolder = {self.folder / "none"}
+            open {las}
+            press OK
+            expect-message none
+            expect-message folder for trees is not there
+            wait-layers 3
+            quit
+            """)
+        self.assertDriven(run)
+        layer = run.layers()[0]
+        self.assertEqual(layer["vertices"], 30000)
+        self.assertIn("classification", layer["attributes"])
+        self.assertEqual(pcm("info", self.folder / "cloud.pct")["points"], 30000)
+        moved, = trees.glob("cloud-*.pct")
+        self.assertEqual(pcm("info", moved)["points"], 30000)
+
+    def test_text_layout_is_asked_for(self):
+        """Columns that detection cannot know are said in the dialog."""
+        text = self.folder / "columns.xyz"
+        text.write_text("".join(f"{i % 7} {100 + i} {200 + i % 5} {i % 3}\n" for i in range(500)))
+        if not reads(text):
+            self.skipTest("this build reads no text")
+        run = self.gui(f"""
+            wait-view
+            open {text}
+            set Columns = - x y z
+            screen {self.result("dialog.png")}
+            press OK
+            wait-layers 1
+            wait-log 500 points
+            print-layers
+            open {text}
+            set Columns = x y
+            press OK
+            press OK
+            expect-message not once
+            wait-layers 1
+            open {text}
+            set Largest layer = 100
+            press OK
+            wait-layers 2
+            wait-log Built {self.folder / "columns.pct"}
+            quit
+            """)
+        self.assertDriven(run)
+        layer = run.layers()[0]
+        self.assertEqual((layer["min"], layer["max"]), ([100, 200, 0], [599, 204, 2]))
+
+    def test_meshes_stay_meshlabs(self):
+        """A PLY with faces opens as a mesh and is written as one; one with vertices alone is a cloud."""
+        mesh = self.folder / "mesh.ply"
+        mesh.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        cloud = self.folder / "far.ply"
+        cloud.write_text("ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+                         "property double z\nproperty uchar class\nend_header\n"
+                         "5000000.125 4800000.001 1 7\n5000001.25 4800000.002 2 9\n")
+        written, back = self.folder / "written.ply", self.folder / "back.xyz"
+        run = self.gui(f"""
+            wait-view
+            open {mesh}
+            wait-layers 1
+            print-layers
+            export {written}
+            wait-log Saved Mesh
+            open {cloud}
+            wait-layers 2
+            wait-log 2 points, PLY
+            export {back}
+            wait-log 2 points of the layer
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual((run.layers()[0]["vertices"], run.layers()[0]["faces"]), (3, 1))
+        self.assertIn(b"element face 1", written.read_bytes())
+        # Written as they were read, although MeshLab's positions are float.
+        self.assertIn("5000000.125 4800000.001 1 7", back.read_text())
+
+    def test_bad_files_leave_meshlab_usable(self):
+        good = self.folder / "good.las"
+        pcm("generate", "--points", 1000, "--no-truth", good)
+        names = ("bad/missingheader.pcd", "bad/broken_size.laz", "bad/1.2-no-points.las", "bad/bad-crc.e57",
+                 "bad/ripple_declares_44M_points.ptx")
+        lines = ""
+        for name in filter(lambda name: reads(sample(name)), names):
+            file = self.folder / pathlib.Path(name).name
+            shutil.copy(sample(name), file)
+            lines += f"open {file}\npress OK\nexpect-message {file.name}\nwait-layers 0\nexpect-no-dialog\n"
+        run = self.gui(f"wait-view\n{lines}\nopen {good}\nwait-layers 1\nwait-log 1,000 points\nquit\n")
+        self.assertDriven(run)
+
+
+class Export(MeshLabTest):
+    def hash_of(self, file):
+        """What a file holds, whatever the order of its points."""
+        tree = self.folder / f"{pathlib.Path(file).name}.check.pct"
+        pcm("build", file, "-o", tree)
+        return pcm("info", tree)
+
+    def test_a_tree_is_written_whole(self):
+        """Not the proxy of 50,000 points, and in source coordinates; PLY too, although MeshLab writes that itself."""
+        las, tree = self.generate("large", 200000, "--origin", "500000,4800000,100")
+        truth = pcm("info", tree)
+        ply, bpc, level = (self.folder / name for name in ("out.ply", "out.bpc", "level.ply"))
+        run = self.gui(f"""
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            export {ply}
+            wait-log 200,000 points of the tree
+            export {bpc}
+            wait-log to {bpc}
+            export-asking {level}
+            set Level = 0
+            screen {self.result("dialog.png")}
+            press OK
+            wait-log to {level}
+            quit
+            """)
+        self.assertDriven(run)
+        for file in (ply, bpc):
+            found = self.hash_of(file)
+            self.assertEqual(found["points"], 200000)
+            self.assertEqual(found["bounds"], truth["bounds"])
+            self.assertEqual([a["name"] for a in found["attributes"]], [a["name"] for a in truth["attributes"]])
+        self.assertEqual(self.hash_of(level)["points"], truth["level"][0]["points"])
+
+    def test_meshlabserver(self):
+        """In and out without a window: a tree, a file that becomes a layer, and a refusal."""
+        las, tree = self.generate("cloud", 60000, "--origin", "500000,4800000,100")
+        truth = pcm("info", tree)
+        for given in (tree, las):
+            with self.subTest(given.name):
+                out = self.folder / f"{given.suffix[1:]}.ply"
+                run = self.server([], "-i", given, "-o", out)
+                self.assertEqual(run.code, 0, run.text)
+                self.assertIn("60,000 points of the", run.text)
+                found = self.hash_of(out)
+                self.assertEqual((found["points"], found["bounds"]), (60000, truth["bounds"]))
+                self.assertEqual(sorted(a["name"] for a in found["attributes"]),
+                                 sorted(a["name"] for a in truth["attributes"]))
+        broken = self.folder / "broken.las"
+        broken.write_bytes(las.read_bytes()[:100000])
+        run = self.server([], "-i", broken, "-o", self.folder / "none.ply")
+        self.assertNotEqual(run.code, 0, run.text)
+        self.assertIn("broken.las", run.text)
+        self.assertIn("100000", run.text)
+        self.assertFalse((self.folder / "none.ply").exists())
+
+    def test_escape_cancels(self):
+        _, tree = self.generate("large", 3000000)
+        out = self.folder / "out.xyz"
+        run = self.gui(f"""
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            export {out}
+            wait-building
+            escape
+            press OK
+            expect-message cancelled
+            expect-no-dialog
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(list(self.folder.glob("out*")), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
