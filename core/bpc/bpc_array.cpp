@@ -51,6 +51,7 @@ struct BpcArray::State {
     std::size_t largest_chunk = 0;  // points
     std::unique_ptr<BpcFile> base;
     std::vector<std::uint64_t> first{0};
+    double chunks_a_point = 0;  // of the first chunk
     std::list<Resident> residents;  // used last, first
     std::vector<Place> where;       // by chunk; residents.end() for none
     std::size_t resident_bytes = 0;
@@ -111,6 +112,7 @@ void BpcArray::State::set_up(const BpcCloud& cloud)
     expected.resize(shape.size());
     for (std::uint64_t c = 0; c < chunks(); ++c) largest_chunk = std::max(largest_chunk, capacity(c));
     largest_chunk = std::max(largest_chunk, chunk_points);
+    if (chunks() > 0) chunks_a_point = 1 / static_cast<double>(first[1]);
     where.assign(static_cast<std::size_t>(chunks()), residents.end());
     check_memory();
 }
@@ -144,7 +146,7 @@ array::ChunkSource BpcArray::State::source(std::uint64_t chunk) const
 std::uint64_t BpcArray::State::chunk_of(std::uint64_t index) const
 {
     // Most clouds have chunks of one size.
-    const std::uint64_t guess = index / first[1];
+    const auto guess = static_cast<std::uint64_t>(static_cast<double>(index) * chunks_a_point);
     if (guess < chunks() && first[guess] <= index && index < first[guess + 1]) return guess;
     return static_cast<std::uint64_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
 }
@@ -296,16 +298,14 @@ void BpcArray::open_window(std::uint64_t index)
         throw Error(ErrorCode::invalid_argument, s.path,
                     "point " + std::to_string(index) + " of an array of " + std::to_string(size_));
     const std::uint64_t chunk = s.chunk_of(index);
-    // What the last window needed, this one needs too, probably.
-    if (count_) {
-        const Resident& before = s.residents.front();
-        for (std::size_t k = 0; k < s.shape.size(); ++k) s.expected[k] = before.data[k] != nullptr;
-    }
     State::Place& place = s.where[static_cast<std::size_t>(chunk)];
-    count_ = 0;  // until all has gone well
     if (place != s.residents.end()) {
         s.residents.splice(s.residents.begin(), s.residents, place);
     } else {
+        // What the last window needed, this one needs too, probably.
+        if (count_)
+            for (std::size_t k = 0; k < s.shape.size(); ++k) s.expected[k] = s.residents.front().data[k] != nullptr;
+        count_ = 0;  // until all has gone well
         std::optional<Columns> ahead;
         if (s.ahead.valid() && s.ahead_chunk == chunk) ahead = s.ahead.get();
         s.add_resident(chunk);
@@ -334,9 +334,11 @@ std::byte* BpcArray::load(std::size_t column)
     ColumnFlags wanted(state_->shape.size());
     wanted[column] = 1;
     if (column < positions_) std::fill_n(wanted.begin(), positions_, std::uint8_t{1});
-    state_->load_missing(std::move(wanted), statistics_);
+    state_->load_missing(wanted, statistics_);
     Resident& window = state_->residents.front();
-    return window.data[column] = window.columns[column]->data();
+    for (std::size_t k = 0; k < wanted.size(); ++k)
+        if (wanted[k]) window.data[k] = window.columns[k]->data();
+    return window.data[column];
 }
 
 std::size_t BpcArray::find(std::string_view name, ScalarType type) const
@@ -441,6 +443,7 @@ std::size_t BpcArray::grow(std::size_t points)
         }
         last.grows = true;
     }
+    if (last.chunk == 0) s.chunks_a_point = 1 / static_cast<double>(last.capacity);
     points = std::min(points, last.capacity - s.count(last.chunk));
     size_ += points;
     s.first.back() = size_;

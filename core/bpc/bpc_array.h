@@ -162,7 +162,7 @@ private:
     // The chunk that was used last.
     std::uint64_t first_ = 0;
     std::uint64_t count_ = 0;
-    std::byte** window_data_ = nullptr;       // null for columns that nobody has touched since the chunk was loaded
+    std::byte** window_data_ = nullptr;       // null for columns that nobody has touched since the chunk was loaded; x, y, z as one
     std::uint8_t* window_changed_ = nullptr;  // by column
     Statistics statistics_;
     std::unique_ptr<State> state_;
@@ -233,13 +233,15 @@ inline BpcArray::Iterator BpcArray::end() { return {*this, size_}; }
 
 inline Vec3d BpcArray::position(std::uint64_t index)
 {
+    // The three axes are touched together.
+    const std::byte* const axes[3] = {at(index, 0), window_data_[1], window_data_[2]};
+    const std::uint64_t i = index - first_;
     Vec3d position;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const std::byte* data = at(index, a);
-        const std::uint64_t i = index - first_;
-        position[a] = cloud_.grid ? cloud_.grid->to_source(reinterpret_cast<const std::int32_t*>(data)[i], a)
-                                  : reinterpret_cast<const double*>(data)[i];
-    }
+    if (cloud_.grid)
+        for (std::size_t a = 0; a < 3; ++a)
+            position[a] = cloud_.grid->to_source(reinterpret_cast<const std::int32_t*>(axes[a])[i], a);
+    else
+        for (std::size_t a = 0; a < 3; ++a) position[a] = reinterpret_cast<const double*>(axes[a])[i];
     return position;
 }
 

@@ -7,14 +7,21 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
+#include <future>
 #include <string>
+#include <thread>
 
 namespace pcm {
 namespace {
 
+// Of all chunks that are decoded ahead.
+constexpr std::uint64_t most_ahead_bytes = std::uint64_t{64} << 20;
+
 class BpcReader final : public PointReader {
 public:
-    explicit BpcReader(const std::filesystem::path& path) : file_(path), columns_(ColumnSet::all(file_.cloud().schema))
+    BpcReader(const std::filesystem::path& path, unsigned threads)
+        : file_(path), columns_(ColumnSet::all(file_.cloud().schema)), most_ahead_(threads - 1)
     {
         const BpcCloud& cloud = file_.cloud();
         info_.format = "BPC, " + grouped(cloud.chunks) + (cloud.chunks == 1 ? " chunk" : " chunks");
@@ -37,7 +44,13 @@ public:
     }
 
 private:
+    struct Ahead {
+        ChunkPlace place, after;
+        std::future<DecodedChunk> decoded;
+    };
+
     void load();
+    void read_ahead();
 
     BpcFile file_;
     ColumnSet columns_;
@@ -48,6 +61,9 @@ private:
     bool loaded_ = false;
     ChunkPlace place_, place_after_;
     DecodedChunk decoded_;
+    // The chunks that follow it, being decoded; their destructors wait.
+    std::size_t most_ahead_ = 0;
+    std::deque<Ahead> ahead_;
 };
 
 // The chunk of the next point.
@@ -57,10 +73,34 @@ void BpcReader::load()
     const ChunkPlace place = loaded_ && next_ == place_after_.first_point ? place_after_ : file_.find(next_);
     decoded_ = {};  // its memory first
     loaded_ = false;
-    decoded_ = file_.read(place, columns_);
+    if (!ahead_.empty() && ahead_.front().place.number != place.number) ahead_.clear();
+    if (ahead_.empty()) {
+        decoded_ = file_.read(place, columns_);
+    } else {
+        std::future<DecodedChunk> decoded = std::move(ahead_.front().decoded);
+        ahead_.pop_front();
+        decoded_ = decoded.get();
+    }
     place_ = place;
     place_after_ = BpcFile::after(place, decoded_.header);
     loaded_ = true;
+    if (most_ahead_ > 0) read_ahead();
+}
+
+void BpcReader::read_ahead()
+{
+    try {
+        while (ahead_.size() < most_ahead_) {
+            const ChunkPlace place = ahead_.empty() ? place_after_ : ahead_.back().after;
+            if (place.first_point >= info_.points) return;
+            const BpcHeader header = file_.header(place);
+            if (decoded_bytes(header) > most_ahead_bytes / most_ahead_) return;
+            ahead_.push_back({place, BpcFile::after(place, header),
+                              std::async(std::launch::async, [this, place] { return file_.read(place, columns_); })});
+        }
+    } catch (const Error&) {
+        // It is met again, and thrown, when the points before it have been read.
+    }
 }
 
 bool BpcReader::read(PointBatch& batch, std::size_t max_points)
@@ -90,6 +130,10 @@ bool BpcReader::read(PointBatch& batch, std::size_t max_points)
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_bpc(const std::filesystem::path& path) { return std::make_unique<BpcReader>(path); }
+std::unique_ptr<PointReader> open_bpc(const std::filesystem::path& path, const ReadOptions& options)
+{
+    const unsigned threads = options.threads ? options.threads : std::thread::hardware_concurrency();
+    return std::make_unique<BpcReader>(path, std::clamp(threads, 1u, 64u));
+}
 
 }  // namespace pcm

@@ -6,7 +6,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <deque>
+#include <future>
+#include <memory>
 #include <string>
+#include <thread>
 
 namespace pcm {
 namespace {
@@ -23,10 +27,11 @@ BpcCloud cloud_of(const FileInfo& info)
 
 class BpcWriter final : public PointWriter {
 public:
-    BpcWriter(const std::filesystem::path& path, const FileInfo& cloud)
+    BpcWriter(const std::filesystem::path& path, const FileInfo& cloud, unsigned threads)
         : schema_(cloud.schema),
           grid_(cloud.grid),
           chunk_points_(default_chunk_points(cloud.schema)),
+          threads_(threads),
           path_(path),
           file_(path, cloud_of(cloud))
     {
@@ -39,14 +44,17 @@ public:
 private:
     void check(const PointBatch& batch) const;
     void flush();
+    void append_encoded();
 
     Schema schema_;
     std::optional<Grid> grid_;
     std::size_t chunk_points_;
+    unsigned threads_;
     std::filesystem::path path_;
     BpcFileWriter file_;
-    PointBatch pending_;      // chunk_points_ long
-    std::size_t filled_ = 0;  // of them
+    PointBatch pending_;                                        // chunk_points_ long
+    std::size_t filled_ = 0;                                    // of them
+    std::deque<std::future<std::vector<std::byte>>> encoding_;  // chunks in order, with more than one thread
 };
 
 void BpcWriter::check(const PointBatch& batch) const
@@ -88,22 +96,42 @@ void BpcWriter::flush()
 {
     if (filled_ == 0) return;
     pending_.resize(filled_);
-    file_.append(encode_batch(pending_, schema_, grid_));
-    pending_.resize(chunk_points_);
+    if (threads_ == 1) {
+        file_.append(encode_batch(pending_, schema_, grid_));
+        pending_.resize(chunk_points_);
+    } else {
+        while (encoding_.size() >= threads_) append_encoded();
+        auto batch = std::make_shared<PointBatch>(std::move(pending_));
+        pending_ = {};
+        encoding_.push_back(
+            std::async(std::launch::async, [this, batch] { return encode_batch(*batch, schema_, grid_); }));
+        pending_.reset(schema_, grid_.has_value(), chunk_points_);
+    }
     filled_ = 0;
+}
+
+void BpcWriter::append_encoded()
+{
+    std::future<std::vector<std::byte>> first = std::move(encoding_.front());
+    encoding_.pop_front();
+    file_.append(first.get());
 }
 
 void BpcWriter::finish()
 {
     flush();
+    while (!encoding_.empty()) append_encoded();
     file_.finish();
 }
 
 }  // namespace
 
-std::unique_ptr<PointWriter> create_bpc(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions&)
+std::unique_ptr<PointWriter> create_bpc(const std::filesystem::path& path, const FileInfo& cloud,
+                                        const WriteOptions& options)
 {
-    return std::make_unique<BpcWriter>(path, cloud);
+    // A chunk that is encoded takes some 20 MB.
+    const unsigned threads = options.threads ? options.threads : std::thread::hardware_concurrency();
+    return std::make_unique<BpcWriter>(path, cloud, std::clamp(threads, 1u, 8u));
 }
 
 }  // namespace pcm

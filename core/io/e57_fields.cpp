@@ -5,7 +5,9 @@
 #include "io/names.h"
 
 #include <algorithm>
+#include <bitset>
 #include <limits>
+#include <map>
 #include <string_view>
 
 namespace pcm {
@@ -141,6 +143,8 @@ private:
     const std::vector<E57Scan>& scans_;
     E57Plan plan_;
     std::vector<Merged> merged_;
+    std::map<std::string, std::size_t> merged_of_;      // by name
+    std::map<std::string, int> component_numbers_;      // of the scan at hand: where to look on for a free name
     std::vector<std::pair<std::size_t, Trio>> colours_;  // scan and fields
     std::size_t rgb_place_ = 0;                          // in the order of the attributes
 };
@@ -174,25 +178,28 @@ void Planner::find_positions(std::size_t index)
 
 void Planner::add_member(const std::string& name, std::uint32_t components, const Member& member)
 {
-    // A name that is there already with another number of components, or twice in one scan, gets a number.
-    std::string candidate = name;
-    for (int number = 2;; ++number) {
-        const auto same = std::find_if(merged_.begin(), merged_.end(), [&](const Merged& m) { return m.name == candidate; });
-        if (same == merged_.end()) {
+    // A name that is there already with another number of components, or twice in one scan, gets a number. Where the
+    // last search in this scan ended is kept, for a file may have thousands of fields of one name.
+    int& number = component_numbers_[name + '/' + std::to_string(member.component)];
+    for (;; ++number) {
+        const std::string candidate = number == 0 ? name : name + "_" + std::to_string(number + 1);
+        const auto same = merged_of_.find(candidate);
+        if (same == merged_of_.end()) {
             if (merged_.size() >= max_attributes)
                 throw Error(ErrorCode::unsupported, path_,
                             "the points have more than " + std::to_string(max_attributes) + " attributes");
+            merged_of_.emplace(candidate, merged_.size());
             merged_.push_back({candidate, components, {member}});
             return;
         }
+        Merged& merged = merged_[same->second];
         bool taken = false;  // members stand in the order of their scans
-        for (auto m = same->members.rbegin(); m != same->members.rend() && m->scan == member.scan; ++m)
+        for (auto m = merged.members.rbegin(); m != merged.members.rend() && m->scan == member.scan; ++m)
             taken = taken || m->component == member.component;
-        if (same->components == components && !taken) {
-            same->members.push_back(member);
+        if (merged.components == components && !taken) {
+            merged.members.push_back(member);
             return;
         }
-        candidate = name + "_" + std::to_string(number);
     }
 }
 
@@ -200,6 +207,7 @@ void Planner::add_fields(std::size_t index)
 {
     const E57Scan& scan = scans_[index];
     const E57ScanPlan& plan = plan_.scans[index];
+    component_numbers_.clear();
     std::vector<bool> done(scan.fields.size());
     const auto take = [&](const std::optional<Trio>& fields) {
         if (fields)
@@ -316,19 +324,16 @@ E57Plan Planner::plan()
         make_attribute(merged_[i]);
     }
     if (!colours_.empty() && rgb_place_ >= merged_.size()) make_colours();
-    for (std::size_t a = 0; a < plan_.schema.size(); ++a) {
-        std::size_t without = 0;
-        for (std::size_t i = 0; i < scans_.size(); ++i) {
-            std::vector<E57Target>& targets = plan_.scans[i].targets;
-            if (std::any_of(targets.begin(), targets.end(), [&](const E57Target& t) { return t.attribute == a; }))
-                continue;
-            plan_.scans[i].missing.push_back(a);
-            without += scans_[i].records > 0;
-        }
-        if (without)
-            plan_.notes.push_back(grouped(without) + " of " + grouped(read) + " scans have no '" +
-                                  plan_.schema[a].name + "': 0 there");
+    std::vector<std::size_t> scans_with(plan_.schema.size());
+    for (std::size_t i = 0; i < scans_.size(); ++i) {
+        std::bitset<max_attributes> has;
+        for (const E57Target& target : plan_.scans[i].targets) has.set(target.attribute);
+        for (std::size_t a = 0; scans_[i].records && a < plan_.schema.size(); ++a) scans_with[a] += has[a];
     }
+    for (std::size_t a = 0; a < plan_.schema.size(); ++a)
+        if (scans_with[a] < read)
+            plan_.notes.push_back(grouped(read - scans_with[a]) + " of " + grouped(read) + " scans have no '" +
+                                  plan_.schema[a].name + "': 0 there");
     if (scans_.size() > 1) {
         plan_.scan_number = plan_.schema.size();
         add_attribute({"scan", scans_.size() <= 65536 ? ScalarType::u16 : ScalarType::u32, 1, 1, 0,

@@ -59,7 +59,7 @@ private:
 
     void describe();
     void keep_metadata();
-    Pose pose_of(std::size_t scan);
+    Pose pose_of(std::size_t scan) const;
     void check_promises();
     void begin_scan();
     // Reads up to `most` records; the valid ones go to the batch from `first` on. Returns how many they were.
@@ -79,6 +79,7 @@ private:
     std::size_t scan_ = 0;  // at hand
     std::uint64_t scan_read_ = 0;
     std::optional<E57Packets> packets_;
+    std::vector<std::size_t> missing_;  // attributes that it has nothing for
     std::vector<Pose> poses_;  // of all scans
     std::vector<Numbers> numbers_;
     std::vector<std::uint32_t> valid_;      // which of the points at hand have positions
@@ -103,6 +104,7 @@ void E57Reader::describe()
     info_.schema = plan_.schema;
     info_.notes = plan_.notes;
     bool all_f32 = true, all_boxes = true;
+    std::size_t null_rotations = 0;
     Box3d box;
     for (std::size_t i = 0; i < scans; ++i) {
         const E57Scan& scan = description_.scans[i];
@@ -116,6 +118,7 @@ void E57Reader::describe()
         records_ += scan.records;
         poses_.push_back(pose_of(i));
         const Pose& pose = poses_.back();
+        null_rotations += scan.has_pose && scan.rotation == std::array<double, 4>{0, 0, 0, 0};
         if (scan.records == 0) continue;
         if (plan.cartesian_state || plan.spherical_state) info_.points_known = false;
         const bool moved = pose.turns || pose.moves || !plan.cartesian || plan.spherical;
@@ -125,6 +128,9 @@ void E57Reader::describe()
         all_boxes = all_boxes && !pose.turns && !pose.moves && scan.box && !scan.box->empty();
         if (all_boxes) box.extend(*scan.box);
     }
+    if (null_rotations)
+        info_.notes.push_back("the quaternion of " + grouped(null_rotations) +
+                              (null_rotations == 1 ? " scan" : " scans") + " is 0 0 0 0: taken for no rotation");
     info_.points = records_;
     info_.position_type = all_f32 && records_ ? ScalarType::f32 : ScalarType::f64;
     if (all_boxes && records_) info_.promised_box = box;
@@ -158,7 +164,7 @@ void E57Reader::keep_metadata()
     }
 }
 
-Pose E57Reader::pose_of(std::size_t index)
+Pose E57Reader::pose_of(std::size_t index) const
 {
     const E57Scan& scan = description_.scans[index];
     Pose pose;
@@ -177,10 +183,7 @@ Pose E57Reader::pose_of(std::size_t index)
     // Divided by the largest first: squares of tiny and huge numbers are none.
     double largest = 0;
     for (const double number : scan.rotation) largest = std::max(largest, std::abs(number));
-    if (largest == 0) {
-        info_.notes.push_back(scan.called(index) + ": its pose has the quaternion 0 0 0 0, taken for no rotation");
-        return pose;
-    }
+    if (largest == 0) return pose;  // 0 0 0 0 is no rotation; describe() tells
     std::array<double, 4> q = scan.rotation;
     double squares = 0;
     for (double& number : q) {
@@ -218,6 +221,11 @@ void E57Reader::begin_scan()
 {
     packets_.emplace(pages_, description_.scans[scan_], description_.scans[scan_].called(scan_));
     scan_read_ = 0;
+    std::vector<bool> has(info_.schema.size());
+    for (const E57Target& target : plan_.scans[scan_].targets) has[target.attribute] = true;
+    missing_.clear();
+    for (std::size_t i = 0; i < has.size(); ++i)
+        if (!has[i] && i != plan_.scan_number) missing_.push_back(i);
 }
 
 double E57Reader::value(std::size_t field, std::size_t point) const
@@ -322,7 +330,7 @@ std::size_t E57Reader::read_piece(PointBatch& batch, std::size_t first, std::siz
         for (std::size_t a = 0; a < 3; ++a) batch.xyz[a][first + k] = p[a];
     }
     for (const E57Target& target : plan.targets) store(target, batch, first);
-    for (const std::size_t attribute : plan.missing) {
+    for (const std::size_t attribute : missing_) {
         Column& column = batch.attributes[attribute];
         std::memset(column.data() + first * column.point_bytes(), 0, valid_.size() * column.point_bytes());
     }

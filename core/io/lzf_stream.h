@@ -26,19 +26,20 @@ public:
     // end before or refer to what was never there.
     void take(std::byte* to, std::uint64_t count);
     // Whether all compressed bytes are used up.
-    bool at_end() const { return given_ == decoded_ && in_at_ == in_.size() && next_byte_ == end_; }
+    bool at_end() const { return given_ == decoded_ && in_at_ == in_end_ && next_byte_ == end_; }
 
 private:
     void decode_some();
+    std::size_t decode_from_buffer(std::byte* out, std::size_t at);
     void refill();
     [[noreturn]] void fail(const char* what) const;
-    std::uint64_t position() const { return next_byte_ - (in_.size() - in_at_); }  // in the file
+    std::uint64_t position() const { return next_byte_ - (in_end_ - in_at_); }  // in the file
 
     const File* file_;
     std::uint64_t next_byte_;  // of the file, not yet in in_
     std::uint64_t end_;
     std::vector<std::byte> in_;
-    std::size_t in_at_ = 0;
+    std::size_t in_at_ = 0, in_end_ = 0;  // of in_: what is unread
     std::vector<std::byte> out_;
     std::size_t decoded_ = 0;  // of out_: the last bytes, 8192 at least once there are as many
     std::size_t given_ = 0;    // of these

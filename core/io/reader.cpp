@@ -7,6 +7,8 @@
 #include "io/names.h"
 #include "io/pcd_reader.h"
 #include "io/ply_reader.h"
+#include "io/ptx_reader.h"
+#include "io/xyz_reader.h"
 
 #include <algorithm>
 #include <array>
@@ -38,6 +40,9 @@ bool begins_like_ply(std::string_view start)
 
 bool begins_like_pcd(std::string_view start) { return begins_with(start, "# .PCD") || begins_with(start, "VERSION "); }
 
+// Text has no magic bytes: see open_text().
+bool never(std::string_view) { return false; }
+
 // Readers that have nothing to choose.
 template <std::unique_ptr<PointReader> (*open)(const std::filesystem::path&)>
 std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const ReadOptions&)
@@ -47,12 +52,19 @@ std::unique_ptr<PointReader> plainly(const std::filesystem::path& path, const Re
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
-    {"bpc", begins_like_bpc, plainly<open_bpc>},
+    {"bpc", begins_like_bpc, open_bpc},
     {"las", begins_like_las, open_las},
     {"laz", begins_like_las, open_las},
     {"pcd", begins_like_pcd, plainly<open_pcd>},
     {"ply", begins_like_ply, plainly<open_ply>},
     {"e57", begins_like_e57, plainly<open_e57>},
+    {"xyz", never, open_xyz},
+    {"txt", never, open_xyz},
+    {"asc", never, open_xyz},
+    {"csv", never, open_xyz},
+    {"pwn", never, open_xyz},
+    {"pts", never, open_pts},
+    {"ptx", never, open_ptx},
 };
 
 struct ForeignFormat {
@@ -65,8 +77,6 @@ constexpr ForeignFormat foreign_formats[] = {
     {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"pts", "a PTS file"},
-    {"ptx", "a PTX file"},  {"xyz", "an XYZ file"}, {"txt", "a text file"}, {"csv", "a text file"},
     {"obj", "an OBJ file"}, {"stl", "an STL file"},
 };
 
@@ -75,6 +85,38 @@ std::string list_of_extensions()
     std::string text;
     for (const Format& format : formats) text += (text.empty() ? "." : ", .") + std::string(format.extension);
     return text;
+}
+
+bool is_text(std::string_view extension)
+{
+    for (const Format& format : formats)
+        if (extension == format.extension) return format.begins == never;
+    return false;
+}
+
+bool is_format(std::string_view extension)
+{
+    return std::any_of(std::begin(formats), std::end(formats),
+                       [&](const Format& format) { return extension == format.extension; });
+}
+
+// Text by its structure: the lines before a PTX scan are like no other; else, where the extension says nothing, lines of points.
+// Null when it is neither.
+std::unique_ptr<PointReader> open_text(const std::filesystem::path& path, const ReadOptions& options,
+                                       std::string_view extension)
+{
+    if (is_format(extension) && !is_text(extension)) return nullptr;
+    if (looks_like_ptx(path)) return open_ptx(path, options);
+    if (!is_text(extension) && looks_like_points(path)) return open_xyz(path, options);
+    return nullptr;
+}
+
+// Whether a file in a folder is meant: what is called .txt or .csv may well be something else.
+bool is_cloud_of_folder(const std::filesystem::path& path)
+{
+    const std::string extension = extension_of(path);
+    if (extension == "txt" || extension == "csv" || extension == "asc") return looks_like_points(path) || looks_like_ptx(path);
+    return is_format(extension);
 }
 
 std::filesystem::file_status status_of(const std::filesystem::path& path)
@@ -117,6 +159,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
                         "this is " + std::string(foreign.name) + ": at byte 0 stands " + quote_bytes(foreign.start), readable);
 
     const std::string extension = extension_of(path);
+    if (auto text = open_text(path, options, extension)) return text;
     for (const Format& format : formats)
         if (extension == format.extension) return format.open(path, options);  // says what it expected
     for (const auto& [known, name] : foreign_extensions)
@@ -134,7 +177,6 @@ std::vector<std::string> readable_extensions()
 
 std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs)
 {
-    const std::vector<std::string> extensions = readable_extensions();
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& input : inputs) {
         if (!std::filesystem::is_directory(status_of(input))) {
@@ -146,9 +188,7 @@ std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesyst
         std::filesystem::directory_iterator entry(input, error);
         for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
             std::error_code unknown;
-            if (entry->is_regular_file(unknown) &&
-                std::find(extensions.begin(), extensions.end(), extension_of(entry->path())) != extensions.end())
-                inside.push_back(entry->path());
+            if (entry->is_regular_file(unknown) && is_cloud_of_folder(entry->path())) inside.push_back(entry->path());
         }
         if (error) throw Error::from_errno(error.value(), input, "listing the folder");
         if (inside.empty())

@@ -39,6 +39,7 @@ class PointReader {
 public:
     virtual ~PointReader() = default;
 
+    // Notes and metadata may become more while points are read: what is only found on the way, counts of what was dropped.
     virtual const FileInfo& info() const = 0;
 
     // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
@@ -68,8 +69,8 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();
 
-// Files as they are; folders stand for the readable files directly inside, in name order. Throws Error(not_found) for
-// a missing path and for a folder without any readable file.
+// Files as they are; folders stand for the readable files directly inside, in name order; of .txt .csv and .asc those that
+// hold points. Throws Error(not_found) for a missing path and for a folder without any readable file.
 std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace pcm

@@ -72,6 +72,47 @@ TEST(Bpc, ManyChunksAndSeeking)
     }
 }
 
+// Any number of threads: the same bytes, the same points, the same error at the same point.
+TEST(Bpc, ThreadsChangeNothing)
+{
+    TemporaryFolder folder;
+    std::mt19937_64 random(10);
+    const FileInfo info = random_cloud_info(random, true);
+    const PointBatch points = random_points(random, info, 1050000);
+    write_cloud(folder / "one.bpc", info, points);
+    WriteOptions writing;
+    writing.threads = 4;
+    const auto writer = create_writer(folder / "four.bpc", info, writing);
+    writer->write(points);
+    writer->finish();
+    std::string bytes = read_bytes(folder / "one.bpc");
+    EXPECT_TRUE(read_bytes(folder / "four.bpc") == bytes);
+
+    ReadOptions reading;
+    reading.threads = 3;
+    const auto reader = open_reader(folder / "one.bpc", reading);
+    EXPECT_TRUE(same_bits(read_whole(*reader).points, points));
+    PointBatch batch;
+    for (const std::size_t at : {700001, 5, 100000, 1049999}) {
+        reader->seek(at);
+        ASSERT_TRUE(reader->read(batch, 1000));
+        EXPECT_TRUE(same_bits(batch, part_of(points, info.schema, at, batch.size)));
+    }
+
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    write_file(folder / "one.bpc", bytes);
+    const auto read_until_error = [&](unsigned threads) {
+        reading.threads = threads;
+        const auto damaged = open_reader(folder / "one.bpc", reading);
+        std::size_t read = 0;
+        const Error error = error_of([&] {
+            while (damaged->read(batch, 1u << 20)) read += batch.size;
+        });
+        return std::to_string(read) + error.what();
+    };
+    EXPECT_EQ(read_until_error(3), read_until_error(1));
+}
+
 TEST(Bpc, TheBoxIsThatOfThePoints)
 {
     TemporaryFolder folder;

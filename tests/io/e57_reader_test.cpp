@@ -171,7 +171,7 @@ TEST_F(E57, PosesTurnAndMove)
         EXPECT_EQ(whole.raw<std::uint16_t>("scan", 3 + i), 1);
         EXPECT_EQ(whole.raw<std::uint16_t>("scan", 6 + i), 2);
     }
-    EXPECT_TRUE(any_mentions(whole.info.notes, "scan 2: its pose has the quaternion 0 0 0 0"));
+    EXPECT_TRUE(any_mentions(whole.info.notes, "the quaternion of 1 scan is 0 0 0 0"));
 }
 
 // Against the sandwich product q p q* in long double.
@@ -325,6 +325,20 @@ TEST_F(E57, FieldsOfExtensions)
     EXPECT_EQ(whole.raw<std::uint8_t>("nor:scan", 0), 1);
     EXPECT_EQ(whole.raw<std::uint8_t>("return_index", 0), 1);
     EXPECT_EQ(whole.raw<std::uint8_t>("number_of_returns", 0), 2);
+}
+
+TEST_F(E57, FieldsOfOneNameGetNumbers)
+{
+    const std::vector<Field> twice = {Field::integer("nor:a", 0, 9, {1}), Field::integer("nor:a", 0, 9, {2}),
+                                      Field::integer("nor:a_2", 0, 9, {3}), Field::integer("nor:a", 0, 9, {4})};
+    const Whole whole = read({simple_scan(1, twice), simple_scan(1, twice)});
+    ASSERT_EQ(whole.info.schema.size(), 5u);  // and the scan
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(whole.raw<std::uint8_t>("nor:a", i), 1);
+        EXPECT_EQ(whole.raw<std::uint8_t>("nor:a_2", i), 2);
+        EXPECT_EQ(whole.raw<std::uint8_t>("nor:a_2_2", i), 3);
+        EXPECT_EQ(whole.raw<std::uint8_t>("nor:a_3", i), 4);
+    }
 }
 
 TEST_F(E57, Metadata)

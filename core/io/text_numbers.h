@@ -1,0 +1,112 @@
+// Numbers in text, exact: reals are the nearest float or double (Eisel-Lemire, by fast_float), integers keep all 64 bits.
+#pragma once
+
+#include <fast_float/fast_float.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+namespace pcm::text {
+
+inline bool is_blank(char c) { return c == ' ' || c == '\t'; }
+inline bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+inline bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
+
+// Plain forms, at the speed of memory: the number that begins at `at`, which moves behind it. The bytes up to `end` must
+// hold one that ends the number. False, with `at` anywhere, where none begins; "+1" and what Microsoft's printf writes for
+// NaN are such, parse_number() reads them.
+template <class T>
+bool take_real(const char*& at, const char* end, T& value, char point)
+{
+    const auto [stop, error] = fast_float::from_chars_advanced(
+        at, end, value, fast_float::parse_options(fast_float::chars_format::general, point));
+    at = stop;
+    // Beyond the range of T the value is infinite or zero.
+    return error == std::errc() || error == std::errc::result_out_of_range;
+}
+
+// Digits, with a minus if T has a sign; a fraction of zeros ("255.00") may follow. False where the value does not fit T.
+template <class T>
+bool take_integer(const char*& at, char point, T& value)
+{
+    bool negative = false;
+    if constexpr (std::is_signed_v<T>) {
+        negative = *at == '-';
+        at += negative;
+    }
+    std::uint64_t magnitude = 0;
+    const char* const digits = at;
+    while (is_digit(*at)) magnitude = magnitude * 10 + static_cast<std::uint64_t>(*at++ - '0');
+    if (at == digits || at - digits > 18) return false;  // 19 digits may be too many for 64 bits
+    if (*at == point) {
+        ++at;
+        while (*at == '0') ++at;
+    }
+    if (magnitude > static_cast<std::uint64_t>(std::numeric_limits<T>::max())) return false;
+    const auto plain = static_cast<std::int64_t>(magnitude);
+    value = static_cast<T>(negative ? -plain : plain);
+    return true;
+}
+
+// What take_real leaves over: a plus sign, and what Microsoft's printf writes for NaN and infinity.
+template <class T>
+bool parse_real(std::string_view word, T& value, char point = '.')
+{
+    if (!word.empty() && word[0] == '+') {
+        word.remove_prefix(1);
+        if (word.empty() || word[0] == '-' || word[0] == '+') return false;
+    }
+    const char* at = word.data();
+    const char* const end = at + word.size();
+    if (at == end || !take_real(at, end, value, point)) return false;
+    const std::string_view rest(at, static_cast<std::size_t>(end - at));
+    if (rest.empty()) return true;
+    if (rest.substr(0, 4) == "#INF") {
+        value = word[0] == '-' ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
+        return true;
+    }
+    if (rest.substr(0, 4) == "#IND" || rest.substr(0, 5) == "#QNAN" || rest.substr(0, 5) == "#SNAN") {
+        value = std::numeric_limits<T>::quiet_NaN();
+        return true;
+    }
+    return false;
+}
+
+// A whole word as a number of type T; whole numbers may be written as reals ("255.0", "1e3", "+7"). False where it is none
+// or does not fit an integer type; reals beyond the range of T are infinite or zero.
+template <class T>
+bool parse_number(std::string_view word, T& value, char point = '.')
+{
+    if constexpr (std::is_floating_point_v<T>) {
+        return parse_real(word, value, point);
+    } else {
+        const char* const end = word.data() + word.size();
+        const auto [stop, error] = std::from_chars(word.data(), end, value);
+        if (error == std::errc() && stop == end) return true;
+        double real = 0;
+        if (!parse_real(word, real, point) || real != std::floor(real)) return false;
+        if (!(real >= static_cast<double>(std::numeric_limits<T>::min()) &&
+              real < static_cast<double>(std::numeric_limits<T>::max()) + 1.0))
+            return false;
+        value = static_cast<T>(real);
+        return true;
+    }
+}
+
+// Digits of a number without leading zeros, sign, point and exponent: 3 of "-0.0120".
+inline std::size_t significant_digits(std::string_view word)
+{
+    std::size_t digits = 0;
+    for (const char c : word) {
+        if (c == 'e' || c == 'E') break;
+        if (is_digit(c) && (digits || c != '0')) ++digits;
+    }
+    return digits;
+}
+
+}  // namespace pcm::text
