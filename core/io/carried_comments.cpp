@@ -61,8 +61,7 @@ std::string base64(const std::byte* bytes, std::size_t count)
         std::uint32_t bits = 0;
         for (std::size_t k = 0; k < 3; ++k)
             bits = bits << 8 | (i + k < count ? static_cast<std::uint32_t>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += i + k <= count ? base64_digits[bits >> (18 - 6 * k) & 63u] : '=';
+        for (std::size_t k = 0; k < 4; ++k) text += i + k <= count ? base64_digits[bits >> (18 - 6 * k) & 63u] : '=';
     }
     return text;
 }
@@ -214,7 +213,8 @@ Carried read_carried_comments(const std::vector<std::string>& comments, std::vec
         carried.metadata.erase(carried.metadata.begin() + static_cast<std::ptrdiff_t>(i));
         ++damaged;
     }
-    if (damaged) notes.push_back(std::to_string(damaged) + " damaged comments about attributes or metadata are ignored");
+    if (damaged)
+        notes.push_back(std::to_string(damaged) + " damaged comments about attributes or metadata are ignored");
     return carried;
 }
 

@@ -21,8 +21,8 @@ public:
     bool at_end();
 
     // The next word as a number of `type`, stored at `to`; or false, with `word` as it stands there, when it is none of
-    // that type or the line is at its end. Whole numbers may be written as "+7" and "7.0"; reals beyond the range of the
-    // type become infinite or zero; "nan", "inf", "1.#IND" and "1.#INF" are numbers.
+    // that type or the line is at its end. Whole numbers may be written as "+7" and "7.0"; reals beyond the range of
+    // the type become infinite or zero; "nan", "inf", "1.#IND" and "1.#INF" are numbers.
     bool next_number(ScalarType type, std::byte* to, std::string_view& word);
 
 private:

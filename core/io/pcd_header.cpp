@@ -131,7 +131,8 @@ void HeaderParser::take(std::string_view keyword, std::string_view rest)
     const std::vector<std::string_view> words = words_of(rest);
     const auto one = [&] {
         if (words.size() != 1)
-            fail("found " + std::to_string(words.size()) + " words behind " + std::string(keyword) + ", expected one number");
+            fail("found " + std::to_string(words.size()) + " words behind " + std::string(keyword) +
+                 ", expected one number");
         return number(words[0], keyword);
     };
     if (keyword == "COLUMNS") keyword = "FIELDS";  // as the oldest files say
@@ -243,7 +244,8 @@ PcdHeader HeaderParser::parse()
     if (std::find(std::begin(versions), std::end(versions), header_.version) == std::end(versions))
         header_.notes.push_back("version " + quote_bytes(header_.version) + " is read as if it were .7");
     if (unknown_lines_)
-        header_.notes.push_back(std::to_string(unknown_lines_) + " lines of the header with unknown keywords are ignored");
+        header_.notes.push_back(std::to_string(unknown_lines_) +
+                                " lines of the header with unknown keywords are ignored");
     return std::move(header_);
 }
 
@@ -279,9 +281,9 @@ PcdHeader read_pcd_header(const File& file)
 std::string pcd_attribute_name(std::string_view field)
 {
     static constexpr std::string_view names[] = {
-        "intensity",           "return_number", "number_of_returns", "scan_direction_flag",
-        "edge_of_flight_line", "user_data",     "scan_angle_rank",   "classification",
-        "point_source_id",     "gps_time",      "radius",            "curvature"};
+        "intensity", "return_number",   "number_of_returns", "scan_direction_flag", "edge_of_flight_line",
+        "user_data", "scan_angle_rank", "classification",    "point_source_id",     "gps_time",
+        "radius",    "curvature"};
     const auto letters = [](std::string_view text) {
         std::string small;
         for (const char c : text)

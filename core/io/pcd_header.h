@@ -34,8 +34,8 @@ struct PcdHeader {
     std::uint64_t bytes = 0;  // the data begin here
     std::uint64_t lines = 0;  // of the header
 
-    std::uint64_t record_bytes() const;   // of a point, padding included; at most most_pcd_record_bytes
-    std::uint64_t numbers() const;        // of a point in ascii
+    std::uint64_t record_bytes() const;  // of a point, padding included; at most most_pcd_record_bytes
+    std::uint64_t numbers() const;       // of a point in ascii
 };
 
 // Throws Error(bad_format), naming the line, or Error(unsupported) for an unknown encoding and for larger records.

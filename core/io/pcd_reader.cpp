@@ -64,12 +64,16 @@ void unpack(const Target& target, const std::byte* from, std::size_t stride, std
         return;
     }
     switch (target.bytes) {
-    case 1: return copy_scalars<1>(from, stride, count, to, to_stride);
-    case 2: return copy_scalars<2>(from, stride, count, to, to_stride);
-    case 4: return copy_scalars<4>(from, stride, count, to, to_stride);
-    case 8: return copy_scalars<8>(from, stride, count, to, to_stride);
-    default:
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * stride, target.bytes);
+        case 1:
+            return copy_scalars<1>(from, stride, count, to, to_stride);
+        case 2:
+            return copy_scalars<2>(from, stride, count, to, to_stride);
+        case 4:
+            return copy_scalars<4>(from, stride, count, to, to_stride);
+        case 8:
+            return copy_scalars<8>(from, stride, count, to, to_stride);
+        default:
+            for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * stride, target.bytes);
     }
 }
 
@@ -329,8 +333,8 @@ void PcdReader::describe()
     info_.metadata.push_back({"pcd.viewpoint", {bytes, bytes + header_.viewpoint.size()}});
 }
 
-// Finds where in the compressed block each column begins, by going through it once: which also proves it sound before any
-// point is given out.
+// Finds where in the compressed block each column begins, by going through it once: which also proves it sound before
+// any point is given out.
 void PcdReader::start()
 {
     started_ = true;
@@ -348,8 +352,9 @@ void PcdReader::start()
                                      " compressed bytes hold more than the points that were promised");
 }
 
-// A packed colour is bits, whatever its type. Text of such a real is either the number that has these bits or, in files of
-// early programs, the bits as a whole number: a colour without alpha has bits of a real below 1e-37, never of 1 or more.
+// A packed colour is bits, whatever its type. Text of such a real is either the number that has these bits or, in files
+// of early programs, the bits as a whole number: a colour without alpha has bits of a real below 1e-37, never of 1 or
+// more.
 std::uint32_t PcdReader::colour_of(LineWords& words, const PcdField& field, std::string_view& word) const
 {
     std::array<std::byte, 8> raw{};
@@ -390,8 +395,8 @@ void PcdReader::read_line(std::byte* record)
             continue;
         }
         for (std::uint32_t k = 0; k < field.count; ++k, to += size_of(field.type)) {
-            const bool found =
-                target.kind == Target::Kind::none ? !(word = words.next()).empty() : words.next_number(field.type, to, word);
+            const bool found = target.kind == Target::Kind::none ? !(word = words.next()).empty()
+                                                                 : words.next_number(field.type, to, word);
             if (found) continue;
             if (word.empty())
                 fail_line(ErrorCode::bad_format,

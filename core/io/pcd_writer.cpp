@@ -25,13 +25,16 @@ struct Field {
 char kind_of(ScalarType type)
 {
     switch (type) {
-    case ScalarType::f32:
-    case ScalarType::f64: return 'F';
-    case ScalarType::i8:
-    case ScalarType::i16:
-    case ScalarType::i32:
-    case ScalarType::i64: return 'I';
-    default: return 'U';
+        case ScalarType::f32:
+        case ScalarType::f64:
+            return 'F';
+        case ScalarType::i8:
+        case ScalarType::i16:
+        case ScalarType::i32:
+        case ScalarType::i64:
+            return 'I';
+        default:
+            return 'U';
     }
 }
 
@@ -45,9 +48,9 @@ std::string lower(std::string text)
 // Names that pcd_reader takes for more than a name.
 bool has_a_meaning(const std::string& lower_name)
 {
-    static constexpr std::string_view names[] = {"x",   "y",    "z",  "rgb", "rgba", "red",      "green",    "blue",     "r",
-                                                 "g",   "b",    "nx", "ny",  "nz",   "normal_x", "normal_y", "normal_z", "_",
-                                                 "normal"};
+    static constexpr std::string_view names[] = {"x",        "y",        "z",        "rgb", "rgba",  "red", "green",
+                                                 "blue",     "r",        "g",        "b",   "nx",    "ny",  "nz",
+                                                 "normal_x", "normal_y", "normal_z", "_",   "normal"};
     return std::find(std::begin(names), std::end(names), lower_name) != std::end(names);
 }
 
@@ -62,8 +65,9 @@ public:
             records.push_back(RecordField::axis(a, position));
         }
         if (position == ScalarType::f64)
-            notes.push_back("positions are in double precision (F 8), of which PCL's own point types read nothing: they "
-                            "take F 4");
+            notes.push_back(
+                "positions are in double precision (F 8), of which PCL's own point types read nothing: they "
+                "take F 4");
         for (std::size_t i = 0; i < cloud.schema.size(); ++i) i += add(cloud.schema, i, ascii);
     }
 
@@ -91,7 +95,8 @@ private:
             RecordField packed{RecordField::Source::packed_rgb, ScalarType::u32, index, 0, 1, {}};
             if (index + 1 < schema.size()) {
                 const Attribute& alpha = schema[index + 1];
-                more = alpha.name == "alpha" && alpha.type == ScalarType::u8 && alpha.components == 1 && is_plain(alpha);
+                more =
+                    alpha.name == "alpha" && alpha.type == ScalarType::u8 && alpha.components == 1 && is_plain(alpha);
                 if (more) packed.alpha = index + 1;
             }
             // As PCL writes it: bits in the clothes of a real, but for text, which reals would not survive.
@@ -166,8 +171,9 @@ public:
         if (text.size() > longest_pcd_header || records_.record_bytes() > most_pcd_record_bytes)
             throw Error(ErrorCode::invalid_argument, path,
                         "the cloud's attributes need a header of " + std::to_string(text.size()) +
-                            " bytes and points of " + std::to_string(records_.record_bytes()) + ", readers take at most " +
-                            std::to_string(longest_pcd_header) + " and " + std::to_string(most_pcd_record_bytes));
+                            " bytes and points of " + std::to_string(records_.record_bytes()) +
+                            ", readers take at most " + std::to_string(longest_pcd_header) + " and " +
+                            std::to_string(most_pcd_record_bytes));
         file_.append(text);
     }
 

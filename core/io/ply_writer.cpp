@@ -22,14 +22,22 @@ struct Property {
 std::string_view ply_name(ScalarType type)
 {
     switch (type) {
-    case ScalarType::i8: return "char";
-    case ScalarType::u8: return "uchar";
-    case ScalarType::i16: return "short";
-    case ScalarType::u16: return "ushort";
-    case ScalarType::i32: return "int";
-    case ScalarType::u32: return "uint";
-    case ScalarType::f32: return "float";
-    default: return "double";
+        case ScalarType::i8:
+            return "char";
+        case ScalarType::u8:
+            return "uchar";
+        case ScalarType::i16:
+            return "short";
+        case ScalarType::u16:
+            return "ushort";
+        case ScalarType::i32:
+            return "int";
+        case ScalarType::u32:
+            return "uint";
+        case ScalarType::f32:
+            return "float";
+        default:
+            return "double";
     }
 }
 
@@ -43,10 +51,27 @@ std::string lower(std::string text)
 // Names that ply_reader takes for more than a name.
 bool has_a_meaning(const std::string& lower_name)
 {
-    static constexpr std::string_view names[] = {
-        "x",   "y",      "z",           "red",           "green",        "blue",     "r",        "g",        "b", "nx",
-        "ny",  "nz",     "diffuse_red", "diffuse_green", "diffuse_blue", "normal_x", "normal_y", "normal_z", "rgb",
-        "normal", "scalar_intensity"};
+    static constexpr std::string_view names[] = {"x",
+                                                 "y",
+                                                 "z",
+                                                 "red",
+                                                 "green",
+                                                 "blue",
+                                                 "r",
+                                                 "g",
+                                                 "b",
+                                                 "nx",
+                                                 "ny",
+                                                 "nz",
+                                                 "diffuse_red",
+                                                 "diffuse_green",
+                                                 "diffuse_blue",
+                                                 "normal_x",
+                                                 "normal_y",
+                                                 "normal_z",
+                                                 "rgb",
+                                                 "normal",
+                                                 "scalar_intensity"};
     return std::find(std::begin(names), std::end(names), lower_name) != std::end(names);
 }
 
@@ -59,8 +84,9 @@ public:
         std::uint64_t components = 0;
         for (const Attribute& attribute : cloud.schema) components += attribute.components;
         if (components > longest_ply_header / shortest_line)
-            throw Error(ErrorCode::invalid_argument, path,
-                        "a PLY header has no room for the " + std::to_string(components) + " components of the attributes");
+            throw Error(
+                ErrorCode::invalid_argument, path,
+                "a PLY header has no room for the " + std::to_string(components) + " components of the attributes");
         const ScalarType position =
             cloud.position_type == ScalarType::f32 && !cloud.grid ? ScalarType::f32 : ScalarType::f64;
         for (std::size_t a = 0; a < 3; ++a)

@@ -25,17 +25,26 @@ void copy(std::size_t bytes, const std::byte* from, std::size_t from_stride, std
           std::size_t count)
 {
     switch (bytes) {  // sizes that the compiler makes into plain moves
-    case 1: return copy<1>(from, from_stride, to, to_stride, count);
-    case 2: return copy<2>(from, from_stride, to, to_stride, count);
-    case 3: return copy<3>(from, from_stride, to, to_stride, count);
-    case 4: return copy<4>(from, from_stride, to, to_stride, count);
-    case 6: return copy<6>(from, from_stride, to, to_stride, count);
-    case 8: return copy<8>(from, from_stride, to, to_stride, count);
-    case 12: return copy<12>(from, from_stride, to, to_stride, count);
-    case 16: return copy<16>(from, from_stride, to, to_stride, count);
-    case 24: return copy<24>(from, from_stride, to, to_stride, count);
-    default:
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * from_stride, bytes);
+        case 1:
+            return copy<1>(from, from_stride, to, to_stride, count);
+        case 2:
+            return copy<2>(from, from_stride, to, to_stride, count);
+        case 3:
+            return copy<3>(from, from_stride, to, to_stride, count);
+        case 4:
+            return copy<4>(from, from_stride, to, to_stride, count);
+        case 6:
+            return copy<6>(from, from_stride, to, to_stride, count);
+        case 8:
+            return copy<8>(from, from_stride, to, to_stride, count);
+        case 12:
+            return copy<12>(from, from_stride, to, to_stride, count);
+        case 16:
+            return copy<16>(from, from_stride, to, to_stride, count);
+        case 24:
+            return copy<24>(from, from_stride, to, to_stride, count);
+        default:
+            for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * from_stride, bytes);
     }
 }
 
@@ -63,16 +72,26 @@ char* put_number(const std::byte* from, char* to, char* end)
 char* put_scalar(ScalarType type, const std::byte* from, char* to, char* end)
 {
     switch (type) {
-    case ScalarType::i8: return put_number<std::int8_t>(from, to, end);
-    case ScalarType::u8: return put_number<std::uint8_t>(from, to, end);
-    case ScalarType::i16: return put_number<std::int16_t>(from, to, end);
-    case ScalarType::u16: return put_number<std::uint16_t>(from, to, end);
-    case ScalarType::i32: return put_number<std::int32_t>(from, to, end);
-    case ScalarType::u32: return put_number<std::uint32_t>(from, to, end);
-    case ScalarType::i64: return put_number<std::int64_t>(from, to, end);
-    case ScalarType::u64: return put_number<std::uint64_t>(from, to, end);
-    case ScalarType::f32: return put_number<float>(from, to, end);
-    case ScalarType::f64: break;
+        case ScalarType::i8:
+            return put_number<std::int8_t>(from, to, end);
+        case ScalarType::u8:
+            return put_number<std::uint8_t>(from, to, end);
+        case ScalarType::i16:
+            return put_number<std::int16_t>(from, to, end);
+        case ScalarType::u16:
+            return put_number<std::uint16_t>(from, to, end);
+        case ScalarType::i32:
+            return put_number<std::int32_t>(from, to, end);
+        case ScalarType::u32:
+            return put_number<std::uint32_t>(from, to, end);
+        case ScalarType::i64:
+            return put_number<std::int64_t>(from, to, end);
+        case ScalarType::u64:
+            return put_number<std::uint64_t>(from, to, end);
+        case ScalarType::f32:
+            return put_number<float>(from, to, end);
+        case ScalarType::f64:
+            break;
     }
     return put_number<double>(from, to, end);
 }
@@ -80,7 +99,10 @@ char* put_scalar(ScalarType type, const std::byte* from, char* to, char* end)
 }  // namespace
 
 RecordEncoder::RecordEncoder(const FileInfo& cloud, const WriteOptions& options, std::vector<RecordField> fields)
-    : grid_(cloud.grid), schema_(cloud.schema), ascii_(options.ascii), decimals_(options.decimals),
+    : grid_(cloud.grid),
+      schema_(cloud.schema),
+      ascii_(options.ascii),
+      decimals_(options.decimals),
       fields_(std::move(fields))
 {
     if (decimals_ && *decimals_ > TextOutput::most_decimals)

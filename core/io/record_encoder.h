@@ -29,8 +29,8 @@ struct RecordField {
     }
 };
 
-// One thread. Little endian, or lines of text with a blank between scalars and the fewest digits that give back the same
-// number (WriteOptions.decimals for coordinates, where it is set).
+// One thread. Little endian, or lines of text with a blank between scalars and the fewest digits that give back the
+// same number (WriteOptions.decimals for coordinates, where it is set).
 class RecordEncoder {
 public:
     RecordEncoder(const FileInfo& cloud, const WriteOptions& options, std::vector<RecordField> fields);

@@ -108,8 +108,8 @@ TEST(PcdReader, EveryTypeInEveryEncoding)
         EXPECT_TRUE(whole.info.notes.empty());
         EXPECT_EQ(whole.info.position_type, ScalarType::f64);
         const std::vector<std::pair<const char*, ScalarType>> expected = {
-            {"a", ScalarType::i8},    {"b", ScalarType::i16}, {"c", ScalarType::i32}, {"d", ScalarType::i64},
-            {"e", ScalarType::u8},    {"f", ScalarType::u16}, {"g", ScalarType::u32}, {"h", ScalarType::u64},
+            {"a", ScalarType::i8},  {"b", ScalarType::i16},  {"c", ScalarType::i32},   {"d", ScalarType::i64},
+            {"e", ScalarType::u8},  {"f", ScalarType::u16},  {"g", ScalarType::u32},   {"h", ScalarType::u64},
             {"i", ScalarType::f32}, {"rgb", ScalarType::u8}, {"alpha", ScalarType::u8}};
         ASSERT_EQ(whole.info.schema.size(), expected.size());
         for (std::size_t k = 0; k < expected.size(); ++k) {
@@ -222,9 +222,9 @@ TEST(PcdReader, PackedColours)
 {
     TemporaryFolder folder;
     const auto read = [&](const std::string& name, const std::string& kind, const std::string& text) {
-        return read_whole(write_file(folder / "a.pcd", pcd_header("x y z " + name, "4 4 4 4", "F F F " + kind,
-                                                                  "1 1 1 1", 1, "ascii") +
-                                                           "0 0 0 " + text + "\n"));
+        return read_whole(write_file(
+            folder / "a.pcd",
+            pcd_header("x y z " + name, "4 4 4 4", "F F F " + kind, "1 1 1 1", 1, "ascii") + "0 0 0 " + text + "\n"));
     };
     const auto expect = [&](const Whole& whole, int red, int green, int blue) {
         EXPECT_EQ(whole.value("rgb", 0, 0), red);
@@ -236,9 +236,9 @@ TEST(PcdReader, PackedColours)
     expect(read("rgba", "U", "4278190337"), 0, 1, 1);
     EXPECT_EQ(read("rgba", "U", "4278255873").value("alpha", 0), 255);
     expect(read("rgb", "I", "-16711423"), 1, 1, 1);
-    expect(read("rgb", "F", "9.219563e-41"), 1, 1, 1);      // the bits 0x010101
+    expect(read("rgb", "F", "9.219563e-41"), 1, 1, 1);         // the bits 0x010101
     expect(read("rgb", "F", "2.3509886e-38"), 255, 255, 255);  // 0xFFFFFF
-    expect(read("rgb", "F", "4.2108e+06"), 64, 64, 112);     // as the first programs wrote 0x404070
+    expect(read("rgb", "F", "4.2108e+06"), 64, 64, 112);       // as the first programs wrote 0x404070
     expect(read("rgb", "F", "0"), 0, 0, 0);
     expect(read("RGB", "U", "66051"), 1, 2, 3);
     const Error error = error_of([&] { read("rgb", "U", "99999999999"); });
@@ -276,8 +276,7 @@ TEST(PcdReader, GroupsAndNames)
     EXPECT_EQ(normals.value("curvature", 0), 7);
 
     const Whole mixed = read("x y z r g b normal rgb rgb nx ny nz nx", "4 4 4 1 2 1 4 4 4 4 4 4 4",
-                             "F F F U U U F U U F F F F", "1 1 1 1 1 1 1 1 1 1 1 1 1",
-                             "0 0 0 1 2 3 4 5 6 7 8 9 10");
+                             "F F F U U U F U U F F F F", "1 1 1 1 1 1 1 1 1 1 1 1 1", "0 0 0 1 2 3 4 5 6 7 8 9 10");
     for (const char* name : {"r", "g", "b", "normal_scalar", "rgb_scalar", "nx", "ny", "nz", "nx_2"})
         EXPECT_TRUE(mixed.info.schema.find(name)) << name;
     EXPECT_EQ(mixed.value("rgb", 0, 2), 5);
@@ -298,17 +297,18 @@ TEST(PcdReader, HeadersOfOldVersions)
     EXPECT_EQ(old.position(1), (Vec3d{5, 6, 7}));
     EXPECT_EQ(old.value("w", 1), 8);
 
-    const Whole sized =
-        read_whole(write_file(folder / "a.pcd", "VERSION .6\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 2\nHEIGHT "
-                                                "3\nDATA ascii\n0 0 0\n0 0 0\n0 0 0\nnan nan nan\n0 0 0\n0 0 1e300\n"));
+    const Whole sized = read_whole(write_file(folder / "a.pcd",
+                                              "VERSION .6\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 2\nHEIGHT "
+                                              "3\nDATA ascii\n0 0 0\n0 0 0\n0 0 0\nnan nan nan\n0 0 0\n0 0 1e300\n"));
     EXPECT_EQ(sized.points.size, 6u);
     EXPECT_EQ(sized.info.format, "PCD .6 ascii");
     EXPECT_TRUE(any_mentions(sized.info.notes, "2 x 3"));
     EXPECT_TRUE(std::isnan(sized.position(3)[0]));
     EXPECT_EQ(sized.position(5)[2], 1e300);
 
-    const FileInfo view = open_reader(write_file(folder / "a.pcd", "VERSION .7\nFIELDS x y z\nWIDTH 0\nVIEWPOINT 1 2 "
-                                                                   "3 0 1 0 0\nPOINTS 0\nDATA ascii"))
+    const FileInfo view = open_reader(write_file(folder / "a.pcd",
+                                                 "VERSION .7\nFIELDS x y z\nWIDTH 0\nVIEWPOINT 1 2 "
+                                                 "3 0 1 0 0\nPOINTS 0\nDATA ascii"))
                               ->info();
     ASSERT_EQ(view.metadata.size(), 1u);
     EXPECT_EQ(view.metadata[0].key, "pcd.viewpoint");
@@ -334,7 +334,8 @@ TEST(PcdReader, WhatIsIgnoredIsNoted)
 
 TEST(PcdReader, HeadersThatAreRefused)
 {
-    const std::string good = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+    const std::string good =
+        "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
     const auto with = [&](const std::string& line, const std::string& instead) {
         std::string text = good;
         return text.replace(text.find(line), line.size(), instead);
@@ -396,8 +397,8 @@ TEST(PcdReader, LinesThatAreRefused)
         EXPECT_EQ(error.code(), ErrorCode::bad_format);
         EXPECT_TRUE(mentions(error.what(), "line 13") && mentions(error.what(), says)) << error.what();
     }
-    const auto path = write_file(
-        folder / "a.pcd", pcd_header("x y z a", "4 4 4 1", "F F F U", "1 1 1 2", 1, "ascii") + "1 2 3 4 256\n");
+    const auto path = write_file(folder / "a.pcd",
+                                 pcd_header("x y z a", "4 4 4 1", "F F F U", "1 1 1 2", 1, "ascii") + "1 2 3 4 256\n");
     EXPECT_TRUE(mentions(error_of([&] { read_whole(*open_reader(path)); }).what(), "type u8"));
 }
 
@@ -407,8 +408,8 @@ TEST(PcdReader, CompressedBlocksThatAreRefused)
     const std::string header = xyz_header(2, "binary_compressed");
     const std::string packed = lzf_compress(std::string(24, 'a'));
     const auto block = [&](std::uint32_t compressed_size, std::uint32_t size, const std::string& bytes) {
-        Bytes block;
-        return header + block.put(compressed_size).put(size).raw(bytes).data;
+        Bytes made;
+        return header + made.put(compressed_size).put(size).raw(bytes).data;
     };
     const auto length = static_cast<std::uint32_t>(packed.size());
     ASSERT_EQ(read_whole(write_file(folder / "a.pcd", block(length, 24, packed))).points.size, 2u);
@@ -464,8 +465,7 @@ TEST(PcdReader, EveryTruncationIsNoticed)
             const Error error = error_of([&] { read_whole(*open_reader(path)); });
             ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
             ASSERT_TRUE(error.code() == ErrorCode::bad_format || error.code() == ErrorCode::truncated ||
-                        (length < 20 && error.code() == ErrorCode::unsupported) ||
-                        mentions(error.what(), "encoding"))
+                        (length < 20 && error.code() == ErrorCode::unsupported) || mentions(error.what(), "encoding"))
                 << length << error.what();
         }
         EXPECT_EQ(read_whole(write_file(folder / "a.pcd", file)).points.size, 4u);

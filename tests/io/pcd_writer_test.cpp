@@ -43,6 +43,12 @@ TEST_P(PcdWriting, AnyCloudComesBackBitForBit)
 INSTANTIATE_TEST_SUITE_P(All, PcdWriting, testing::Bool(),
                          [](const auto& p) { return std::string(p.param ? "ascii" : "binary"); });
 
+TEST(PcdWriter, SampleCloudsSurvive)
+{
+    PCM_REQUIRE_SAMPLE("crossformat");
+    expect_samples_survive(".pcd");
+}
+
 RandomCloud one_point(bool with_alpha)
 {
     RandomCloud cloud;
@@ -73,9 +79,14 @@ TEST(PcdWriter, BytesOfOnePoint)
         return "# .PCD v0.7 - Point Cloud Data file format\n"
                "# pcm .......................................\n"
                "# pcm attribute odd_name u16 2 0.5 -1 odd%20name -\n"
-               "VERSION 0.7\nFIELDS x y z " + colour + " normal_x normal_y normal_z id odd_name\n"
-               "SIZE 4 4 4 4 4 4 4 8 2\nTYPE F F F " + kind + " F F F I U\nCOUNT 1 1 1 1 1 1 1 1 2\n"
-               "WIDTH 1\nHEIGHT 1\nVIEWPOINT 1 2 3 0.5 0.5 0.5 0.5\nPOINTS 1\nDATA " + encoding + "\n";
+               "VERSION 0.7\nFIELDS x y z " +
+               colour +
+               " normal_x normal_y normal_z id odd_name\n"
+               "SIZE 4 4 4 4 4 4 4 8 2\nTYPE F F F " +
+               kind +
+               " F F F I U\nCOUNT 1 1 1 1 1 1 1 1 2\n"
+               "WIDTH 1\nHEIGHT 1\nVIEWPOINT 1 2 3 0.5 0.5 0.5 0.5\nPOINTS 1\nDATA " +
+               encoding + "\n";
     };
     const auto binary = [](std::uint32_t colour) {
         Bytes bytes;

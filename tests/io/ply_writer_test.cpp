@@ -15,8 +15,8 @@ TEST_P(PlyWriting, AnyCloudComesBackBitForBit)
     for (int round = 0; round < 30; ++round) {
         SCOPED_TRACE(round);
         const std::size_t points = round == 0 ? 0 : 1 + random() % (ascii ? 300 : 9000);
-        RandomCloud cloud = random_cloud(random, static_cast<PositionKind>(round % 3), points, !ascii,
-                                         random_attributes(random));
+        RandomCloud cloud =
+            random_cloud(random, static_cast<PositionKind>(round % 3), points, !ascii, random_attributes(random));
         cloud.info.metadata = {metadata("las.vlr/LASF_Projection/2112", "PROJCS[\"WGS 84 / UTM zone 32N\"]"),
                                metadata("bytes of any kind", std::string("\0\xFF%\n", 4)), metadata("", "")};
         WriteOptions options;
@@ -36,6 +36,12 @@ TEST_P(PlyWriting, AnyCloudComesBackBitForBit)
 
 INSTANTIATE_TEST_SUITE_P(All, PlyWriting, testing::Bool(),
                          [](const auto& p) { return std::string(p.param ? "ascii" : "binary"); });
+
+TEST(PlyWriter, SampleCloudsSurvive)
+{
+    PCM_REQUIRE_SAMPLE("crossformat");
+    expect_samples_survive(".ply");
+}
 
 // The file's bytes, frozen: what other programs are given to read.
 TEST(PlyWriter, BytesOfOnePoint)
@@ -186,9 +192,9 @@ TEST(PlyReader, CommentsThatAreNotTrue)
     EXPECT_EQ(good.value("pair", 0, 1), 5);
     EXPECT_TRUE(good.info.notes.empty());
     for (const char* line :
-         {"a_0 u8 9 1 0 pair -", "a_0 u16 2 1 0 pair -", "a_0 i64 1 1 0 pair -", "z u8 1 1 0 pair -", "b u8 1 1 0 pair -",
-          "a_0 u8 0 1 0 pair -", "a_0 u8 2 nan 0 pair -", "a_0 u8 2 1 inf pair -", "a_0 u8 2 1 0 %zz -", "a_0 u8 2 1 0",
-          "a_0 u8 4294967295 1 0 pair -", "a_0 u7 2 1 0 pair -", ""}) {
+         {"a_0 u8 9 1 0 pair -", "a_0 u16 2 1 0 pair -", "a_0 i64 1 1 0 pair -", "z u8 1 1 0 pair -",
+          "b u8 1 1 0 pair -", "a_0 u8 0 1 0 pair -", "a_0 u8 2 nan 0 pair -", "a_0 u8 2 1 inf pair -",
+          "a_0 u8 2 1 0 %zz -", "a_0 u8 2 1 0", "a_0 u8 4294967295 1 0 pair -", "a_0 u7 2 1 0 pair -", ""}) {
         const Whole whole = read(std::string("comment pcm attribute ") + line + "\n");
         EXPECT_EQ(whole.info.schema.size(), 3u) << line;
         EXPECT_EQ(whole.info.notes.size(), 1u) << line;
@@ -202,8 +208,8 @@ TEST(PlyReader, CommentsThatAreNotTrue)
     EXPECT_EQ(twice.info.schema.size(), 2u);
     const Whole colour = read("comment pcm attribute red u8 3 0.5 1 rgb -\n");
     EXPECT_EQ(colour.info.schema[*colour.info.schema.find("rgb")].scale, 0.5);
-    for (const char* line : {"metadata k 3\ncomment pcm data !!!!", "metadata k 4\ncomment pcm data YWJj",
-                             "data YWJj", "metadata", "metadata %4 0"})
+    for (const char* line : {"metadata k 3\ncomment pcm data !!!!", "metadata k 4\ncomment pcm data YWJj", "data YWJj",
+                             "metadata", "metadata %4 0"})
         EXPECT_EQ(read(std::string("comment pcm ") + line + "\n").info.metadata.size(), 0u) << line;
     EXPECT_EQ(read("comment pcm metadata k 3\ncomment pcm data YWJj\n").info.metadata.at(0), metadata("k", "abc"));
 }
