@@ -137,6 +137,7 @@ void MergedReader::look_at_headers()
         part.weight = size_in_bytes(source.path);
         part.shape = shape_of(info, source.path, notes);
         part.grid = info.grid;
+        part.notes = info.notes.size();
         total_weight_ += part.weight;
         parts_.push_back(part);
         types.push_back(info.position_type);
@@ -223,6 +224,17 @@ void MergedReader::settle_positions(const std::vector<ScalarType>& types)
     info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
 }
 
+// What a reader has found out about a file while reading it.
+void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::path& path)
+{
+    Notes late(sources_.size());
+    for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
+    take_metadata(info, late);
+    for (std::string& note : late.take())
+        if (info_.notes.size() < 2 * max_notes && std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())
+            info_.notes.push_back(std::move(note));
+}
+
 void MergedReader::describe_missing(Notes& notes)
 {
     for (Shape& shape : shapes_) {
@@ -298,6 +310,7 @@ bool MergedReader::read(PointBatch& batch, std::size_t max_points)
                 if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
             return true;
         }
+        take_late(reader.info(), part, sources_[current_].path);
         weight_before_ += part.weight;
         open_.reset();
     }

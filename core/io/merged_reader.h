@@ -52,6 +52,7 @@ private:
         double weight = 1;       // its share of the work: bytes
         std::size_t shape = 0;   // in shapes_
         std::optional<Grid> grid;
+        std::size_t notes = 0;   // of its header
     };
     // A schema that one file or many have, and the place of each of its attributes in the merged one.
     struct Shape {
@@ -65,6 +66,7 @@ private:
     void look_at_headers();
     std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, Notes& notes);
     void take_metadata(const FileInfo& info, Notes& notes);
+    void take_late(const FileInfo& info, const Part& part, const std::filesystem::path& path);
     void settle_positions(const std::vector<ScalarType>& types);
     void describe_missing(Notes& notes);
     PointReader& open(std::size_t part);

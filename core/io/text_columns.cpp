@@ -109,6 +109,7 @@ std::vector<std::string> names_of(std::string_view line, const TextDialect& dial
     std::vector<std::string_view> words;
     for (const char separator : {dialect.separator, ',', ';', '\t', ' '}) {
         split_fields(behind_marks(line), {separator, '.'}, words);
+        if (!words.empty() && words.back().empty()) words.pop_back();
         std::size_t axes = 0;
         std::vector<std::string> names;
         for (const std::string_view word : words) {
@@ -149,6 +150,7 @@ ColumnLook merged(const std::vector<const ColumnLook*>& looks)
 
 bool fits(const ColumnLook& look, ScalarType type)
 {
+    if (look.values == 0 && look.empty == 0) return true;  // a file without points
     switch (type) {
         case ScalarType::i8: return look.whole && look.within(-128, 127);
         case ScalarType::u8: return look.whole && look.within(0, 255);

@@ -3,6 +3,7 @@
 #include "cloud/error.h"
 #include "cloud/text.h"
 #include "io/names.h"
+#include "io/scalars.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>
@@ -39,25 +40,6 @@ std::size_t closing_quote(std::string_view line, std::size_t at)
     return std::string_view::npos;
 }
 
-// Calls `f` with a value of the C++ type that `type` names.
-template <class F>
-auto with_type(ScalarType type, F&& f)
-{
-    switch (type) {
-        case ScalarType::i8: return f(std::int8_t{});
-        case ScalarType::u8: return f(std::uint8_t{});
-        case ScalarType::i16: return f(std::int16_t{});
-        case ScalarType::u16: return f(std::uint16_t{});
-        case ScalarType::i32: return f(std::int32_t{});
-        case ScalarType::u32: return f(std::uint32_t{});
-        case ScalarType::i64: return f(std::int64_t{});
-        case ScalarType::u64: return f(std::uint64_t{});
-        case ScalarType::f32: return f(float{});
-        case ScalarType::f64: break;
-    }
-    return f(double{});
-}
-
 std::string fields_text(std::size_t count) { return std::to_string(count) + (count == 1 ? " field" : " fields"); }
 
 }  // namespace
@@ -67,29 +49,29 @@ void split_fields(std::string_view line, const TextDialect& dialect, std::vector
     fields.clear();
     const char separator = dialect.separator;
     const bool blanks = separator == ' ';
-    std::size_t at = 0;
-    for (;;) {
+    bool behind_separator = false;
+    for (std::size_t at = 0;;) {
         while (at < line.size() && (blanks ? text::is_blank(line[at]) : is_padding(line[at], separator))) ++at;
-        if (at == line.size()) return;
-        if (line[at] == '"' || line[at] == '\'') {
-            const std::size_t close = closing_quote(line, at);
-            if (close != std::string_view::npos) {
-                std::size_t next = close + 1;
-                while (next < line.size() && is_padding(line[next], separator)) ++next;
-                const bool ends = next == line.size() || (blanks ? next > close + 1 : line[next] == separator);
-                if (ends) {
-                    fields.push_back(line.substr(at + 1, close - at - 1));
-                    at = next + (blanks ? 0 : 1);
-                    if (at >= line.size()) return;
-                    continue;
-                }
-            }
+        if (at == line.size()) {
+            if (behind_separator) fields.emplace_back();
+            return;
         }
         std::size_t stop = at;
-        while (stop < line.size() && (blanks ? !text::is_blank(line[stop]) : line[stop] != separator)) ++stop;
-        fields.push_back(trimmed(line.substr(at, stop - at), separator));
-        at = stop + (blanks ? 0 : 1);
-        if (at >= line.size()) return;
+        const std::size_t close = line[at] == '"' || line[at] == '\'' ? closing_quote(line, at) : std::string_view::npos;
+        if (close != std::string_view::npos) {
+            stop = close + 1;
+            if (!blanks)
+                while (stop < line.size() && is_padding(line[stop], separator)) ++stop;
+        }
+        const auto ends = [&] { return stop == line.size() || (blanks ? text::is_blank(line[stop]) : line[stop] == separator); };
+        if (close != std::string_view::npos && ends()) {
+            fields.push_back(line.substr(at + 1, close - at - 1));
+        } else {
+            for (stop = at; !ends();) ++stop;
+            fields.push_back(trimmed(line.substr(at, stop - at), separator));
+        }
+        behind_separator = !blanks && stop < line.size();
+        at = stop + behind_separator;
     }
 }
 
@@ -278,6 +260,7 @@ bool TextRows::careful_row(std::string_view line, std::size_t row, std::uint64_t
 {
     split_fields(line, form_.dialect, words_);
     const std::size_t expected = form_.fields.size();
+    if (words_.size() == expected + 1 && words_.back().empty()) words_.pop_back();  // the line ends with a separator
     const bool longer = words_.size() > expected;
     if (words_.size() < expected || (longer && !form_.longer_lines)) {
         if (odd_line_ && odd_line_(line_number, words_)) return false;

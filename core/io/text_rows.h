@@ -21,7 +21,7 @@ struct TextDialect {
     bool operator==(const TextDialect& o) const { return separator == o.separator && point == o.point; }
 };
 
-// Fields without padding and the quotes around them; separators that stand last on a line end nothing.
+// Fields without padding and the quotes around them; behind a comma that ends a line is one more, empty.
 void split_fields(std::string_view line, const TextDialect& dialect, std::vector<std::string_view>& fields);
 
 // Nothing, or a line that begins with # // or %.

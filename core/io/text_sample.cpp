@@ -255,6 +255,11 @@ std::optional<TextSample> sample_text(const File& file, const TextHints& hints)
     sample.first_row_byte = lines[best.first].offset;
     for (std::size_t i = 0; i < best.first; ++i) sample.head.emplace_back(lines[i].text);
     look_at_pieces(file, sample);
+    if (sample.columns > 3 && sample.looks.back().values == 0) {  // lines end with a separator
+        --sample.columns;
+        sample.looks.pop_back();
+        sample.longer_rows = 0;
+    }
     return sample;
 }
 

@@ -35,7 +35,6 @@ public:
           cloud_(cloud),
           sources_(sources)
     {
-        report_.notes = cloud_.info().notes;
         node_options_.schema = cloud_.info().schema;
     }
 
@@ -50,6 +49,8 @@ public:
         else
             build_from_grid_spool();
         folder.publish();
+        // Now they are complete: readers count on the way what they drop.
+        report_.notes.insert(report_.notes.begin(), cloud_.info().notes.begin(), cloud_.info().notes.end());
         report_.outcome.seconds = watch_.seconds();
         return report_;
     }

@@ -132,7 +132,9 @@ inline Whole read_whole(PointReader& reader, std::size_t batch_points = default_
     EXPECT_EQ(batch.size, 0u);
     EXPECT_EQ(reader.fraction_read(), 1.0);
     EXPECT_FALSE(reader.read(batch, batch_points)) << "the end stays the end";
-    if (whole.info.points_known) EXPECT_EQ(whole.points.size, whole.info.points);
+    if (whole.info.points_known) {
+        EXPECT_EQ(whole.points.size, whole.info.points);
+    }
     return whole;
 }
 

@@ -1,0 +1,8 @@
+#include "io/xyz_reader.h"
+#include "reader_input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
+{
+    pcm::fuzz::read_all([](const std::filesystem::path& path) { return pcm::open_xyz(path); }, bytes, size);
+    return 0;
+}
