@@ -133,6 +133,20 @@ TEST(SampleClouds, TheSameCloudInThreeFormats)
         }
 }
 
+TEST(SampleClouds, Text)
+{
+    PCM_REQUIRE_SAMPLE("MANIFEST.csv");
+    expect_as_in_manifest("xyz/", ".xyz", 5);
+    expect_as_in_manifest("xyz/", ".txt", 7);
+    expect_as_in_manifest("pts/", ".pts", 4);
+    expect_as_in_manifest("ptx/", ".ptx", 2);
+    expect_as_in_manifest("derived/", ".ptx", 1);
+    expect_as_in_manifest("primitives/", ".xyz", 1);
+    expect_as_in_manifest("primitives/", ".pwn", 1);
+    expect_as_in_manifest("crossformat/", ".txt", 1);
+    expect_as_in_manifest("crossformat/", ".pts", 1);
+}
+
 TEST(SampleClouds, BadFilesAreRefusedByName)
 {
     PCM_REQUIRE_SAMPLE("bad");
