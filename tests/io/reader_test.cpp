@@ -41,7 +41,8 @@ TEST(OpenReader, SaysWhatItFound)
         {"a.dat", std::string("\x01\x02zz", 4), ErrorCode::bad_format, "\\x01\\x02zz"},
         {"a.e57", "ASTM-E57....", ErrorCode::truncated, "1024 bytes"},
         {"a.las", "%PDF-1.7", ErrorCode::unsupported, "PDF"},
-        {"a.xyz", "1 2 3\n", ErrorCode::unsupported, "XYZ"},
+        {"a.xyz", "x marks the spot\n", ErrorCode::bad_format, "x marks the spot"},
+        {"a.dat", "x marks the spot\n", ErrorCode::bad_format, "x marks the"},
         {"a.laz", "nonsense", ErrorCode::bad_format, "LASF"},
         {"a.las", "", ErrorCode::bad_format, "empty"},
     };
@@ -75,7 +76,7 @@ TEST(OpenReader, SeekOfFormatsWithoutIt)
 TEST(ReadableExtensions, AreThoseOfTheFormats)
 {
     std::vector<std::string> known = readable_extensions();
-    for (const char* expected : {"bpc", "las", "laz", "ply"})
+    for (const char* expected : {"bpc", "las", "laz", "ply", "xyz", "txt", "asc", "csv", "pwn", "pts", "ptx"})
         EXPECT_EQ(std::count(known.begin(), known.end(), expected), 1) << expected;
 }
 
