@@ -89,6 +89,23 @@ std::vector<std::string> pcd_seeds()
     return {header("ascii") + lines, header("binary") + records.data, header("binary_compressed") + block.data};
 }
 
+std::vector<std::string> text_seeds()
+{
+    return {"1 2 3\n4 5 6\n7 8 9\n", "x,y,z,intensity\r\n1.5,2e3,-3,4\r\n1,,3,9\r\n", "//X;Y;Z;R;G;B\n2\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n",
+            "# x y z a_0 a_1\n\n1 2 nan 4 5\n-inf 2 3 4 5\n"};
+}
+
+std::vector<std::string> ptx_seeds()
+{
+    const std::string header = "2\n20\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n";
+    std::string plain = header, coloured = header;
+    for (int i = 0; i < 20; ++i) {
+        plain += "1111.25 2222.5 3333.75 0.5125\n0 0 0 0.5\n";
+        coloured += "1111.25 2222.5 3333.75 0.5125 4 5 6\n4444.125 5555.25 6666.5 0.0625 7 8 9\n";
+    }
+    return {plain, coloured + plain};
+}
+
 // Flips, replaces, removes and inserts some bytes, most of them near the start.
 std::string mutated(std::string bytes, std::mt19937_64& random)
 {
@@ -124,7 +141,7 @@ std::string mutated(std::string bytes, std::mt19937_64& random)
     return bytes;
 }
 
-void survive(const std::vector<std::string>& seeds, const char* extension, std::uint64_t seed, int rounds)
+void survive(const std::vector<std::string>& seeds, const char* extension, std::uint64_t seed, int rounds, int one_in = 20)
 {
     std::mt19937_64 random(seed);
     TemporaryFolder folder;
@@ -138,7 +155,9 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
             PointBatch batch;
             std::uint64_t points = 0;
             while (reader->read(batch, 1u << 30)) points += batch.size;
-            if (reader->info().points_known) ASSERT_EQ(points, reader->info().points);
+            if (reader->info().points_known) {
+                ASSERT_EQ(points, reader->info().points);
+            }
             ++read;
         } catch (const Error& error) {
             ASSERT_TRUE(mentions(error.what(), path.string())) << error.what();
@@ -148,12 +167,15 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
         ASSERT_LE(largest_allocation.load(), std::size_t{2} << 20) << "round " << round;
     }
     // Otherwise the mutations are too tame or too wild to test anything.
-    EXPECT_GT(read, rounds / 20);
-    EXPECT_GT(refused, rounds / 20);
+    EXPECT_GT(read, rounds / one_in);
+    EXPECT_GT(refused, rounds / one_in);
 }
 
 TEST(Mutations, Las) { survive(las_seeds(), "las", 1, 20000); }
 TEST(Mutations, Pcd) { survive(pcd_seeds(), "pcd", 3, 20000); }
+TEST(Mutations, Text) { survive(text_seeds(), "xyz", 3, 8000); }
+TEST(Mutations, Pts) { survive({"3\n1 2 3 4\n5 6 7 8\n9 1 2 3\n", "1\n1 2 3 4 5 6 7\n2\n1 2 3 4 5 6 7\n7 6 5 4 3 2 1\n"}, "pts", 4, 8000); }
+TEST(Mutations, Ptx) { survive(ptx_seeds(), "ptx", 5, 8000, 50); }
 TEST(Mutations, Ply) { survive(ply_seeds(), "ply", 2, 20000); }
 
 }  // namespace
