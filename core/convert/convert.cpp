@@ -105,7 +105,6 @@ ConvertReport convert_to_file(const CloudSources& sources, const fs::path& outpu
     ConvertReport report;
     WriteOptions write = options.write;
     auto cloud = sources.open();
-    report.notes = cloud->info().notes;
     const bool gridded = has_grid(extension_of(output));
     double done = 0;  // of the whole, before the points are written
     if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
@@ -129,6 +128,8 @@ ConvertReport convert_to_file(const CloudSources& sources, const fs::path& outpu
         watch.report("Writing points", done + (0.99 - done) * cloud->fraction_read());
     }
     writer->finish();
+    // Now they are complete: readers count on the way what they drop.
+    report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
         report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");

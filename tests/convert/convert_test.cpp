@@ -238,6 +238,24 @@ TEST(Convert, PointsWithoutAFinitePositionAreCountedWhereTheyAreLeftOut)
     EXPECT_EQ(read_file(folder / "all.bpc").points.size, 4u);
 }
 
+// What a reader finds out only on the way is told too, whatever stands between.
+TEST(Convert, NotesOfTheEndOfAFileAreTold)
+{
+    const TemporaryFolder folder;
+    std::ofstream(folder / "in.csv") << "x,y,z,weight\n1,2,3,4\n5,6,7,\n8,9,10,11\n";
+    ConvertOptions part = small();
+    part.cloud.selection.where = {parse_condition("x>0")};
+    part.cloud.selection.keep = {"weight"};
+    for (const ConvertOptions& options : {small(), part})
+        for (const char* output : {"out.bpc", "out.pct"}) {
+            ConvertOptions again = options;
+            again.overwrite = true;
+            const ConvertReport report = convert({folder / "in.csv"}, folder / output, again);
+            EXPECT_EQ(report.outcome.points_out, 3u);
+            EXPECT_TRUE(mentions(report.notes, "1 empty field is NaN"));
+        }
+}
+
 // ------------------------------------------------------------------------------------------ what is taken
 
 class FromATree : public testing::Test {
