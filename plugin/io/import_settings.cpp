@@ -88,7 +88,10 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
         QString found;
         try {
             const auto reader = open_reader(file);
-            found = " [" + QString::fromStdString(reader->info().format).toHtmlEscaped() + "]";
+            for (const std::string& note : reader->info().notes)  // "columns x y z, separated by blanks; ..."
+                if (note.rfind("columns ", 0) == 0)
+                    found =
+                        " [found: " + QString::fromStdString(note.substr(8)).section(';', 0, 0).toHtmlEscaped() + "]";
         } catch (const Error&) {
             // Then opening it says why; perhaps the user knows the layout.
         }
