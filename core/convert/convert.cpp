@@ -99,12 +99,19 @@ ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& outpu
     return report;
 }
 
-ConvertReport convert_to_file(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+}  // namespace
+
+std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, const CloudOptions& options)
+{
+    return CloudSources(inputs, options).open();
+}
+
+ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const fs::path& output, const ConvertOptions& options)
 {
     Watch watch(options.progress);
     ConvertReport report;
     WriteOptions write = options.write;
-    auto cloud = sources.open();
+    auto cloud = open();
     const bool gridded = has_grid(extension_of(output));
     double done = 0;  // of the whole, before the points are written
     if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
@@ -115,7 +122,7 @@ ConvertReport convert_to_file(const CloudSources& sources, const fs::path& outpu
         append(report.notes, chosen.notes);
         if (chosen.points_read) {
             done = 0.4;
-            cloud = sources.open();
+            cloud = open();
         }
     }
     const std::unique_ptr<PointWriter> writer = create_writer(output, cloud->info(), write);
@@ -144,13 +151,6 @@ ConvertReport convert_to_file(const CloudSources& sources, const fs::path& outpu
     return report;
 }
 
-}  // namespace
-
-std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, const CloudOptions& options)
-{
-    return CloudSources(inputs, options).open();
-}
-
 ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output_as_given, const ConvertOptions& options)
 {
     const fs::path output = without_slash(output_as_given);
@@ -163,7 +163,7 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const std::vector<std::string> writable = writable_extensions();
     if (!to_tree && std::find(writable.begin(), writable.end(), extension) == writable.end())
         create_writer(output, {}, {});  // says which there are
-    return to_tree ? convert_to_tree(sources, output, options) : convert_to_file(sources, output, options);
+    return to_tree ? convert_to_tree(sources, output, options) : write_cloud([&] { return sources.open(); }, output, options);
 }
 
 }  // namespace pcm

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,5 +57,10 @@ struct ConvertReport {
 // readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
+
+// The same of any cloud into a file: `open` gives it from its beginning, each time it is called, with what is selected of it.
+// A file that has the name is replaced. Of the options those of `cloud` and of trees have no meaning here.
+ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const std::filesystem::path& output,
+                          const ConvertOptions& options = {});
 
 }  // namespace pcm

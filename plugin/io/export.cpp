@@ -1,17 +1,14 @@
 #include "io/export.h"
 
 #include "cloud/error.h"
+#include "convert/convert.h"
 #include "host/layer_reader.h"
 #include "host/registry.h"
 #include "host/text.h"
 #include "io/formats.h"
-#include "io/writer.h"
 #include "tree/tree_reader.h"
 
 #include <wrap/io_trimesh/io_mask.h>
-
-#include <algorithm>
-#include <chrono>
 
 namespace pcm::host {
 
@@ -160,44 +157,34 @@ int export_mask()
 std::vector<std::string> export_layer(const std::filesystem::path& path, const MeshModel& layer, int mask,
                                       const RichParameterList& parameters, const ProgressFunction& progress)
 {
-    const auto started = std::chrono::steady_clock::now();
+    ConvertOptions options;
+    if (parameters.hasParameter(binary)) options.write.ascii = !parameters.getBool(binary);
+    if (parameters.hasParameter(decimals) && parameters.getInt(decimals) >= 0)
+        options.write.decimals = static_cast<unsigned>(parameters.getInt(decimals));
+    options.progress = progress;
+
     std::vector<std::string> lines;
-    std::unique_ptr<PointReader> reader;
+    ConvertReport report;
     std::string what;
     if (const auto tree = Registry::instance().find(layer)) {
-        reader = reader_of_tree(*tree, parameters);
+        report = write_cloud([&] { return reader_of_tree(*tree, parameters); }, path, options);
         what = "of the tree " + tree->cloud->tree()->folder().string();
     } else {
         const LayerSelection taken = members_of(mask, parameters.getBool(selected_only));
-        auto vertices = std::make_unique<LayerReader>(layer, taken);
-        lines = layer_lines(layer, *vertices, taken);
+        const Selection selection = selection_of(parameters);
+        const auto open = [&] {
+            auto vertices = std::make_unique<LayerReader>(layer, taken);
+            lines = layer_lines(layer, *vertices, taken);
+            return std::make_unique<SelectedReader>(std::move(vertices), selection);
+        };
+        report = write_cloud(open, path, options);
         what = "of the layer " + layer.label().toStdString();
-        reader = std::make_unique<SelectedReader>(std::move(vertices), selection_of(parameters));
     }
-
-    WriteOptions options;
-    options.threads = 0;
-    if (parameters.hasParameter(binary)) options.ascii = !parameters.getBool(binary);
-    if (parameters.hasParameter(decimals) && parameters.getInt(decimals) >= 0)
-        options.decimals = static_cast<unsigned>(parameters.getInt(decimals));
-    const auto writer = create_writer(path, reader->info(), options);
-    std::uint64_t points = 0;
-    PointBatch batch;
-    while (reader->read(batch, default_batch_points)) {
-        writer->write(batch);
-        points += batch.size;
-        if (progress && !progress({"Writing points", reader->fraction_read(), -1}))
-            throw Error(ErrorCode::cancelled, path, "cancelled");
-    }
-    if (points == 0)
-        throw Error(ErrorCode::invalid_argument, path, "no point meets the conditions; nothing is written");
-    writer->finish();
-
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    lines.insert(lines.begin(), "Wrote " + grouped(points) + " points " + what + " to " + path.string() + " in " +
-                                    brief(seconds) + " s, in source coordinates; largest position error " +
-                                    exact(writer->position_error()) + " source units.");
-    for (const std::string& note : writer->notes()) lines.push_back("Note: " + note);
+    lines.insert(lines.begin(), "Wrote " + grouped(report.outcome.points_out) + " points " + what + " to " +
+                                    path.string() + " in " + brief(report.outcome.seconds) +
+                                    " s, in source coordinates; largest position error " + exact(report.outcome.error) +
+                                    " source units.");
+    for (const std::string& note : report.notes) lines.push_back("Note: " + note);
     if (!is_identity(layer)) lines.emplace_back("The layer's matrix was not applied, as in all of MeshLab's exports.");
     return lines;
 }
