@@ -336,8 +336,7 @@ E57Plan Planner::plan()
                                   plan_.schema[a].name + "': 0 there");
     if (scans_.size() > 1) {
         plan_.scan_number = plan_.schema.size();
-        add_attribute({"scan", scans_.size() <= 65536 ? ScalarType::u16 : ScalarType::u32, 1, 1, 0,
-                       "number of the scan in the file, from 0"});
+        add_attribute({"scan", ScalarType::u32, 1, 1, 0, "number of the scan in the file, from 1"});
     }
     return std::move(plan_);
 }

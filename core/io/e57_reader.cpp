@@ -159,8 +159,8 @@ void E57Reader::keep_metadata()
         const E57Scan& scan = description_.scans[i];
         bytes += scan.name.size() + scan.guid.size();
         if (bytes > most_metadata_bytes) break;
-        keep("e57.scan/" + std::to_string(i) + "/name", scan.name);
-        keep("e57.scan/" + std::to_string(i) + "/guid", scan.guid);
+        keep("e57.scan/" + std::to_string(i + 1) + "/name", scan.name);
+        keep("e57.scan/" + std::to_string(i + 1) + "/guid", scan.guid);
     }
 }
 
@@ -335,13 +335,8 @@ std::size_t E57Reader::read_piece(PointBatch& batch, std::size_t first, std::siz
         std::memset(column.data() + first * column.point_bytes(), 0, valid_.size() * column.point_bytes());
     }
     if (plan_.scan_number) {
-        Column& column = batch.attributes[*plan_.scan_number];
-        for (std::size_t k = first; k < first + valid_.size(); ++k) {
-            if (column.type() == ScalarType::u16)
-                column.as<std::uint16_t>()[k] = static_cast<std::uint16_t>(scan_);
-            else
-                column.as<std::uint32_t>()[k] = static_cast<std::uint32_t>(scan_);
-        }
+        auto* const to = batch.attributes[*plan_.scan_number].as<std::uint32_t>() + first;
+        std::fill(to, to + valid_.size(), static_cast<std::uint32_t>(scan_ + 1));
     }
     return valid_.size();
 }

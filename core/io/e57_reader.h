@@ -13,8 +13,8 @@ namespace pcm {
 // Attributes: see plan_e57() for their types. Standard fields are intensity, rgb, number_of_returns, return_index (from 0
 // by the standard, but there are files that count from 1), time_stamp, row_index, column_index, is_intensity_invalid, ...;
 // fields of extensions are "prefix:name", those of "las" named as in a LAS file, three normals "normal". "scan" numbers
-// the scans, from 0, where there are several.
-// Metadata: "e57.xml" (up to 4 MB), "e57.coordinateMetadata", "e57.scan/<number from 0>/name" and ".../guid".
+// the scans, from 1, where there are several.
+// Metadata: "e57.xml" (up to 4 MB), "e57.coordinateMetadata", "e57.scan/<number from 1>/name" and ".../guid".
 //
 // Every page that is read is checked against its checksum.
 std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path);

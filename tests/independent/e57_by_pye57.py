@@ -64,7 +64,7 @@ def read(path):
         if name not in COLOURS:
             attributes[NAMES.get(name, name)] = Attribute(whole(name).astype(np.float64).reshape(-1, 1), any_type=True)
     if len(parts) > 1:
-        scan = np.concatenate([np.full(len(world), float(i)) for i, (world, _, _) in enumerate(parts)])
+        scan = np.concatenate([np.full(len(world), i + 1.0) for i, (world, _, _) in enumerate(parts)])
         attributes["scan"] = Attribute(scan.reshape(-1, 1), any_type=True)
     return Cloud(np.concatenate([world for world, _, _ in parts]), attributes,
                  uncertainty=np.concatenate([bound for _, _, bound in parts]))

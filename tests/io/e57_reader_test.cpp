@@ -167,9 +167,9 @@ TEST_F(E57, PosesTurnAndMove)
         EXPECT_EQ(whole.position(i)[2], z + 0.5);
         EXPECT_EQ(whole.position(3 + i), (Vec3d{x + 1, y + 2, z + 3}));
         EXPECT_EQ(whole.position(6 + i), (Vec3d{x, y, z}));
-        EXPECT_EQ(whole.raw<std::uint16_t>("scan", i), 0);
-        EXPECT_EQ(whole.raw<std::uint16_t>("scan", 3 + i), 1);
-        EXPECT_EQ(whole.raw<std::uint16_t>("scan", 6 + i), 2);
+        EXPECT_EQ(whole.raw<std::uint32_t>("scan", i), 1u);
+        EXPECT_EQ(whole.raw<std::uint32_t>("scan", 3 + i), 2u);
+        EXPECT_EQ(whole.raw<std::uint32_t>("scan", 6 + i), 3u);
     }
     EXPECT_TRUE(any_mentions(whole.info.notes, "the quaternion of 1 scan is 0 0 0 0"));
 }
@@ -350,8 +350,8 @@ TEST_F(E57, Metadata)
             if (m.key == key) return std::string(reinterpret_cast<const char*>(m.value.data()), m.value.size());
         return std::string("missing");
     };
-    EXPECT_EQ(value("e57.scan/0/name"), "east");
-    EXPECT_EQ(value("e57.scan/0/guid"), "g1");
+    EXPECT_EQ(value("e57.scan/1/name"), "east");
+    EXPECT_EQ(value("e57.scan/1/guid"), "g1");
     EXPECT_EQ(value("e57.coordinateMetadata"), "EPSG:25832");
     EXPECT_TRUE(mentions(value("e57.xml"), "<?xml") && mentions(value("e57.xml"), "recordCount=\"1\""));
     EXPECT_EQ(whole.info.format, "E57 1.0, 1 scan");
