@@ -1,0 +1,313 @@
+#include "tree/level_sampler.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace pcm {
+namespace {
+
+constexpr double margin = 1e-9;  // bounds are computed with rounding and decide only by more than this
+// The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
+constexpr std::uint64_t first_level_points = 512;
+// Sampling ends when a quarter of the points is chosen: the step to the whole cloud is then like that between levels, as
+// surfaces have four times the points at half the spacing. A few points in much denser places are not waited for.
+constexpr double chosen_share = 0.1;
+constexpr double waiting_share = 0.2;
+
+}  // namespace
+
+template <class Coord>
+LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
+                                  const std::filesystem::path& scratch)
+    : points_(points), lattice_(lattice), sampling_(sampling), file_(scratch, File::Mode::create_new), bins_(points.bins())
+{
+    for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
+}
+
+template <class Coord>
+LevelSampler<Coord>::~LevelSampler()
+{
+    std::error_code ignored;
+    std::filesystem::remove(file_.path(), ignored);
+}
+
+template <class Coord>
+void LevelSampler<Coord>::run(unsigned threads, const std::function<void(double)>& progress)
+{
+    progress_ = progress;
+    bool any = false;
+    Point<Coord> low{}, high{};
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+        const auto& box = points_.box(b);
+        if (box.points == 0) continue;
+        for (std::size_t a = 0; a < 3; ++a) {
+            low[a] = any ? std::min(low[a], box.low[a]) : box.low[a];
+            high[a] = any ? std::max(high[a], box.high[a]) : box.high[a];
+        }
+        any = true;
+    }
+    const int top = any ? std::min(62, lattice_.size_of_box<Coord>(low, high)) : 0;
+    std::vector<int> sizes;
+    if (sampling_ == Sampling::grid) {
+        sample_by_grid(top, threads);
+        // The sizes that are used, from how many points each would choose.
+        for (int size = top; size >= 0; --size) {
+            sizes.push_back(size);
+            for (Bin& bin : bins_) {
+                bin.chosen = 0;
+                for (const List& list : bin.lists)
+                    if (list.size >= size) bin.chosen += list.count;
+            }
+            if (fine_enough()) break;
+        }
+    } else {
+        for (int size = top; size >= 0; --size) {
+            fraction_ = 1 - std::ldexp(1.0, -static_cast<int>(sizes.size()) / 3);
+            sizes.push_back(size);
+            pass(size, threads);
+            if (fine_enough()) break;
+        }
+    }
+    number_levels(sizes);
+}
+
+template <class Coord>
+bool LevelSampler<Coord>::fine_enough() const
+{
+    std::uint64_t all = 0, waiting = 0;
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+        const std::uint64_t points = points_.box(b).points;
+        all += points;
+        if (static_cast<double>(bins_[b].chosen) < chosen_share * static_cast<double>(points)) waiting += points;
+    }
+    return static_cast<double>(waiting) <= waiting_share * static_cast<double>(all);
+}
+
+template <class Coord>
+void LevelSampler<Coord>::number_levels(const std::vector<int>& sizes)
+{
+    // The first sizes, of a few points each, are one level.
+    std::size_t first = 0;
+    for (; first + 1 < sizes.size(); ++first) {
+        std::uint64_t chosen = 0;
+        for (const Bin& bin : bins_)
+            for (const List& list : bin.lists)
+                if (list.size >= sizes[first]) chosen += list.count;
+        if (chosen >= first_level_points) break;
+    }
+    sizes_.assign(sizes.begin() + static_cast<std::ptrdiff_t>(first), sizes.end());
+    spacings_.clear();
+    for (const int size : sizes_) spacings_.push_back(lattice_.spacing(size));
+    spacings_.push_back(0);
+    std::uint64_t rest = 0;
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+        Bin& bin = bins_[b];
+        bin.histogram.assign(spacings_.size(), 0);
+        std::uint64_t chosen = 0;
+        for (const List& list : bin.lists) {
+            if (list.size < sizes_.back()) continue;
+            bin.histogram[static_cast<std::size_t>(std::max(0, sizes_[0] - list.size))] += list.count;
+            chosen += list.count;
+        }
+        bin.histogram.back() = points_.box(b).points - chosen;
+        rest += bin.histogram.back();
+    }
+    if (rest == 0) {
+        spacings_.pop_back();
+        for (Bin& bin : bins_) bin.histogram.pop_back();
+    }
+}
+
+template <class Coord>
+std::vector<std::uint32_t> LevelSampler<Coord>::read(const List& list) const
+{
+    std::vector<std::uint32_t> indices(list.count);
+    file_.read_at(indices.data(), indices.size() * sizeof indices[0], list.offset);
+    return indices;
+}
+
+template <class Coord>
+std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
+{
+    std::vector<std::uint8_t> levels(points_.box(bin).points, static_cast<std::uint8_t>(sizes_.size()));
+    if (sampling_ == Sampling::grid) {
+        if (levels.empty()) return levels;
+        typename SortedPoints<Coord>::Reader points(points_, bin);
+        Point<Coord> before = points[0];
+        levels[0] = 0;
+        for (std::size_t i = 1; i < levels.size(); ++i) {
+            const Point<Coord> p = points[i];
+            const int size = parting_size(before, p, lattice_.finer);
+            if (size >= sizes_.back()) levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
+            before = p;
+        }
+        return levels;
+    }
+    for (const List& list : bins_[bin].lists)
+        for (const std::uint32_t i : read(list)) levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - list.size));
+    return levels;
+}
+
+template <class Coord>
+void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
+{
+    Signal signal;
+    Crew crew(signal);
+    std::atomic<std::size_t> next{0};
+    for (unsigned t = 0; t < threads; ++t)
+        crew.add([&] {
+            for (std::size_t b; !signal.stopped && (b = next++) < bins_.size();) {
+                if (points_.box(b).points == 0) continue;
+                std::array<std::uint32_t, 65> chosen{};
+                typename SortedPoints<Coord>::Reader points(points_, b);
+                Point<Coord> before = points[0];
+                chosen[static_cast<std::size_t>(top)] = 1;
+                for (std::size_t i = 1; i < points.size(); ++i) {
+                    const Point<Coord> p = points[i];
+                    if (const int size = parting_size(before, p, lattice_.finer); size >= 0)
+                        ++chosen[static_cast<std::size_t>(std::min(size, top))];
+                    before = p;
+                }
+                for (int size = top; size >= 0; --size)
+                    if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count});
+            }
+        });
+    crew.join([&] { progress_(static_cast<double>(std::min(next.load(), bins_.size())) / static_cast<double>(bins_.size())); });
+}
+
+template <class Coord>
+double LevelSampler<Coord>::squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box,
+                                                bool farthest) const
+{
+    double sum = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const auto apart = [](Coord c, Coord d) { return static_cast<double>(c > d ? c - d : d - c); };
+        double d = 0;
+        if (farthest)
+            d = std::max(apart(p[a], box.low[a]), apart(p[a], box.high[a]));
+        else if (p[a] < box.low[a])
+            d = apart(p[a], box.low[a]);
+        else if (p[a] > box.high[a])
+            d = apart(p[a], box.high[a]);
+        sum += d * d * squared_scale_[a];
+    }
+    return sum;
+}
+
+template <class Coord>
+double LevelSampler<Coord>::squared_distance_between(std::size_t bin, std::size_t other) const
+{
+    const auto &a = points_.box(bin), &b = points_.box(other);
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        double d = 0;
+        if (a.high[k] < b.low[k]) d = static_cast<double>(b.low[k] - a.high[k]);
+        if (b.high[k] < a.low[k]) d = static_cast<double>(a.low[k] - b.high[k]);
+        sum += d * d * squared_scale_[k];
+    }
+    return sum;
+}
+
+template <class Coord>
+void LevelSampler<Coord>::pass(int size, unsigned threads)
+{
+    // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one colour are not
+    // near each other and go side by side; colours go one after the other: the same for any number of threads.
+    const double squared = lattice_.spacing(size) * lattice_.spacing(size);
+    std::vector<std::vector<std::size_t>> neighbours(bins_.size());
+    for (std::size_t b = 0; b < bins_.size(); ++b)
+        for (std::size_t n = 0; n < b; ++n)
+            if (points_.box(b).points && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared) {
+                neighbours[b].push_back(n);
+                neighbours[n].push_back(b);
+            }
+    std::vector<std::size_t> colour(bins_.size(), 0);
+    std::size_t colours = 0;
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+        std::vector<bool> used(colours + 1, false);
+        for (const std::size_t n : neighbours[b])
+            if (n < b) used[colour[n]] = true;
+        colour[b] = static_cast<std::size_t>(std::find(used.begin(), used.end(), false) - used.begin());
+        colours = std::max(colours, colour[b] + 1);
+    }
+    std::vector<std::vector<std::size_t>> groups(colours);
+    for (std::size_t b = 0; b < bins_.size(); ++b)
+        if (points_.box(b).points) groups[colour[b]].push_back(b);
+    std::atomic<std::size_t> done{0};
+    const auto tick = [&] {
+        const double inside = static_cast<double>(done.load()) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
+        progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
+    };
+    for (const std::vector<std::size_t>& group : groups) {
+        if (group.size() == 1 || threads == 1) {
+            for (const std::size_t b : group) {
+                sample_bin(b, size, neighbours[b]);
+                ++done;
+                tick();
+            }
+            continue;
+        }
+        Signal signal;
+        Crew crew(signal);
+        std::atomic<std::size_t> next{0};
+        for (unsigned t = 0; t < std::min<std::size_t>(threads, group.size()); ++t)
+            crew.add([&] {
+                for (std::size_t i; !signal.stopped && (i = next++) < group.size(); ++done)
+                    sample_bin(group[i], size, neighbours[group[i]]);
+            });
+        crew.join(tick);
+    }
+}
+
+template <class Coord>
+void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::vector<std::size_t>& neighbours)
+{
+    Bin& bin = bins_[number];
+    const auto& box = points_.box(number);
+    const double spacing = lattice_.spacing(size);
+    const double squared = spacing * spacing;
+    if (bin.chosen == box.points) return;
+    const auto covers_all = [&](const Point<Coord>& p) { return squared_distance_to(p, box, true) * (1 + margin) < squared; };
+
+    std::vector<Point<Coord>> chosen;
+    for (const Point<Coord>& p : bin.border)
+        if (covers_all(p)) return;
+    for (const std::size_t n : neighbours)
+        for (const Point<Coord>& p : bins_[n].border) {
+            if (covers_all(p)) return;
+            if (squared_distance_to(p, box, false) * (1 - margin) < squared) chosen.push_back(p);
+        }
+    typename SortedPoints<Coord>::Reader points(points_, number);
+    for (const List& list : bin.lists)
+        for (const std::uint32_t i : read(list)) chosen.push_back(points[i]);
+
+    const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, chosen).run();
+    if (!found.empty()) {
+        std::uint64_t offset;
+        {
+            const std::lock_guard lock(mutex_);
+            offset = end_;
+            end_ += found.size() * sizeof found[0];
+        }
+        file_.write_at(found.data(), found.size() * sizeof found[0], offset);
+        bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size())});
+        bin.chosen += found.size();
+    }
+    // Neighbours only get fewer with smaller spacings: what is far from all of them now will not be asked for again.
+    const auto at_border = [&](const Point<Coord>& p) {
+        for (const std::size_t n : neighbours)
+            if (squared_distance_to(p, points_.box(n), false) * (1 - margin) < squared) return true;
+        return false;
+    };
+    std::vector<Point<Coord>> border;
+    for (const Point<Coord>& p : bin.border)
+        if (at_border(p)) border.push_back(p);
+    for (const std::uint32_t i : found)
+        if (at_border(points[i])) border.push_back(points[i]);
+    bin.border = std::move(border);
+}
+
+template class LevelSampler<std::uint32_t>;
+template class LevelSampler<std::uint64_t>;
+
+}  // namespace pcm

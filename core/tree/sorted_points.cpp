@@ -1,0 +1,114 @@
+#include "tree/sorted_points.h"
+
+#include "bpc/column_codec.h"
+
+#include <algorithm>
+
+namespace pcm {
+
+template <class Coord>
+SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path) : file_(path, File::Mode::create_new)
+{
+}
+
+template <class Coord>
+SortedPoints<Coord>::~SortedPoints()
+{
+    std::error_code ignored;
+    std::filesystem::remove(file_.path(), ignored);
+}
+
+template <class Coord>
+void SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& points)
+{
+    Bin& to = bins_[bin];
+    to.box.low = to.box.high = points[0];
+    to.box.points = points.size();
+    std::vector<std::byte> bytes;
+    std::vector<Coord> words;
+    for (std::size_t from = 0; from < points.size(); from += sorted_block) {
+        const std::size_t count = std::min(sorted_block, points.size() - from);
+        const std::size_t start = bytes.size();
+        words.resize(count);
+        for (std::size_t a = 0; a < 3; ++a) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const Coord c = points[from + i][a];
+                to.box.low[a] = std::min(to.box.low[a], c);
+                to.box.high[a] = std::max(to.box.high[a], c);
+                words[i] = c;
+            }
+            pack(words.data(), count, bytes);
+        }
+        to.blocks.push_back({start, static_cast<std::uint32_t>(bytes.size() - start), points[from]});
+    }
+    std::uint64_t offset;
+    {
+        const std::lock_guard lock(mutex_);
+        offset = end_;
+        end_ += bytes.size();
+    }
+    for (Block& block : to.blocks) block.offset += offset;
+    file_.write_at(bytes.data(), bytes.size(), offset);
+}
+
+template <class Coord>
+SortedPoints<Coord>::Reader::Reader(const SortedPoints& store, std::size_t bin)
+    : store_(store), bin_(bin), points_(store.bins_[bin].box.points), ready_(store.bins_[bin].blocks.size(), 0)
+{
+}
+
+template <class Coord>
+void SortedPoints<Coord>::Reader::load(std::size_t number)
+{
+    const Block& block = store_.bins_[bin_].blocks[number];
+    bytes_.resize(block.bytes + codec_slack);
+    store_.file_.read_at(bytes_.data(), block.bytes, block.offset);
+    const std::size_t first = number * sorted_block;
+    const std::size_t count = std::min(sorted_block, points_.size() - first);
+    words_.resize(count);
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        at += unpack(bytes_.data() + at, block.bytes - at, words_.data(), count, store_.file_.path());
+        for (std::size_t i = 0; i < count; ++i) points_[first + i][a] = words_[i];
+    }
+    ready_[number] = 1;
+}
+
+template <class Coord>
+std::size_t SortedPoints<Coord>::Reader::end_of_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts)
+{
+    const Point<Coord> p = (*this)[i];
+    const std::vector<Block>& blocks = store_.bins_[bin_].blocks;
+    // Over whole blocks first: their first points are known without reading them.
+    std::size_t block = i / sorted_block + 1, step = 1;
+    const std::size_t last = (end + sorted_block - 1) / sorted_block;
+    const auto starts_inside = [&](std::size_t b) { return same_cell(p, blocks[b].first, shifts); };
+    if (block < last && starts_inside(block)) {
+        while (block + step < last && starts_inside(block + step)) {
+            block += step;
+            step *= 2;
+        }
+        std::size_t beyond = std::min(last, block + step);
+        while (block + 1 < beyond) {
+            const std::size_t middle = block + (beyond - block) / 2;
+            (starts_inside(middle) ? block : beyond) = middle;
+        }
+        i = block * sorted_block;
+    }
+    // Then within one block.
+    end = std::min(end, (i / sorted_block + 1) * sorted_block);
+    (*this)[i];
+    const Point<Coord>* points = points_.data();
+    for (step = 1; i + step < end && same_cell(p, points[i + step], shifts); step *= 2) i += step;
+    std::size_t beyond = std::min(end, i + step);
+    while (i + 1 < beyond) {
+        const std::size_t middle = i + (beyond - i) / 2;
+        (same_cell(p, points[middle], shifts) ? i : beyond) = middle;
+    }
+    return beyond;
+}
+
+template class SortedPoints<std::uint32_t>;
+template class SortedPoints<std::uint64_t>;
+
+}  // namespace pcm

@@ -1,0 +1,79 @@
+// Positions of the bins of a build, in Morton order, packed on disk: what sampling looks at, again and again.
+#pragma once
+
+#include "cloud/file.h"
+#include "tree/lattice.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace pcm {
+
+inline constexpr std::size_t sorted_block = 1024;  // points that are packed together, and read together
+
+template <class Coord>
+class SortedPoints {
+public:
+    explicit SortedPoints(const std::filesystem::path& path);
+    ~SortedPoints();  // removes the file
+
+    struct Box {
+        Point<Coord> low{}, high{};
+        std::uint64_t points = 0;
+    };
+
+    void resize(std::size_t bins) { bins_.resize(bins); }
+    std::size_t bins() const { return bins_.size(); }
+    const Box& box(std::size_t bin) const { return bins_[bin].box; }
+    // Bytes on disk so far.
+    std::uint64_t bytes() const { return end_; }
+
+    // Any thread, each bin once. `points` in Morton order, at least one.
+    void put(std::size_t bin, const std::vector<Point<Coord>>& points);
+
+    // A bin's points, block by block as they are asked for. Belongs to one thread.
+    class Reader {
+    public:
+        Reader(const SortedPoints& store, std::size_t bin);
+        std::size_t size() const { return points_.size(); }
+        const Point<Coord>& operator[](std::size_t i)
+        {
+            if (!ready_[i / sorted_block]) load(i / sorted_block);
+            return points_[i];
+        }
+        // The end of the run of points, from `i` on and before `end`, that share i's cell.
+        std::size_t end_of_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts);
+
+    private:
+        void load(std::size_t block);
+        const SortedPoints& store_;
+        std::size_t bin_;
+        std::vector<Point<Coord>> points_;
+        std::vector<std::uint8_t> ready_;
+        std::vector<std::byte> bytes_;
+        std::vector<Coord> words_;
+    };
+
+private:
+    struct Block {
+        std::uint64_t offset;
+        std::uint32_t bytes;
+        Point<Coord> first;
+    };
+    struct Bin {
+        Box box;
+        std::vector<Block> blocks;
+    };
+    File file_;
+    std::vector<Bin> bins_;
+    std::mutex mutex_;
+    std::uint64_t end_ = 0;
+};
+
+extern template class SortedPoints<std::uint32_t>;
+extern template class SortedPoints<std::uint64_t>;
+
+}  // namespace pcm
