@@ -41,10 +41,12 @@ bool PointCursor::getNextData(PointView& view)
         view.grid_ = &tree.info().grid;
         view.chunk_ = &*s.handle;
         view.slots_ = &s.slots;
+        // Coarse levels come first in a chunk.
+        view.count_ = s.query.level ? tree.node(node).points_to_level(*s.query.level) : s.handle->points;
         const bool inside = s.query.box && s.query.box->contains(tree.box(node));
         const Selector& selector = inside ? s.without_box : s.selector;
         if (selector.tests_points()) {
-            s.selected.resize(s.handle->points);
+            s.selected.resize(view.count_);
             std::iota(s.selected.begin(), s.selected.end(), 0u);
             s.tested.assign(s.handle->attributes.size(), nullptr);
             for (const std::size_t k : selector.tested()) s.tested[k] = s.handle->attributes[k].get();

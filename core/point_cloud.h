@@ -31,7 +31,7 @@ struct Query {
 // The points of one chunk that a query selects. Valid until the cursor moves on or dies.
 class PointView {
 public:
-    std::size_t size() const { return selected_ ? selected_->size() : chunk_ ? chunk_->points : 0; }
+    std::size_t size() const { return selected_ ? selected_->size() : count_; }
     NodeId node() const { return node_; }
     // Source coordinates, double.
     Vec3d position(std::size_t i) const { return grid_->to_source(chunk_->positions->grid(index(i))); }
@@ -51,6 +51,7 @@ private:
     const Grid* grid_ = nullptr;
     const Chunk* chunk_ = nullptr;
     const std::vector<std::size_t>* slots_ = nullptr;
+    std::size_t count_ = 0;
     const std::vector<std::uint32_t>* selected_ = nullptr;
 };
 
@@ -84,7 +85,7 @@ public:
     // throws.
     PointCursor points(const Query& query = {});
 
-    // Nodes whose boxes a query touches, parents first.
+    // Nodes whose boxes a query touches and that have points of its level or stand above such, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;
 
 private:

@@ -98,8 +98,7 @@ int tree_info(const Arguments& arguments)
             json["level"].push_back({{"nodes", level.nodes},
                                      {"points", level.points},
                                      {"points_to_here", level.points_to_here},
-                                     {"spacing_min", level.finest},
-                                     {"spacing_max", level.coarsest}});
+                                     {"spacing", level.spacing}});
         json["nodes"] = tree->nodes().size();
         json["bytes"] = info.bytes;
         json["metadata"] = metadata_of(info.metadata);
@@ -128,10 +127,7 @@ int tree_info(const Arguments& arguments)
         const LevelSummary& level = levels[i];
         std::printf("%5zu %6llu %15s %15s  ", i, static_cast<unsigned long long>(level.nodes),
                     grouped(level.points).c_str(), grouped(level.points_to_here).c_str());
-        if (level.coarsest > 0)
-            std::printf("%.4g to %.4g\n", level.finest, level.coarsest);
-        else
-            std::printf("full\n");
+        std::printf("%s\n", level.spacing > 0 ? brief(level.spacing).c_str() : "full");
     }
     return 0;
 }

@@ -7,7 +7,10 @@
 #include "tree/crew.h"
 #include "tree/data_files.h"
 #include "tree/ingest.h"
+#include "tree/level_sampler.h"
+#include "tree/morton_sort.h"
 #include "tree/node_builder.h"
+#include "tree/node_jobs.h"
 #include "tree/observed.h"
 #include "tree/scratch.h"
 #include "tree/top_tree.h"
@@ -61,7 +64,7 @@ private:
     std::uint64_t bin_points(std::size_t row_bytes, std::size_t key_bytes)
     {
         const std::uint64_t half = options_.memory_bytes / 2;
-        const std::uint64_t point_bytes = row_bytes + key_bytes + 24;  // its chunks, encoded, and the sort's work space
+        const std::uint64_t point_bytes = 2 * row_bytes + key_bytes + 32;  // rows before and after the sort, and its work space
         const std::uint64_t points = std::max(half / 16 / point_bytes, 2 * std::uint64_t(options_.chunk_points));
         build_threads_ = static_cast<unsigned>(std::clamp<std::uint64_t>(half / (points * point_bytes), 1, threads_));
         return points;
@@ -70,7 +73,7 @@ private:
     bool fits_one_bin()
     {
         const RowLayout layout(cloud_.info().schema, false);
-        return cloud_.info().points <= bin_points(layout.bytes, sizeof(NodeBuilder<std::uint32_t>::Key));
+        return cloud_.info().points <= bin_points(layout.bytes, sizeof(Point<std::uint32_t>));
     }
 
     bool next_batch(PointBatch& batch)
@@ -103,11 +106,11 @@ private:
     void build_from_grid()
     {
         using Coord = std::uint32_t;
-        node_options_.grid = *cloud_.info().grid;
+        set_grid(*cloud_.info().grid);
         node_options_.layout = RowLayout(node_options_.schema, false);
         const RowLayout& layout = node_options_.layout;
         const std::uint64_t points = cloud_.info().points;
-        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(Point<Coord>));
 
         TopTree<Coord> top;
         std::size_t bins = 1;
@@ -115,7 +118,7 @@ private:
             TopPlanner<Coord>::Sample sample;
             for (const Vec3i& p : sample_evenly(cloud_, sample_points(points, per_bin)))
                 sample.push_back({to_coordinate<Coord>(p[0]), to_coordinate<Coord>(p[1]), to_coordinate<Coord>(p[2])});
-            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, sample, points, 0);
+            bins = TopPlanner<Coord>(top, node_options_.lattice.finer, per_bin).plan(0, sample, points, 0);
         }
 
         Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
@@ -153,10 +156,10 @@ private:
     void build_from_grid_spool()
     {
         using Coord = std::uint32_t;
-        node_options_.grid = *cloud_.info().grid;
+        set_grid(*cloud_.info().grid);
         node_options_.layout = RowLayout(node_options_.schema, false);
         const RowLayout& layout = node_options_.layout;
-        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(NodeBuilder<Coord>::Key));
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(Point<Coord>));
 
         Scratch spool(folder_ / "spool.tmp", layout.bytes);
         spool.add_bins(1);
@@ -173,7 +176,7 @@ private:
         TopTree<Coord> top;
         std::size_t bins = 1;
         if (spool.rows(0) > per_bin)
-            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, sample.items(), spool.rows(0), 0);
+            bins = TopPlanner<Coord>(top, node_options_.lattice.finer, per_bin).plan(0, sample.items(), spool.rows(0), 0);
         sample = StridedSample<Coordinates>(0);
         Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
         scratch.add_bins(bins);
@@ -230,7 +233,7 @@ private:
         constexpr std::size_t shift = 3 * (sizeof(double) - sizeof(Coord));
         node_options_.layout = RowLayout(node_options_.schema, sizeof(Coord) == 8);
         const RowLayout& layout = node_options_.layout;
-        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(typename NodeBuilder<Coord>::Key));
+        const std::uint64_t per_bin = bin_points(layout.bytes, sizeof(Point<Coord>));
         const Grid& grid = node_options_.grid;
         const auto on_grid = [&](const Vec3d& p) {
             std::array<Coord, 3> c;
@@ -243,7 +246,7 @@ private:
         if (spool.rows(0) > per_bin) {
             typename TopPlanner<Coord>::Sample coordinates;
             for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
-            bins = TopPlanner<Coord>(top, node_options_.finer, per_bin).plan(0, coordinates, spool.rows(0), 0);
+            bins = TopPlanner<Coord>(top, node_options_.lattice.finer, per_bin).plan(0, coordinates, spool.rows(0), 0);
         }
         sample = StridedSample<Vec3d>(0);
         Scratch scratch(folder_ / "scratch.tmp", layout.bytes);
@@ -278,15 +281,22 @@ private:
         return static_cast<std::size_t>(std::min({wanted, options_.memory_bytes / 16 / 24, points}));
     }
 
+    void set_grid(const Grid& grid)
+    {
+        node_options_.grid = grid;
+        node_options_.lattice = Lattice(grid);
+    }
+
     // Doubles that come from integers keep those integers' grid; else a power of two an axis, the finest that holds the largest
     // coordinate. True when all positions are narrow on it.
     bool choose_grid(const Box3d& box)
     {
-        Grid& grid = node_options_.grid;
+        Grid grid;
         Vec3d largest{0, 0, 0};
         for (std::size_t a = 0; a < 3 && !box.empty(); ++a) largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
         if (cloud_.info().near_grid && tells_apart(*cloud_.info().near_grid, largest)) {
             grid = *cloud_.info().near_grid;
+            set_grid(grid);
             on_source_grid_ = true;
             bool narrow = true;
             for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
@@ -302,9 +312,7 @@ private:
             grid.scale[a] = power_of_two_step(std::max(largest[a], std::ldexp(all, -40)));
             grid.offset[a] = 0;
         }
-        const double coarsest = std::max({grid.scale[0], grid.scale[1], grid.scale[2]});
-        for (std::size_t a = 0; a < 3; ++a)
-            node_options_.finer[a] = static_cast<int>(std::lround(std::log2(coarsest / grid.scale[a])));
+        set_grid(grid);
         return false;
     }
 
@@ -350,7 +358,7 @@ private:
             if (scratch.rows(bin) <= limit) continue;
             // Blocks lie in the order that threads wrote them; a sample by the rows' hashes is the same whatever the order.
             std::vector<std::byte> rows;
-            TopPlanner<Coord> planner(top, node_options_.finer, per_bin);
+            TopPlanner<Coord> planner(top, node_options_.lattice.finer, per_bin);
             typename TopPlanner<Coord>::Sample chosen;
             const std::uint64_t keep_one_in = std::max<std::uint64_t>(1, scratch.rows(bin) / 100000);
             for (std::size_t b = 0; b < scratch.blocks(bin); ++b) {
@@ -379,148 +387,61 @@ private:
         }
     }
 
-    // Bins and merges as jobs in post-order; output is committed in that order, so that the files do not depend on which
-    // thread did what.
+    // Sort each bin, choose the points' levels, make the nodes.
     template <class Coord>
     void build_bins(Scratch& scratch, TopTree<Coord>& top, std::uint64_t per_bin)
     {
         divide_large_bins(scratch, top, per_bin);
         DataFiles files(folder_);
         DraftStore drafts;
-        node_options_.chunk_points = options_.chunk_points;
         Draft* root = nullptr;
-        if (observed_.points > 0) root = run_jobs<Coord>(scratch, top, files, drafts);
+        if (observed_.points > 0) {
+            SortedPoints<Coord> points(folder_ / "points.tmp");
+            points.resize(scratch.bins());
+            sort_bins(scratch, points);
+            LevelSampler<Coord> levels(points, node_options_.lattice, options_.sampling, folder_ / "levels.tmp");
+            levels.run(build_threads_, [&](double fraction) { watch_.report("Choosing levels", 0.5 + 0.2 * fraction); });
+            node_options_.spacings = levels.spacings();
+            node_options_.chunk_points = options_.chunk_points;
+            NodeJobs<Coord> jobs(top, scratch, levels, node_options_, drafts, files);
+            root = jobs.run(build_threads_, [&](std::uint64_t done) {
+                watch_.report("Building chunks",
+                              0.7 + 0.28 * static_cast<double>(done) / static_cast<double>(observed_.points));
+            });
+        }
         write_index(root, files);
     }
 
+    // Each bin's rows into Morton order, in place; and the positions by themselves, for the sampler.
     template <class Coord>
-    Draft* run_jobs(Scratch& scratch, const TopTree<Coord>& top, DataFiles& files, DraftStore& drafts)
+    void sort_bins(Scratch& scratch, SortedPoints<Coord>& points)
     {
-        using Builder = NodeBuilder<Coord>;
-        struct Job {
-            NodePath path;
-            std::optional<std::size_t> bin;
-            std::array<std::size_t, 2> inputs{};  // job numbers, for a merge
-            bool claimed = false;
-            bool done = false;
-            typename Builder::Region region;
-        };
-        std::vector<Job> jobs;
-        // Post-order; a side without any points has no job, and then there is nothing to merge.
-        struct Walk {
-            const TopTree<Coord>& top;
-            const Scratch& scratch;
-            std::vector<Job>& jobs;
-            std::optional<std::size_t> go(std::uint32_t n, const NodePath& path)
-            {
-                const auto& node = top.nodes[n];
-                Job job;
-                job.path = path;
-                if (!node.children[0]) {
-                    if (scratch.rows(node.bin) == 0) return std::nullopt;
-                    job.bin = node.bin;
-                } else {
-                    const bool empty[2] = {rows(node.children[0]) == 0, rows(node.children[1]) == 0};
-                    if (empty[0] || empty[1]) {
-                        if (empty[0] && empty[1]) return std::nullopt;
-                        return go(node.children[empty[0] ? 1 : 0], path);
-                    }
-                    job.inputs[0] = *go(node.children[0], path.child(0));
-                    job.inputs[1] = *go(node.children[1], path.child(1));
-                }
-                jobs.push_back(std::move(job));
-                return jobs.size() - 1;
-            }
-            std::uint64_t rows(std::uint32_t n) const
-            {
-                const auto& node = top.nodes[n];
-                if (!node.children[0]) return scratch.rows(node.bin);
-                return rows(node.children[0]) + rows(node.children[1]);
-            }
-        };
-        Walk{top, scratch, jobs}.go(0, NodePath());
-
+        const RowLayout& layout = node_options_.layout;
+        std::atomic<std::size_t> next{0};
         Signal signal;
-        std::map<std::size_t, typename Builder::Output> waiting;  // finished ahead of their turn
-        std::size_t next_commit = 0;
-        std::uint64_t points_done = 0;
-        bool committing = false;
-
-        const auto ready = [&](const Job& job) {
-            return !job.claimed && (job.bin || (jobs[job.inputs[0]].done && jobs[job.inputs[1]].done));
-        };
-        const auto work = [&] {
-            Builder builder(node_options_, drafts);
-            std::unique_lock lock(signal.mutex);
-            for (;;) {
-                std::size_t mine = jobs.size();
-                bool any_left = false;
-                signal.wake.wait(lock, [&] {
-                    if (signal.stopped) return true;
-                    any_left = false;
-                    // Not far ahead of what is committed: finished output waits in memory.
-                    std::size_t ahead = 0;
-                    for (std::size_t j = next_commit; j < jobs.size() && ahead <= 2 * build_threads_; ++j, ++ahead) {
-                        any_left = any_left || !jobs[j].claimed;
-                        if (ready(jobs[j])) {
-                            mine = j;
-                            return true;
-                        }
-                    }
-                    for (std::size_t j = next_commit; j < jobs.size() && !any_left; ++j) any_left = !jobs[j].claimed;
-                    return !any_left;
-                });
-                if (signal.stopped || mine == jobs.size()) return;
-                Job& job = jobs[mine];
-                job.claimed = true;
-                typename Builder::Output output;
-                typename Builder::Region left, right;
-                if (!job.bin) {
-                    left = std::move(jobs[job.inputs[0]].region);
-                    right = std::move(jobs[job.inputs[1]].region);
-                }
-                lock.unlock();
-                typename Builder::Region region;
-                std::uint64_t points = 0;
-                if (job.bin) {
-                    region = builder.build(scratch.read(*job.bin), job.path, output);
-                    builder.compact(region);
-                    points = scratch.rows(*job.bin);
-                } else {
-                    region = builder.merge(std::move(left), std::move(right), job.path, output);
-                }
-                if (mine + 1 == jobs.size()) builder.finish(region, output);
-                lock.lock();
-                job.region = std::move(region);
-                job.done = true;
-                points_done += points;
-                waiting.emplace(mine, std::move(output));
-                // One thread at a time writes what is next in turn.
-                while (!committing && !waiting.empty() && waiting.begin()->first == next_commit) {
-                    committing = true;
-                    const typename Builder::Output next = std::move(waiting.begin()->second);
-                    waiting.erase(waiting.begin());
-                    lock.unlock();
-                    for (const auto& piece : next.pieces)
-                        files.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
-                    lock.lock();
-                    committing = false;
-                    ++next_commit;
-                }
-                signal.wake.notify_all();
-            }
-        };
         Crew crew(signal);
-        for (unsigned t = 0; t < build_threads_; ++t) crew.add(work);
+        for (unsigned t = 0; t < build_threads_; ++t)
+            crew.add([&] {
+                for (std::size_t bin; !signal.stopped && (bin = next++) < scratch.bins();) {
+                    const std::size_t count = scratch.rows(bin);
+                    if (count == 0) continue;
+                    const std::vector<std::byte> rows = scratch.read(bin);
+                    std::vector<std::byte> sorted(rows.size());
+                    std::vector<Point<Coord>> positions;
+                    positions.reserve(count);
+                    for (const std::uint32_t i : morton_order<Coord>(rows.data(), count, layout, node_options_.lattice.finer)) {
+                        const std::byte* row = rows.data() + i * layout.bytes;
+                        std::memcpy(sorted.data() + positions.size() * layout.bytes, row, layout.bytes);
+                        positions.push_back(coordinates_of<Coord>(row));
+                    }
+                    scratch.rewrite(bin, sorted.data());
+                    points.put(bin, positions);
+                }
+            });
         crew.join([&] {
-            std::uint64_t done;
-            {
-                const std::lock_guard lock(signal.mutex);
-                done = points_done;
-            }
-            watch_.report("Building chunks", 0.4 + 0.58 * static_cast<double>(done) / static_cast<double>(observed_.points));
+            watch_.report("Sorting points", 0.4 + 0.1 * static_cast<double>(std::min(next.load(), scratch.bins())) /
+                                                      static_cast<double>(scratch.bins()));
         });
-        return jobs.back().region.draft;
     }
 
     // Drafts become nodes, parents first; subtrees without points vanish.
@@ -549,12 +470,13 @@ private:
                 ++side;
             }
             Node& node = index.nodes[i];
-            node.level = draft.path.depth;
+            node.depth = draft.path.depth;
             node.points = draft.points;
+            node.first_level = draft.first_level;
+            node.level_points = draft.level_points;
             node.extent = draft.extent;
             node.spacing = node.is_leaf() ? 0 : draft.spacing;
             if (draft.points) node.box = draft.box;
-            info.levels = std::max<std::uint16_t>(info.levels, static_cast<std::uint16_t>(node.level + 1));
         }
         for (std::size_t i = index.nodes.size(); i-- > 0;) {
             Node& node = index.nodes[i];
@@ -563,6 +485,9 @@ private:
             index.nodes[node.parent].subtree_points += node.subtree_points;
             index.nodes[node.parent].box.extend(node.box);
         }
+        info.sampling = options_.sampling;
+        info.spacings = node_options_.spacings;
+        info.levels = static_cast<std::uint16_t>(info.spacings.size());
         info.points = observed_.points;
         const std::uint64_t stored = index.nodes.empty() ? 0 : index.nodes[0].subtree_points;
         if (stored != info.points || report_.outcome.points_in != stored + report_.points_skipped)

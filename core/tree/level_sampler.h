@@ -8,6 +8,7 @@
 #include "tree/crew.h"
 #include "tree/poisson_pass.h"
 #include "tree/sorted_points.h"
+#include "tree/tree.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -15,12 +16,6 @@
 #include <vector>
 
 namespace pcm {
-
-// How the points of a level are chosen.
-enum class Sampling : std::uint8_t {
-    poisson = 0,  // as above
-    grid = 1,     // the first point, in Morton order, of each cell: fast; two may be as near as they like at a cell's border
-};
 
 template <class Coord>
 class LevelSampler {

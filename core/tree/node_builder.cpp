@@ -9,306 +9,193 @@
 #include <numeric>
 
 namespace pcm {
-namespace {
 
-// Puts two zero bits between the low 21 bits of v.
-std::uint64_t spread(std::uint64_t v)
+LevelRange levels_that_fit(const std::vector<std::uint64_t>& histogram, std::size_t first, std::uint64_t most)
 {
-    std::uint64_t x = v & 0x1fffff;
-    x = (x | x << 32) & 0x1f00000000ffffULL;
-    x = (x | x << 16) & 0x1f0000ff0000ffULL;
-    x = (x | x << 8) & 0x100f00f00f00f00fULL;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-    x = (x | x << 2) & 0x1249249249249249ULL;
-    return x;
-}
-
-struct CodeIndex {
-    std::uint64_t code;
-    std::uint32_t index;
-};
-
-// Least significant digit first, 11 bits a pass, only the bits that differ.
-void radix_sort(std::vector<CodeIndex>& items)
-{
-    std::uint64_t any = 0;
-    for (const CodeIndex& item : items) any |= item.code ^ items[0].code;
-    std::vector<CodeIndex> other(items.size());
-    std::array<std::uint32_t, 2049> start;
-    for (int shift = 0; shift < 64 && any >> shift; shift += 11) {
-        if (!(any >> shift & 2047)) continue;
-        start.fill(0);
-        for (const CodeIndex& item : items) ++start[(item.code >> shift & 2047) + 1];
-        for (std::size_t d = 0; d < 2048; ++d) start[d + 1] += start[d];
-        for (const CodeIndex& item : items) other[start[item.code >> shift & 2047]++] = item;
-        items.swap(other);
+    LevelRange range{first, first};
+    std::uint64_t points = 0;
+    for (std::size_t level = first; level < histogram.size(); ++level) {
+        points += histogram[level];
+        if (points > most) break;
+        range.last = level + 1;
     }
-}
-
-}  // namespace
-
-// Codes in units of 2^unit_bits grid steps of the coarsest axis, relative to a base that all cells up to the size of the
-// set are aligned to.
-template <class Coord>
-struct NodeBuilder<Coord>::Order {
-    std::vector<CodeIndex> items;
-    std::array<Coord, 3> base;
-    int unit_bits = 0;
-};
-
-template <class Coord>
-auto NodeBuilder<Coord>::morton_order(const std::vector<Key>& keys, const std::vector<const std::byte*>& row_of) const -> Order
-{
-    Order order;
-    std::array<Coord, 3> low = keys[0].c, high = keys[0].c;
-    for (const Key& key : keys)
-        for (std::size_t a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], key.c[a]);
-            high[a] = std::max(high[a], key.c[a]);
-        }
-    int extent_bits = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const auto extent = static_cast<std::uint64_t>(high[a] - low[a]) >> options_.finer[a];
-        extent_bits = std::max(extent_bits, extent ? 64 - __builtin_clzll(extent) : 0);
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-        const int bits = extent_bits + options_.finer[a];
-        order.base[a] = bits >= static_cast<int>(sizeof(Coord) * 8) ? Coord(0) : static_cast<Coord>(low[a] >> bits << bits);
-    }
-    order.unit_bits = std::max(0, extent_bits + 1 - 21);
-    order.items.resize(keys.size());
-    std::array<int, 3> shift;
-    for (std::size_t a = 0; a < 3; ++a) shift[a] = std::min(63, order.unit_bits + options_.finer[a]);
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-        std::uint64_t code = 0;
-        for (std::size_t a = 0; a < 3; ++a)
-            code |= spread(static_cast<std::uint64_t>(keys[i].c[a] - order.base[a]) >> shift[a]) << a;
-        order.items[i] = {code, static_cast<std::uint32_t>(i)};
-    }
-    radix_sort(order.items);
-    // Points of one code in an order of their own: by coordinates, then by their attributes' bytes.
-    const std::size_t row_bytes = options_.layout.bytes;
-    for (std::size_t from = 0; from < order.items.size();) {
-        std::size_t to = from + 1;
-        while (to < order.items.size() && order.items[to].code == order.items[from].code) ++to;
-        if (to - from > 1)
-            std::sort(order.items.begin() + static_cast<std::ptrdiff_t>(from),
-                      order.items.begin() + static_cast<std::ptrdiff_t>(to), [&](const CodeIndex& p, const CodeIndex& q) {
-                          if (keys[p.index].c != keys[q.index].c) return keys[p.index].c < keys[q.index].c;
-                          return std::memcmp(row_of[p.index], row_of[q.index], row_bytes) < 0;
-                      });
-        from = to;
-    }
-    return order;
+    return range;
 }
 
 template <class Coord>
-auto NodeBuilder<Coord>::build(std::vector<std::byte> bytes, const NodePath& path, Output& output) -> Region
+double NodeBuilder<Coord>::spacing_after(const LevelRange& own) const
+{
+    // Before the first level nothing is drawn: as if there were a level above.
+    return own.last > 0 ? options_.spacings[own.last - 1] : 2 * options_.spacings[0];
+}
+
+template <class Coord>
+auto NodeBuilder<Coord>::build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above,
+                               Output& output) -> Region
 {
     const std::size_t row_bytes = options_.layout.bytes;
-    const std::size_t count = bytes.size() / row_bytes;
-    if (count > std::numeric_limits<std::uint32_t>::max())
+    if (points.levels.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorCode::unsupported, {}, "more than 4294967295 points share one position or are too close to part");
-    const Rows rows = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-    std::vector<Key> keys(count);
-    for (std::size_t i = 0; i < count; ++i)
-        keys[i] = {coordinates_of<Coord>(rows->data() + i * row_bytes), static_cast<std::uint32_t>(i)};
-    return build_range(keys.data(), count, rows, path, output);
-}
+    const std::size_t first = above.empty() ? 0 : above.back().last;
+    std::vector<std::size_t> taker(first);  // the depth of the node that takes a level
+    for (std::size_t depth = 0; depth < above.size(); ++depth)
+        for (std::size_t level = above[depth].first; level < above[depth].last; ++level) taker[level] = depth;
 
-template <class Coord>
-auto NodeBuilder<Coord>::build_range(Key* keys, std::size_t count, const Rows& rows, const NodePath& path,
-                                     Output& output) -> Region
-{
-    if (count > options_.chunk_points && path.depth < NodePath::max_depth) {
-        const auto cut =
-            choose_cut<Coord>(count, options_.finer, [&](std::size_t i, std::size_t axis) { return keys[i].c[axis]; });
-        if (cut) {
-            Key* middle =
-                std::partition(keys, keys + count, [&](const Key& key) { return key.c[cut->axis] < cut->value; });
-            const auto left = static_cast<std::size_t>(middle - keys);
-            Region low = build_range(keys, left, rows, path.child(0), output);
-            Region high = build_range(middle, count - left, rows, path.child(1), output);
-            return merge(std::move(low), std::move(high), path, output);
-        }
-    }
     Region region;
-    region.candidates.assign(keys, keys + count);
-    region.rows = rows;
-    region.draft = drafts_.add(path);
+    region.above.resize(above.size());
+    Indices own;
+    own.reserve(points.levels.size());
+    for (std::size_t i = 0; i < points.levels.size(); ++i) {
+        const std::uint8_t level = points.levels[i];
+        if (level >= first) {
+            own.push_back(static_cast<std::uint32_t>(i));
+            continue;
+        }
+        LeveledRows& to = region.above[taker[level]];
+        const std::byte* row = points.rows.data() + i * row_bytes;
+        to.rows.insert(to.rows.end(), row, row + row_bytes);
+        to.levels.push_back(level);
+    }
+    if (!own.empty()) region.draft = build_range(points, own, first, path, output);
     return region;
 }
 
 template <class Coord>
-auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, Output& output) -> Region
+Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path,
+                                       Output& output)
 {
     const std::size_t row_bytes = options_.layout.bytes;
-    const std::size_t from_left = left.candidates.size();
-    std::vector<Key> keys = left.candidates;
-    keys.insert(keys.end(), right.candidates.begin(), right.candidates.end());
-    std::vector<const std::byte*> row_of(keys.size());
-    for (std::size_t i = 0; i < keys.size(); ++i)
-        row_of[i] = (i < from_left ? left : right).rows->data() + keys[i].row * row_bytes;
-    const Order order = morton_order(keys, row_of);
-    const std::vector<CodeIndex>& items = order.items;
-
-    // How many cells the lattice has at each level: neighbours in Morton order part at the level of their highest
-    // differing bit.
-    std::array<std::size_t, 65> parted{};
-    for (std::size_t i = 1; i < items.size(); ++i)
-        if (const std::uint64_t differ = items[i].code ^ items[i - 1].code)
-            ++parted[static_cast<std::size_t>(63 - __builtin_clzll(differ))];
-    const std::size_t share = options_.chunk_points / 2;
-    const int finest_allowed = std::max(left.lattice_level, right.lattice_level);
-    int dropped = 63;
-    std::size_t cells = 1;
-    while (dropped > 0 && cells + parted[static_cast<std::size_t>(dropped - 1)] <= share &&
-           3 * order.unit_bits + dropped - 1 >= finest_allowed) {
-        --dropped;
-        cells += parted[static_cast<std::size_t>(dropped)];
+    Draft* draft = drafts_.add(path);
+    if (indices.size() <= options_.chunk_points || path.depth >= NodePath::max_depth) {
+        emit(points, indices, *draft, output);
+        return draft;
     }
+    std::vector<std::uint64_t> histogram(options_.spacings.size(), 0);
+    for (const std::uint32_t i : indices) ++histogram[points.levels[i]];
+    const LevelRange own = levels_that_fit(histogram, first, options_.chunk_points);
 
-    Region region;
-    region.lattice_level = 3 * order.unit_bits + dropped;
-    std::vector<std::uint8_t> chosen(keys.size(), 0);
-    // Bits of the cell's extent along each axis: x gives its lowest bit up first.
-    std::array<int, 3> cell_bits;
-    for (int a = 0; a < 3; ++a)
-        cell_bits[static_cast<std::size_t>(a)] =
-            std::min(62, order.unit_bits + (dropped + 2 - a) / 3 + options_.finer[static_cast<std::size_t>(a)]);
-    const auto from_centre = [&](const Key& key) {
-        double sum = 0;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const auto inside = static_cast<std::uint64_t>(key.c[a] - order.base[a]) &
-                                ((std::uint64_t(1) << cell_bits[a]) - 1);
-            const double d = std::ldexp(static_cast<double>(inside) + 0.5, -options_.finer[a]) -
-                             std::ldexp(0.5, cell_bits[a] - options_.finer[a]);
-            sum += d * d;
-        }
-        return sum;
-    };
-    for (std::size_t from = 0; from < items.size();) {
-        std::size_t best = from;
-        std::size_t to = from + 1;
-        const std::uint64_t cell = items[from].code >> dropped;
-        double nearest = -1;
-        for (; to < items.size() && items[to].code >> dropped == cell; ++to) {
-            if (nearest < 0) nearest = from_centre(keys[items[from].index]);
-            const double d = from_centre(keys[items[to].index]);
-            if (d < nearest) {
-                nearest = d;
-                best = to;
-            }
-        }
-        chosen[items[best].index] = 1;
-        from = to;
-    }
-
-    std::vector<Key> rest[2];
-    std::vector<std::uint8_t> side_of_chosen;
-    for (const CodeIndex& item : items) {
-        const unsigned side = item.index < from_left ? 0 : 1;
-        if (chosen[item.index]) {
-            region.candidates.push_back(keys[item.index]);
-            side_of_chosen.push_back(static_cast<std::uint8_t>(side));
-        } else {
-            rest[side].push_back(keys[item.index]);
-        }
-    }
-    emit(rest[0], left.rows->data(), *left.draft, output);
-    emit(rest[1], right.rows->data(), *right.draft, output);
-
-    if (left.rows == right.rows) {
-        region.rows = left.rows;
+    Indices mine, rest;
+    for (const std::uint32_t i : indices) (points.levels[i] < own.last ? mine : rest).push_back(i);
+    const auto point = [&](std::uint32_t i) { return coordinates_of<Coord>(points.rows.data() + i * row_bytes); };
+    if (rest.size() <= options_.chunk_points) {
+        draft->children[0] = build_range(points, rest, own.last, path.child(0), output);
     } else {
-        auto rows = std::make_shared<std::vector<std::byte>>(region.candidates.size() * row_bytes);
-        for (std::size_t i = 0; i < region.candidates.size(); ++i) {
-            const Region& from = side_of_chosen[i] ? right : left;
-            std::memcpy(rows->data() + i * row_bytes, from.rows->data() + region.candidates[i].row * row_bytes, row_bytes);
-            region.candidates[i].row = static_cast<std::uint32_t>(i);
+        const auto cut = choose_cut<Coord>(rest.size(), options_.lattice.finer,
+                                           [&](std::size_t i, std::size_t axis) { return point(rest[i])[axis]; });
+        if (!cut) {  // a pile of points in one place
+            emit(points, indices, *draft, output);
+            return draft;
         }
-        region.rows = std::move(rows);
+        Indices().swap(indices);
+        Indices high;
+        std::size_t kept = 0;
+        for (const std::uint32_t i : rest) {
+            if (point(i)[cut->axis] < cut->value)
+                rest[kept++] = i;
+            else
+                high.push_back(i);
+        }
+        rest.resize(kept);
+        draft->children[0] = build_range(points, rest, own.last, path.child(0), output);
+        draft->children[1] = build_range(points, high, own.last, path.child(1), output);
     }
+    draft->spacing = spacing_after(own);
+    emit(points, mine, *draft, output);
+    return draft;
+}
+
+template <class Coord>
+auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output) -> Region
+{
+    const std::size_t row_bytes = options_.layout.bytes;
+    Region region;
+    region.above = std::move(left.above);
+    for (std::size_t depth = 0; depth < right.above.size(); ++depth) {
+        LeveledRows &to = region.above[depth], &from = right.above[depth];
+        to.rows.insert(to.rows.end(), from.rows.begin(), from.rows.end());
+        to.levels.insert(to.levels.end(), from.levels.begin(), from.levels.end());
+        from = LeveledRows();
+    }
+    const LeveledRows mine = std::move(region.above.back());
+    region.above.pop_back();
+    if (mine.levels.empty() && !left.draft && !right.draft) return region;
+
+    Indices indices(mine.levels.size());
+    std::iota(indices.begin(), indices.end(), 0u);
+    std::sort(indices.begin(), indices.end(), [&](std::uint32_t i, std::uint32_t j) {
+        const std::byte *p = mine.rows.data() + i * row_bytes, *q = mine.rows.data() + j * row_bytes;
+        const auto a = coordinates_of<Coord>(p), b = coordinates_of<Coord>(q);
+        if (a != b) return morton_before(a, b, options_.lattice.finer);
+        return std::memcmp(p, q, row_bytes) < 0;
+    });
     region.draft = drafts_.add(path);
-    Draft& draft = *region.draft;
-    draft.children = {left.draft, right.draft};
-    // A cell's extent, the geometric mean of the three axes, in source units.
-    double volume_root = 1;
-    for (std::size_t a = 0; a < 3; ++a) volume_root *= std::cbrt(options_.grid.scale[a]);
-    const int finer = options_.finer[0] + options_.finer[1] + options_.finer[2];
-    draft.spacing = volume_root * std::exp2((region.lattice_level + finer) / 3.0);
+    region.draft->children = {left.draft, right.draft};
+    if (left.draft || right.draft) region.draft->spacing = spacing_after(own);
+    emit(mine, indices, *region.draft, output);
     return region;
 }
 
 template <class Coord>
-void NodeBuilder<Coord>::finish(Region root, Output& output)
+void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const
 {
-    std::vector<const std::byte*> row_of(root.candidates.size());
-    for (std::size_t i = 0; i < row_of.size(); ++i)
-        row_of[i] = root.rows->data() + root.candidates[i].row * options_.layout.bytes;
-    const Order order = morton_order(root.candidates, row_of);
-    std::vector<Key> keys;
-    keys.reserve(order.items.size());
-    for (const CodeIndex& item : order.items) keys.push_back(root.candidates[item.index]);
-    emit(keys, root.rows->data(), *root.draft, output);
-}
-
-template <class Coord>
-void NodeBuilder<Coord>::compact(Region& region) const
-{
+    if (indices.empty()) return;
     const std::size_t row_bytes = options_.layout.bytes;
-    auto rows = std::make_shared<std::vector<std::byte>>(region.candidates.size() * row_bytes);
-    for (std::size_t i = 0; i < region.candidates.size(); ++i) {
-        std::memcpy(rows->data() + i * row_bytes, region.rows->data() + region.candidates[i].row * row_bytes, row_bytes);
-        region.candidates[i].row = static_cast<std::uint32_t>(i);
-    }
-    region.rows = std::move(rows);
-}
+    // By level, each in the order that the indices have.
+    std::array<std::uint32_t, 257> start{};
+    for (const std::uint32_t i : indices) ++start[points.levels[i] + 1u];
+    std::size_t low_level = 0, high_level = 255;
+    while (start[low_level + 1] == 0) ++low_level;
+    while (start[high_level + 1] == 0) --high_level;
+    draft.first_level = static_cast<std::uint16_t>(low_level);
+    draft.level_points.assign(start.begin() + static_cast<std::ptrdiff_t>(low_level + 1),
+                              start.begin() + static_cast<std::ptrdiff_t>(high_level + 2));
+    for (std::size_t level = 0; level < 256; ++level) start[level + 1] += start[level];
+    Indices order(indices.size());
+    for (const std::uint32_t i : indices) order[start[points.levels[i]]++] = i;
 
-template <class Coord>
-void NodeBuilder<Coord>::emit(const std::vector<Key>& keys, const std::byte* rows, Draft& draft, Output& output)
-{
-    if (keys.empty()) return;
-    std::array<Coord, 3> low = keys[0].c, high = keys[0].c;
-    for (const Key& key : keys)
+    const auto point = [&](std::uint32_t i) { return coordinates_of<Coord>(points.rows.data() + i * row_bytes); };
+    Point<Coord> low = point(order[0]), high = low;
+    for (const std::uint32_t i : order) {
+        const Point<Coord> p = point(i);
         for (std::size_t a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], key.c[a]);
-            high[a] = std::max(high[a], key.c[a]);
+            low[a] = std::min(low[a], p[a]);
+            high[a] = std::max(high[a], p[a]);
         }
+    }
     for (std::size_t a = 0; a < 3; ++a) {
         draft.box.min[a] = to_grid<Coord>(low[a]);
         draft.box.max[a] = to_grid<Coord>(high[a]);
     }
-    draft.points = static_cast<std::uint32_t>(keys.size());
+    draft.points = static_cast<std::uint32_t>(order.size());
 
     auto positions = std::make_shared<ChunkPositions>();
     positions->origin = draft.box.min;
     for (std::size_t a = 0; a < 3; ++a)
         if (static_cast<std::uint64_t>(high[a] - low[a]) > std::numeric_limits<std::uint32_t>::max()) positions->wide = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const auto fill = [&](auto& axis) {
-            axis.resize(keys.size());
-            for (std::size_t i = 0; i < keys.size(); ++i)
-                axis[i] = static_cast<typename std::decay_t<decltype(axis)>::value_type>(keys[i].c[a] - low[a]);
-        };
-        if (positions->wide)
-            fill(positions->wide_xyz[a]);
-        else
-            fill(positions->narrow_xyz[a]);
-    }
+    const auto fill = [&](auto& axes) {
+        using Word = typename std::decay_t<decltype(axes[0])>::value_type;
+        for (auto& axis : axes) axis.resize(order.size());
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            const Point<Coord> p = point(order[i]);
+            for (std::size_t a = 0; a < 3; ++a) axes[a][i] = static_cast<Word>(p[a] - low[a]);
+        }
+    };
+    if (positions->wide)
+        fill(positions->wide_xyz);
+    else
+        fill(positions->narrow_xyz);
+
     Chunk chunk;
     chunk.points = draft.points;
     chunk.positions = std::move(positions);
-    const std::size_t row_bytes = options_.layout.bytes;
     for (std::size_t k = 0; k < options_.schema.size(); ++k) {
         auto column = std::make_shared<Column>(options_.schema[k]);
-        column->resize(keys.size());
+        column->resize(order.size());
         std::byte* to = column->data();
-        const std::byte* from = rows + options_.layout.offsets[k];
+        const std::byte* from = points.rows.data() + options_.layout.offsets[k];
         const std::size_t size = options_.layout.sizes[k];
         const auto gather = [&](auto fixed) {
-            for (std::size_t i = 0; i < keys.size(); ++i)
-                std::memcpy(to + i * fixed, from + keys[i].row * row_bytes, fixed);
+            for (std::size_t i = 0; i < order.size(); ++i) std::memcpy(to + i * fixed, from + order[i] * row_bytes, fixed);
         };
         switch (size) {
         case 1: gather(std::integral_constant<std::size_t, 1>()); break;

@@ -1,22 +1,18 @@
-// Builds the nodes of a region bottom-up, in memory: k-d cuts down to leaves, then level by level a coarser sample of two
-// siblings becomes the parent's candidates, and what was not chosen becomes the siblings' chunks.
+// Builds the nodes of a region, top down and in memory: a node's chunk takes as many levels as fit, and what remains is cut in
+// two. Points come in Morton order with their levels (level_sampler.h) and keep that order.
 //
-// Sampling is on a lattice: a candidate is chosen for each cell of the lattice that holds any, the one nearest the cell's
-// centre. Cells are prefixes of Morton codes of the grid coordinates, so one lattice serves the whole cloud and its cells
-// nest; "lattice level" g means that the codes' lowest g bits are dropped, so cells grow by 2 in volume with each level.
-// The lattice level of a node is the finest whose sample fits the node's share of points. Every choice depends on the set
-// of points alone, not on the order they come in.
+// Regions larger than memory are built in parts: what belongs into the chunks of nodes above a part is handed up, and
+// those nodes are made when all their parts are there.
 #pragma once
 
 #include "bpc/bpc.h"
-#include "tree/cut.h"
+#include "tree/lattice.h"
 #include "tree/row.h"
 #include "tree/tree.h"
 
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -28,6 +24,8 @@ struct Draft {
     NodePath path;
     Box3i box;  // of its own points
     std::uint32_t points = 0;
+    std::uint16_t first_level = 0;
+    std::vector<std::uint32_t> level_points;
     double spacing = 0;
     Extent extent;  // of its chunk; file and offset are known once the chunk is written
 };
@@ -50,27 +48,35 @@ private:
 
 struct NodeBuilderOptions {
     Grid grid;
+    Lattice lattice;
     Schema schema;
     RowLayout layout;
-    AxisShift finer{0, 0, 0};
     std::uint32_t chunk_points = 100000;
+    std::vector<double> spacings;  // of each level
+};
+
+// Levels first .. last - 1 go into one chunk.
+struct LevelRange {
+    std::size_t first = 0, last = 0;
+    std::size_t size() const { return last - first; }
+};
+
+// As many levels from `first` on as together have at most `most` points; all that are left when they fit.
+LevelRange levels_that_fit(const std::vector<std::uint64_t>& histogram, std::size_t first, std::uint64_t most);
+
+// Points with their levels, rows one after the other.
+struct LeveledRows {
+    std::vector<std::byte> rows;
+    std::vector<std::uint8_t> levels;
 };
 
 template <class Coord>
 class NodeBuilder {
 public:
-    struct Key {
-        std::array<Coord, 3> c;
-        std::uint32_t row;
-    };
-    using Rows = std::shared_ptr<const std::vector<std::byte>>;
-
-    // A region whose nodes are made but for the chunk of its root, which depends on what the parent chooses.
+    // The nodes of a region, and what nodes above it get: above[d] is for the one at depth d.
     struct Region {
-        std::vector<Key> candidates;  // every point that has no chunk yet
-        Rows rows;                    // the candidates' rows
-        int lattice_level = -1;       // -1: all points of the region are candidates
-        Draft* draft = nullptr;       // its root
+        Draft* draft = nullptr;  // null when all points of the region went up
+        std::vector<LeveledRows> above;
     };
 
     // Chunks in the order they were finished, and the drafts they belong to.
@@ -85,20 +91,18 @@ public:
 
     NodeBuilder(const NodeBuilderOptions& options, DraftStore& drafts) : options_(options), drafts_(drafts) {}
 
-    // All points of `rows`.
-    Region build(std::vector<std::byte> rows, const NodePath& path, Output& output);
-    // Two siblings under a new node at `path`.
-    Region merge(Region left, Region right, const NodePath& path, Output& output);
-    // Gives the root of the whole cloud its chunk.
-    void finish(Region root, Output& output);
-    // Copies the candidates' rows, so that the rows of a whole bin need not be kept.
-    void compact(Region& region) const;
+    // All points of a region at `path`. `above` says which levels the nodes above take: one range a depth, consecutive from
+    // level 0.
+    Region build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above, Output& output);
+    // Two siblings under a new node at `path`, whose chunk takes the levels of `own`.
+    Region merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output);
 
 private:
-    struct Order;  // candidates in Morton order
-    Region build_range(Key* keys, std::size_t count, const Rows& rows, const NodePath& path, Output& output);
-    Order morton_order(const std::vector<Key>& keys, const std::vector<const std::byte*>& row_of) const;
-    void emit(const std::vector<Key>& keys, const std::byte* rows, Draft& draft, Output& output);
+    using Indices = std::vector<std::uint32_t>;
+    Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path, Output& output);
+    double spacing_after(const LevelRange& own) const;
+    // Gives a node its chunk: the points at `indices`, which are in Morton order, by level.
+    void emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const;
 
     const NodeBuilderOptions& options_;
     DraftStore& drafts_;

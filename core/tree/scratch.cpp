@@ -53,6 +53,14 @@ std::vector<std::byte> Scratch::read(std::size_t bin) const
     return rows;
 }
 
+void Scratch::rewrite(std::size_t bin, const std::byte* rows)
+{
+    for (const Block& block : bins_[bin].blocks) {
+        file_.write_at(rows, block.rows * row_bytes_, block.offset);
+        rows += block.rows * row_bytes_;
+    }
+}
+
 void Scratch::forget(std::size_t bin) { bins_[bin] = Bin(); }
 
 Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes)

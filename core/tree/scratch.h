@@ -46,6 +46,8 @@ public:
     std::size_t block_rows(std::size_t bin, std::size_t block) const { return bins_[bin].blocks[block].rows; }
     void read_block(std::size_t bin, std::size_t block, std::byte* to) const;
     std::vector<std::byte> read(std::size_t bin) const;
+    // Replaces all rows of a bin; as many as it has.
+    void rewrite(std::size_t bin, const std::byte* rows);
     void forget(std::size_t bin);  // the bin is empty from now on; its space on disk stays
 
 private:

@@ -95,7 +95,7 @@ std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optiona
     for (NodeId id = 0; id < nodes_.size(); ++id) {
         const Node& node = nodes_[id];
         if (node.parent != no_node && !touched[node.parent]) continue;
-        if (level && node.level > *level) continue;
+        if (level && node.points > 0 && node.first_level > *level) continue;
         if (box && !box->intersects(this->box(id))) continue;
         touched[id] = true;
         result.push_back(id);
@@ -117,7 +117,7 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     const File& file = files_[node.extent.file];
     DecodedChunk decoded = pcm::read_chunk(file, node.extent.offset, node.extent.bytes, node.extent.header_bytes, columns);
     const BpcHeader& header = decoded.header;
-    if (header.points != node.points || header.path.depth != node.level || !(header.schema == info_.schema) ||
+    if (header.points != node.points || header.path.depth != node.depth || !(header.schema == info_.schema) ||
         !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
         throw Error(ErrorCode::corrupt, file.path(),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " +
@@ -128,15 +128,13 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
 std::vector<LevelSummary> Tree::level_summaries() const
 {
     std::vector<LevelSummary> levels(info_.levels);
-    for (const Node& node : nodes_) {
-        LevelSummary& level = levels[node.level];
-        ++level.nodes;
-        level.points += node.points;
-        if (node.spacing > 0) {
-            level.finest = level.finest > 0 ? std::min(level.finest, node.spacing) : node.spacing;
-            level.coarsest = std::max(level.coarsest, node.spacing);
+    for (std::size_t k = 0; k < levels.size(); ++k) levels[k].spacing = info_.spacings[k];
+    for (const Node& node : nodes_)
+        for (std::size_t k = 0; k < node.level_points.size(); ++k) {
+            LevelSummary& level = levels[node.first_level + k];
+            if (node.level_points[k]) ++level.nodes;
+            level.points += node.level_points[k];
         }
-    }
     std::uint64_t sum = 0;
     for (LevelSummary& level : levels) level.points_to_here = sum += level.points;
     return levels;

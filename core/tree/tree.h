@@ -1,8 +1,9 @@
 // A point cloud tree, opened for reading: the node vector in memory, the chunks on disk.
 //
 // A tree folder (by convention NAME.pct) holds `index.pct` and a few data files; see bpc/FORMAT.md. The tree is a k-d
-// tree with one chunk a node. Levels are additive: the points of the nodes of level 0..L are the cloud at level L, and
-// all nodes together hold every point exactly once. Nodes are stored parents first (node 0 is the root, and a node's
+// tree with one chunk a node. Every point belongs to one level, and levels are additive: the points of level 0..L are the cloud
+// at level L, and all levels together hold every point exactly once. A node's chunk has the points of some consecutive
+// levels in the node's region, coarse ones first; below it are the finer ones. Nodes are stored parents first (node 0 is the root, and a node's
 // number is larger than its parent's), so one forward pass over nodes() visits parents before children.
 //
 // A Tree is immutable after open(); every member may be called from any number of threads.
@@ -41,14 +42,34 @@ struct Extent {
 struct Node {
     NodeId parent = no_node;
     std::array<NodeId, 2> children{no_node, no_node};
-    std::uint16_t level = 0;             // 0 at the root
+    std::uint16_t depth = 0;             // 0 at the root
+    std::uint16_t first_level = 0;       // of its own points
     std::uint32_t points = 0;            // of this node's own chunk
+    // How many of them, in the chunk's order, are of first_level, of the next, ...; empty for a node without points.
+    std::vector<std::uint32_t> level_points;
     std::uint64_t subtree_points = 0;    // of this node and everything below
     Box3i box;                           // tight around the points of the whole subtree
     double spacing = 0;                  // source units: how far apart this cloud's points lie in the subtree's box once
                                          // this node and its ancestors are drawn; 0 at a leaf (nothing is missing)
     Extent extent;
     bool is_leaf() const { return children[0] == no_node && children[1] == no_node; }
+    // How many points, from the chunk's first on, belong to the cloud at `level`.
+    std::uint32_t points_to_level(std::size_t level) const
+    {
+        std::uint32_t sum = 0;
+        for (std::size_t k = 0; k < level_points.size() && first_level + k <= level; ++k) sum += level_points[k];
+        return sum;
+    }
+};
+
+// How the points of a level were chosen.
+enum class Sampling : std::uint8_t {
+    // The points of levels 0..L are a maximal Poisson-disk sample: no two are nearer than the level's spacing, and every
+    // point of the cloud has one of them nearer than that.
+    poisson = 0,
+    // One point for each cell of a lattice, whose diagonal is the spacing: quicker, and uneven. Every point has one of
+    // them nearer than the spacing; how near two may be is not promised.
+    grid = 1,
 };
 
 struct TreeInfo {
@@ -62,7 +83,9 @@ struct TreeInfo {
     double position_error = 0;            // largest distance an input coordinate was moved by, source units; 0 for LAS
     std::uint64_t points_skipped = 0;     // input points without a finite position
     std::uint64_t content_hash = 0;       // of all points with all attributes, whatever their order (tree/row.h)
+    Sampling sampling = Sampling::poisson;
     std::uint16_t levels = 0;
+    std::vector<double> spacings;         // of each level, falling; source units; 0 for a last level that holds all the rest
     std::uint64_t bytes = 0;              // of the whole folder's live data
     std::vector<Metadata> metadata;
     std::vector<std::string> sources;     // file names the tree was built from
@@ -71,10 +94,10 @@ struct TreeInfo {
 
 // One level of a tree in numbers.
 struct LevelSummary {
-    std::uint64_t nodes = 0;
+    std::uint64_t nodes = 0;           // that hold points of it
     std::uint64_t points = 0;
     std::uint64_t points_to_here = 0;  // of this level and those above: of the cloud at this level
-    double finest = 0, coarsest = 0;   // spacing of its nodes that have something below; 0: nothing is missing
+    double spacing = 0;                // 0: nothing is missing
 };
 
 inline constexpr const char* index_file_name = "index.pct";

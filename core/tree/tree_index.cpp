@@ -4,6 +4,7 @@
 #include "bpc/byte_order.h"
 #include "cloud/error.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -11,7 +12,7 @@ namespace pcm {
 namespace {
 
 constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t node_bytes = 112;
 
 void put_vec(ByteWriter& out, const Vec3i& v)
@@ -35,7 +36,14 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
     if (nodes.empty() != (index.info.points == 0)) throw Error(ErrorCode::corrupt, path, "points without nodes");
     if (!nodes.empty() && (nodes[0].subtree_points != index.info.points || !(nodes[0].box == index.info.box)))
         throw Error(ErrorCode::corrupt, path, "the root does not hold the cloud's points");
-    std::uint16_t levels = 0;
+    if (index.info.spacings.size() != index.info.levels || index.info.levels > 256)
+        throw Error(ErrorCode::corrupt, path, "the number of levels is wrong");
+    for (std::size_t k = 0; k < index.info.spacings.size(); ++k) {
+        const double spacing = index.info.spacings[k];
+        const bool last = k + 1 == index.info.spacings.size();
+        if (!std::isfinite(spacing) || spacing < 0 || (spacing == 0 && !last) || (k > 0 && spacing >= index.info.spacings[k - 1]))
+            throw Error(ErrorCode::corrupt, path, "level " + std::to_string(k) + " has a spacing out of order");
+    }
     for (std::size_t id = 0; id < nodes.size(); ++id) {
         const Node& node = nodes[id];
         if ((id == 0) != (node.parent == no_node)) throw refuse(id, "has no place under the root");
@@ -43,11 +51,11 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
             if (node.parent >= id) throw refuse(id, "comes before its parent");
             const Node& parent = nodes[node.parent];
             if (parent.children[0] != id && parent.children[1] != id) throw refuse(id, "is not its parent's child");
-            if (node.level != parent.level + 1) throw refuse(id, "is not one level below its parent");
+            if (node.depth != parent.depth + 1) throw refuse(id, "is not one step below its parent");
             if (!parent.box.contains(node.box.min) || !parent.box.contains(node.box.max))
                 throw refuse(id, "reaches out of its parent's box");
-        } else if (node.level != 0) {
-            throw refuse(id, "is a root below level 0");
+        } else if (node.depth != 0) {
+            throw refuse(id, "is a root at a depth");
         }
         std::uint64_t below = node.points;
         for (const NodeId child : node.children) {
@@ -66,9 +74,11 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
                 throw refuse(id, "has its chunk outside the data files");
         }
         if (!(node.spacing >= 0)) throw refuse(id, "has no spacing");
-        levels = std::max<std::uint16_t>(levels, static_cast<std::uint16_t>(node.level + 1));
+        if (node.first_level + node.level_points.size() > index.info.levels) throw refuse(id, "has points of no level");
+        std::uint64_t of_levels = 0;
+        for (const std::uint32_t points : node.level_points) of_levels += points;
+        if (of_levels != node.points) throw refuse(id, "does not say of which levels its points are");
     }
-    if (levels != index.info.levels) throw Error(ErrorCode::corrupt, path, "the number of levels is wrong");
 }
 
 }  // namespace
@@ -98,7 +108,9 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
     for (const Vec3i& extreme : info.extremes) put_vec(out, extreme);
     out.put(static_cast<std::uint8_t>(info.position_type));
     out.put(static_cast<std::uint8_t>(info.wide));
-    out.put(std::uint16_t(0));
+    out.put(static_cast<std::uint8_t>(info.sampling));
+    out.put(std::uint8_t(0));
+    for (const double spacing : info.spacings) out.put(spacing);
     out.put(static_cast<std::uint32_t>(info.schema.size()));
     for (const Attribute& attribute : info.schema) put_attribute(out, attribute);
     out.put(static_cast<std::uint32_t>(info.metadata.size()));
@@ -116,11 +128,12 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
         out.put(node.parent);
         out.put(node.children[0]);
         out.put(node.children[1]);
-        out.put(static_cast<std::uint32_t>(node.level));
+        out.put(static_cast<std::uint32_t>(node.depth));
         out.put(node.points);
         out.put(node.extent.file);
         out.put(node.extent.header_bytes);
-        out.put(std::uint32_t(0));
+        out.put(node.first_level);
+        out.put(static_cast<std::uint16_t>(node.level_points.size()));
         out.put(node.subtree_points);
         put_vec(out, node.box.min);
         put_vec(out, node.box.max);
@@ -128,6 +141,8 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
         out.put(node.extent.offset);
         out.put(node.extent.bytes);
     }
+    for (const Node& node : index.nodes)
+        for (const std::uint32_t points : node.level_points) out.put(points);
     out.put(checksum(out.bytes().data(), out.size()));
     return std::move(out.bytes());
 }
@@ -150,7 +165,9 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
 
     TreeIndex index;
     TreeInfo& info = index.info;
-    info.levels = static_cast<std::uint16_t>(in.get<std::uint32_t>());
+    const auto levels = in.get<std::uint32_t>();
+    if (levels > 256) throw Error(ErrorCode::corrupt, path, "the number of levels is wrong");
+    info.levels = static_cast<std::uint16_t>(levels);
     info.points = in.get<std::uint64_t>();
     info.points_skipped = in.get<std::uint64_t>();
     info.content_hash = in.get<std::uint64_t>();
@@ -162,7 +179,13 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     for (Vec3i& extreme : info.extremes) extreme = get_vec(in);
     info.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
     info.wide = in.get<std::uint8_t>() != 0;
-    in.get<std::uint16_t>();
+    const auto sampling = in.get<std::uint8_t>();
+    if (sampling > static_cast<std::uint8_t>(Sampling::grid))
+        throw Error(ErrorCode::corrupt, path, "the levels are of a kind that does not exist");
+    info.sampling = static_cast<Sampling>(sampling);
+    in.get<std::uint8_t>();
+    info.spacings.resize(info.levels);
+    for (double& spacing : info.spacings) spacing = in.get<double>();
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) info.schema.add(get_attribute(in));
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) {
         Metadata block;
@@ -176,18 +199,19 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) info.sources.push_back(in.get_string());
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) index.data_file_bytes.push_back(in.get<std::uint64_t>());
     const auto count = in.get<std::uint32_t>();
-    if (in.left() != count * node_bytes + 8)
+    if (in.left() < count * node_bytes + 8)
         throw Error(ErrorCode::corrupt, path, "the index does not hold as many nodes as it says");
     index.nodes.resize(count);
     for (Node& node : index.nodes) {
         node.parent = in.get<std::uint32_t>();
         node.children[0] = in.get<std::uint32_t>();
         node.children[1] = in.get<std::uint32_t>();
-        node.level = static_cast<std::uint16_t>(in.get<std::uint32_t>());
+        node.depth = static_cast<std::uint16_t>(in.get<std::uint32_t>());
         node.points = in.get<std::uint32_t>();
         node.extent.file = in.get<std::uint32_t>();
         node.extent.header_bytes = in.get<std::uint32_t>();
-        in.get<std::uint32_t>();
+        node.first_level = in.get<std::uint16_t>();
+        node.level_points.resize(in.get<std::uint16_t>());
         node.subtree_points = in.get<std::uint64_t>();
         node.box.min = get_vec(in);
         node.box.max = get_vec(in);
@@ -195,6 +219,9 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
         node.extent.offset = in.get<std::uint64_t>();
         node.extent.bytes = in.get<std::uint64_t>();
     }
+    for (Node& node : index.nodes)
+        for (std::uint32_t& points : node.level_points) points = in.get<std::uint32_t>();
+    if (in.left() != 8) throw Error(ErrorCode::corrupt, path, "the index does not end where it says");
     info.bytes = bytes.size();
     for (const Node& node : index.nodes) info.bytes += node.extent.bytes;
     check(index, path);

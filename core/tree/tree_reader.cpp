@@ -59,6 +59,7 @@ void copy_points(const Column& column, const std::uint32_t* points, std::size_t 
 TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
                        unsigned chunks_ahead)
     : tree_(std::move(tree)),
+      level_(level),
       selector_(selection, tree_->info().schema),
       without_box_(without_box(selection), tree_->info().schema),
       box_(selection.box),
@@ -67,10 +68,10 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     const TreeInfo& tree_info = tree_->info();
     std::uint64_t points = 0;
     for (const NodeId id : tree_->nodes_in(selector_.bounds(), level)) {
-        if (tree_->node(id).points == 0) continue;
+        if (points_of(id) == 0) continue;
         nodes_.push_back(id);
         first_.push_back(points);
-        points += tree_->node(id).points;
+        points += points_of(id);
     }
     for (const std::size_t k : selector_.kept()) columns_.attributes.set(k);
     for (const std::size_t k : selector_.tested()) columns_.attributes.set(k);
@@ -106,6 +107,12 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         info_.notes.push_back("positions are up to " + brief(tree_info.position_error) + " from those that the tree was built from");
 }
 
+std::uint32_t TreeReader::points_of(NodeId id) const
+{
+    const Node& node = tree_->node(id);
+    return level_ ? node.points_to_level(*level_) : node.points;
+}
+
 Vec3d TreeReader::position(std::size_t i) const
 {
     Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
@@ -127,15 +134,15 @@ bool TreeReader::next_chunk()
         ahead_.pop_front();
         const NodeId node = nodes_[next_node_++];
         chunk_ = next.get();
-        seen_ += chunk_.points;
+        chunk_points_ = points_of(node);
+        seen_ += chunk_points_;
         const Selector& selector = box_ && box_->contains(tree_->box(node)) ? without_box_ : selector_;
         all_ = !selector.tests_points();
         next_point_ = 0;
-        chunk_points_ = chunk_.points;
         if (!all_) {
             std::vector<const Column*> columns(chunk_.attributes.size(), nullptr);
             for (const std::size_t k : selector.tested()) columns[k] = chunk_.attributes[k].get();
-            selected_.resize(chunk_.points);
+            selected_.resize(chunk_points_);
             std::iota(selected_.begin(), selected_.end(), 0u);
             selector.narrow(columns, [this](std::size_t i) { return position(i); }, selected_);
             chunk_points_ = selected_.size();
@@ -193,9 +200,9 @@ double TreeReader::fraction_read() const
 {
     if (nodes_.empty() || (next_node_ == nodes_.size() && next_point_ == chunk_points_)) return 1.0;
     if (next_node_ == 0) return 0.0;
-    const std::uint64_t total = first_.back() + tree_->node(nodes_.back()).points;
+    const std::uint64_t total = first_.back() + points_of(nodes_.back());
     const double in_chunk = chunk_points_ ? static_cast<double>(next_point_) / static_cast<double>(chunk_points_) : 0.0;
-    const double done = static_cast<double>(first_[next_node_ - 1]) + in_chunk * tree_->node(nodes_[next_node_ - 1]).points;
+    const double done = static_cast<double>(first_[next_node_ - 1]) + in_chunk * points_of(nodes_[next_node_ - 1]);
     return done / static_cast<double>(total);
 }
 

@@ -36,8 +36,10 @@ public:
 private:
     bool next_chunk();
     Vec3d position(std::size_t i) const;
+    std::uint32_t points_of(NodeId id) const;  // at the level that is read: the first ones of the chunk
 
     std::shared_ptr<const Tree> tree_;
+    std::optional<std::uint16_t> level_;
     Selector selector_, without_box_;  // the second for chunks inside of the box
     std::optional<Box3d> box_;
     FileInfo info_;

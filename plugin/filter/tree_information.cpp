@@ -34,12 +34,7 @@ std::vector<std::string> tree_information(const Tree& tree)
         const LevelSummary& level = levels[i];
         std::string line = "Level " + std::to_string(i) + ": " + grouped(level.points) + " points in " +
                            grouped(level.nodes) + (level.nodes == 1 ? " chunk" : " chunks");
-        if (level.coarsest > 0 && brief(level.finest) == brief(level.coarsest))
-            line += ", spacing " + brief(level.coarsest);
-        else if (level.coarsest > 0)
-            line += ", spacing " + brief(level.finest) + " to " + brief(level.coarsest);
-        else
-            line += ", nothing is missing from here on";
+        line += level.spacing > 0 ? ", spacing " + brief(level.spacing) : ", nothing is missing from here on";
         lines.push_back(line);
     }
     lines.push_back("Size: " + bytes_text(info.bytes) +
