@@ -1,6 +1,7 @@
 #include "tree/verify.h"
 
 #include "cli/common.h"
+#include "tree/verify_levels.h"
 
 #include <cstdio>
 #include <memory>
@@ -12,11 +13,42 @@ struct Arguments {
     Common common;
     std::string tree;
     unsigned threads = 0;
+    bool levels = false;
 };
+
+void print(const LevelsReport& report)
+{
+    std::printf("level          points     spacing  least distance  coverage  variation  isolated\n");
+    for (std::size_t k = 0; k < report.levels.size(); ++k) {
+        const LevelMeasure& level = report.levels[k];
+        std::printf("%5zu %15s  %10s  %14.6f  %8.6f  %9.4f  %8s\n", k, grouped(level.points).c_str(),
+                    brief(level.spacing).c_str(), level.least_distance, level.coverage, level.variation,
+                    grouped(level.isolated).c_str());
+    }
+    std::printf("distances over the level's spacing, measured in %.1f s\n", report.seconds);
+}
+
+Json to_json(const LevelsReport& report)
+{
+    Json levels = Json::array();
+    for (const LevelMeasure& level : report.levels)
+        levels.push_back({{"points", level.points},
+                          {"spacing", level.spacing},
+                          {"least_distance", level.least_distance},
+                          {"coverage", level.coverage},
+                          {"variation", level.variation},
+                          {"isolated", level.isolated}});
+    return levels;
+}
 
 int verify(const Arguments& arguments)
 {
-    const VerifyReport report = verify_tree(arguments.tree, arguments.threads, console_progress(arguments.common));
+    VerifyReport report = verify_tree(arguments.tree, arguments.threads, console_progress(arguments.common));
+    LevelsReport levels;
+    if (arguments.levels && report.faults.empty()) {
+        levels = verify_levels(*Tree::open(arguments.tree), arguments.threads, console_progress(arguments.common));
+        report.faults = levels.faults;
+    }
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
@@ -24,9 +56,13 @@ int verify(const Arguments& arguments)
         put_outcome(json, report.outcome);
         json["bytes"] = report.bytes;
         json["position_error"] = report.position_error;
+        if (arguments.levels) json["levels"] = to_json(levels);
         json["faults"] = report.faults;
         std::printf("%s\n", json.dump(2).c_str());
-    } else if (report.faults.empty()) {
+        return report.faults.empty() ? 0 : 1;
+    }
+    if (!levels.levels.empty()) print(levels);
+    if (report.faults.empty()) {
         std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
                     grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
                     points_per_second(report.outcome) / 1e6);
@@ -46,6 +82,7 @@ void add_verify(CLI::App& app, int& result)
         app.add_subcommand("verify", "Check a tree: checksums, counts, boxes, and that every point is there once");
     command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
     command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
+    command->add_flag("--levels", arguments->levels, "Also measure how even the levels are: exact, and slower");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = verify(*arguments); });
 }

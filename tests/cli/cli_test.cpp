@@ -67,7 +67,7 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     EXPECT_GT(info["levels"], 1);
     EXPECT_EQ(info["level"].size(), info["levels"]);
     EXPECT_EQ(info["level"].back()["points_to_here"], 250000);
-    EXPECT_GT(info["level"][0]["spacing_max"], 0);
+    EXPECT_GT(info["level"][0]["spacing"], 0);
     EXPECT_EQ(info["bytes"], build["bytes"]);
     bool colour = false;
     for (const Json& attribute : info["attributes"])

@@ -6,7 +6,9 @@
 #include "clouds.h"
 #include "memory_reader.h"
 #include "support.h"
+#include "tree/tree_index.h"
 #include "tree/verify.h"
+#include "tree/verify_levels.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -156,47 +158,124 @@ TEST(Build, LevelsAreAdditiveAndGetFiner)
 {
     const TemporaryFolder folder;
     write_las(folder / "in.las", records(Shape::surface, 200000, 8), {});
-    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(2000));
-    const auto tree = Tree::open(folder / "out.pct");
-    ASSERT_GT(tree->info().levels, 5);
-    std::uint64_t before = 0;
-    for (std::uint16_t level = 0; level < tree->info().levels; ++level) {
-        const std::uint64_t now = tree->points_to_level(level);
-        EXPECT_GE(now, before);
-        before = now;
-    }
-    EXPECT_EQ(before, tree->info().points);
-    EXPECT_LE(tree->nodes()[0].points, 2000u);
-    EXPECT_GE(tree->nodes()[0].points, 300u);
-    for (const Node& node : tree->nodes()) {
-        EXPECT_LE(node.points, 2000u);
-        if (node.is_leaf())
-            EXPECT_EQ(node.spacing, 0);
-        else
-            EXPECT_GT(node.spacing, 0);
-        if (node.parent != no_node) EXPECT_LE(node.spacing, tree->node(node.parent).spacing);
-    }
-    // The root's points cover the cloud: no point of it is farther from a root point than a cell's diagonal and the extent
-    // of its sample's neighbours allow.
-    const Chunk root = tree->read_chunk(0, ColumnSet::only_positions());
-    double farthest = 0;
-    for (NodeId id = 1; id < tree->nodes().size(); ++id) {
-        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
-        for (std::size_t i = 0; i < chunk.points; i += 97) {
-            double nearest = 1e300;
-            for (std::size_t j = 0; j < root.points; ++j) {
-                double d = 0;
-                for (std::size_t a = 0; a < 3; ++a)
-                    d += std::pow(static_cast<double>(chunk.positions->grid(i, a) - root.positions->grid(j, a)), 2);
-                nearest = std::min(nearest, d);
-            }
-            farthest = std::max(farthest, std::sqrt(nearest));
+    for (const Sampling sampling : {Sampling::poisson, Sampling::grid}) {
+        BuildOptions options = small_chunks(2000);
+        options.sampling = sampling;
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto tree = Tree::open(folder / "out.pct");
+        EXPECT_EQ(tree->info().sampling, sampling);
+        ASSERT_GE(tree->info().levels, 4);
+        std::uint64_t before = 0;
+        for (std::uint16_t level = 0; level < tree->info().levels; ++level) {
+            const std::uint64_t now = tree->points_to_level(level);
+            EXPECT_GT(now, before);
+            if (level > 0) EXPECT_LT(now, 10 * before);
+            before = now;
+        }
+        EXPECT_EQ(before, tree->info().points);
+        EXPECT_GE(tree->nodes()[0].points, 300u);
+        for (const Node& node : tree->nodes()) {
+            EXPECT_LE(node.points, 2000u);
+            if (node.is_leaf())
+                EXPECT_EQ(node.spacing, 0);
+            else
+                EXPECT_GT(node.spacing, 0);
+            if (node.parent == no_node) continue;
+            EXPECT_LE(node.spacing, tree->node(node.parent).spacing);
+            // Coarse above fine.
+            const Node& parent = tree->node(node.parent);
+            if (node.points && parent.points)
+                EXPECT_GE(node.first_level, parent.first_level + parent.level_points.size());
+        }
+        const LevelsReport report = verify_levels(*tree, 2);
+        EXPECT_TRUE(report.faults.empty()) << report.faults[0];
+        ASSERT_EQ(report.levels.size() + 1u, tree->info().levels);
+        for (std::size_t level = 0; level < report.levels.size(); ++level) {
+            const LevelMeasure& measure = report.levels[level];
+            EXPECT_EQ(measure.points, tree->points_to_level(static_cast<std::uint16_t>(level)));
+            EXPECT_LT(measure.coverage, 1);
+            EXPECT_GT(measure.coverage, 0.5);
+            if (sampling == Sampling::grid) continue;
+            EXPECT_GE(measure.least_distance, 1);
+            EXPECT_LT(measure.least_distance, 1.2);
+            EXPECT_LT(measure.variation, 0.25);
         }
     }
-    // A cell of the lattice is at most twice as long as wide: its diagonal is below 2.5 times its mean extent. Coarse
-    // samples are drawn from finer ones, which adds the diagonals of all finer cells: a factor of 1 / (1 - 2^(-1/3)) at worst.
-    EXPECT_LE(farthest, tree->nodes()[0].spacing * 2.5 * 4.9);
-    EXPECT_LE(farthest, tree->nodes()[0].spacing * 3) << "worse than it ever was, though within the bound";
+}
+
+// Across the borders of many bins, and where clouds are degenerate.
+TEST(Build, LevelsAreMaximalPoissonSamples)
+{
+    const TemporaryFolder folder;
+    for (const Shape shape : {Shape::surface, Shape::volume, Shape::line, Shape::duplicates}) {
+        write_las(folder / "in.las", records(shape, 600000, 21), {});
+        BuildOptions options = small_chunks(20000);  // 64 MiB: several bins
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const LevelsReport report = verify_levels(*Tree::open(folder / "out.pct"), 2);
+        EXPECT_TRUE(report.faults.empty()) << report.faults[0];
+        EXPECT_GE(report.levels.size(), 1u);
+    }
+}
+
+// The measurement itself against brute force; and it must see what is wrong.
+TEST(Build, MeasuringLevelsIsExact)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::volume, 4000, 22), {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(1000));
+    const auto tree = Tree::open(folder / "out.pct");
+    std::vector<std::pair<Vec3d, std::size_t>> points;
+    for (NodeId id = 0; id < tree->nodes().size(); ++id) {
+        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+        for (std::uint32_t i = 0; i < chunk.points; ++i) {
+            std::size_t level = 0;
+            while (i >= tree->node(id).points_to_level(level)) ++level;
+            points.push_back({tree->info().grid.to_source(chunk.positions->grid(i)), level});
+        }
+    }
+    const auto distance = [](const Vec3d& p, const Vec3d& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); };
+    const LevelsReport report = verify_levels(*tree, 1);
+    ASSERT_GE(report.levels.size(), 1u);
+    for (std::size_t level = 0; level < report.levels.size(); ++level) {
+        double least = 1e300, farthest = 0;
+        std::vector<double> neighbour;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double nearest = 1e300;
+            for (std::size_t j = 0; j < points.size(); ++j)
+                if (i != j && points[j].second <= level) nearest = std::min(nearest, distance(points[i].first, points[j].first));
+            if (points[i].second > level) {
+                farthest = std::max(farthest, nearest);
+                continue;
+            }
+            least = std::min(least, nearest);
+            if (nearest <= 2 * report.levels[level].spacing) neighbour.push_back(nearest);
+        }
+        double mean = 0, variance = 0;
+        for (const double d : neighbour) mean += d / static_cast<double>(neighbour.size());
+        for (const double d : neighbour) variance += (d - mean) * (d - mean) / static_cast<double>(neighbour.size());
+        const double spacing = report.levels[level].spacing;
+        EXPECT_NEAR(report.levels[level].least_distance, least / spacing, 1e-9);
+        EXPECT_NEAR(report.levels[level].coverage, farthest / spacing, 1e-9);
+        EXPECT_NEAR(report.levels[level].variation, std::sqrt(variance) / mean, 1e-9);
+    }
+
+    // Spacings that are not the true ones.
+    std::vector<std::byte> bytes;
+    {
+        const File file(folder / "out.pct" / index_file_name, File::Mode::read);
+        bytes.resize(file.size());
+        file.read_at(bytes.data(), bytes.size(), 0);
+    }
+    const TreeIndex index = decode_index(bytes, "index");
+    for (const double factor : {1.1, 0.9}) {
+        TreeIndex changed = index;
+        for (double& spacing : changed.info.spacings) spacing *= factor;
+        const std::vector<std::byte> now = encode_index(changed);
+        replace_file(folder / "out.pct" / index_file_name, now.data(), now.size());
+        EXPECT_FALSE(verify_levels(*Tree::open(folder / "out.pct"), 1).faults.empty()) << factor;
+    }
 }
 
 TEST(Build, MemoryTooSmallForOneBinMakesManyAndLosesNothing)

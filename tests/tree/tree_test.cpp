@@ -86,7 +86,7 @@ TEST_F(TreeTest, NodesAreWalkable)
         const auto path = tree->path_from_root(id);
         EXPECT_EQ(path.front(), 0u);
         EXPECT_EQ(path.back(), id);
-        EXPECT_EQ(path.size(), tree->node(id).level + 1u);
+        EXPECT_EQ(path.size(), tree->node(id).depth + 1u);
         EXPECT_TRUE(tree->box(0).contains(tree->box(id)));
     }
 }
@@ -157,15 +157,20 @@ TEST_F(TreeTest, AnIndexThatMakesNoSenseIsRefused)
     refused([](TreeIndex& i) { i.nodes[2].parent = 3; }, "false child");
     refused([](TreeIndex& i) { i.nodes[2].parent = no_node; }, "false child");
     refused([](TreeIndex& i) { i.nodes[1].children[0] = 1; }, "false child");
-    refused([](TreeIndex& i) { i.nodes[1].level = 7; }, "one level below");
+    refused([](TreeIndex& i) { i.nodes[1].depth = 7; }, "one step below");
     refused([](TreeIndex& i) { ++i.nodes[1].points; }, "as many points");
+    refused([](TreeIndex& i) { ++i.nodes[1].level_points.back(); }, "of which levels");
+    refused([](TreeIndex& i) { i.nodes[1].first_level = i.info.levels; }, "points of no level");
+    refused([](TreeIndex& i) { std::swap(i.info.spacings[0], i.info.spacings[1]); }, "spacing out of order");
+    refused([](TreeIndex& i) { i.info.spacings[0] = std::nan(""); }, "spacing out of order");
     refused([](TreeIndex& i) { --i.nodes[1].box.min[0], i.nodes[1].box.min[0] -= 1000000; }, "out of its parent's box");
     refused([](TreeIndex& i) { i.nodes[1].extent.offset = i.data_file_bytes[0]; }, "outside the data files");
     refused([](TreeIndex& i) { i.nodes[1].extent.file = 9; }, "outside the data files");
     refused([](TreeIndex& i) { i.nodes[1].spacing = std::nan(""); }, "no spacing");
     refused([](TreeIndex& i) { i.info.points += 1; }, "root does not hold");
     refused([](TreeIndex& i) { i.nodes.clear(); }, "points without nodes");
-    refused([](TreeIndex& i) { ++i.info.levels; }, "number of levels");
+    refused([](TreeIndex& i) { i.info.spacings.pop_back(), --i.info.levels; }, "points of no level");
+    refused([](TreeIndex& i) { i.info.spacings.assign(257, 1), i.info.levels = 257; }, "number of levels");
 }
 
 // Chunks swapped in the index: each is whole, but none is where it should be.

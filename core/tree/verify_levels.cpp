@@ -1,0 +1,292 @@
+#include "tree/verify_levels.h"
+
+#include "tree/crew.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t tile_points = 1'000'000;  // chosen points that are looked at together
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// A part of the cloud at one level.
+struct Tile {
+    std::size_t level;
+    Box3i box;
+};
+
+// What tiles of one level found; their sum does not depend on their order but for rounding of the two sums.
+struct Sums {
+    double least = infinity, farthest = 0;  // squared
+    double sum = 0, sum_of_squares = 0;     // of distances over the spacing, less 1
+    std::uint64_t points = 0, isolated = 0;
+
+    void merge(const Sums& o)
+    {
+        least = std::min(least, o.least);
+        farthest = std::max(farthest, o.farthest);
+        sum += o.sum;
+        sum_of_squares += o.sum_of_squares;
+        points += o.points;
+        isolated += o.isolated;
+    }
+};
+
+// Points in cubes of one side, found by hashing the cubes' coordinates.
+class Cubes {
+public:
+    Cubes(const std::vector<Vec3i>& points, const Vec3i& base, const Vec3d& scale, double side)
+        : points_(points), base_(base), side_(side * (1 + 1e-6)), next_(points.size(), none)  // room for rounding
+    {
+        for (std::size_t a = 0; a < 3; ++a) scale_[a] = scale[a], squared_scale_[a] = scale[a] * scale[a];
+        std::size_t slots = 16;
+        while (slots < 2 * points.size()) slots *= 2;
+        head_.assign(slots, none);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            std::uint32_t& head = head_[slot(cube_of(points[i]))];
+            next_[i] = head;
+            head = static_cast<std::uint32_t>(i);
+        }
+    }
+
+    double squared(const Vec3i& p, const Vec3i& q) const
+    {
+        double sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double d = static_cast<double>(std::max(p[a], q[a]) - std::min(p[a], q[a]));
+            sum += d * d * squared_scale_[a];
+        }
+        return sum;
+    }
+
+    // The smallest squared distance from p to a point within `reach` cubes that is not p itself or, with `self`, is not point
+    // number `self`. It is the true one if it is at most (reach * side)².
+    double nearest(const Vec3i& p, int reach, std::uint32_t self) const
+    {
+        double best = infinity;
+        const Vec3i cube = cube_of(p);
+        for (std::int64_t z = cube[2] - reach; z <= cube[2] + reach; ++z)
+            for (std::int64_t y = cube[1] - reach; y <= cube[1] + reach; ++y)
+                for (std::int64_t x = cube[0] - reach; x <= cube[0] + reach; ++x)
+                    for (std::uint32_t i = head_[slot({x, y, z})]; i != none; i = next_[i])
+                        if (i != self) best = std::min(best, squared(p, points_[i]));
+        return best;
+    }
+
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+private:
+    Vec3i cube_of(const Vec3i& p) const
+    {
+        Vec3i cube;
+        for (std::size_t a = 0; a < 3; ++a)
+            cube[a] = static_cast<std::int64_t>(std::floor(static_cast<double>(p[a] - base_[a]) * scale_[a] / side_));
+        return cube;
+    }
+    std::size_t slot(const Vec3i& cube) const
+    {
+        std::uint64_t hash = 0;
+        for (const std::int64_t c : cube) hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
+        return hash & (head_.size() - 1);
+    }
+    const std::vector<Vec3i>& points_;
+    const Vec3i base_;
+    Vec3d scale_{}, squared_scale_{};
+    const double side_;
+    std::vector<std::uint32_t> head_, next_;
+};
+
+class Measurement {
+public:
+    Measurement(const Tree& tree, unsigned threads, const ProgressFunction& progress)
+        : tree_(tree), info_(tree.info()), threads_(threads ? threads : std::max(1u, std::thread::hardware_concurrency())), watch_(progress)
+    {
+    }
+
+    LevelsReport run()
+    {
+        LevelsReport report;
+        for (std::size_t level = 0; level < info_.spacings.size() && info_.spacings[level] > 0; ++level)
+            if (info_.points) tiles_.push_back({level, info_.box});
+        sums_.resize(tiles_.size());
+        const double all = static_cast<double>(info_.points) * static_cast<double>(std::max<std::size_t>(1, tiles_.size()));
+        Crew crew(signal_);
+        for (unsigned t = 0; t < threads_; ++t) crew.add([this] { work(); });
+        crew.join([&] {
+            std::uint64_t done;
+            {
+                const std::lock_guard lock(signal_.mutex);
+                done = points_done_;
+            }
+            watch_.report("Measuring levels", static_cast<double>(done) / all);
+        });
+        for (std::size_t level = 0; level < sums_.size(); ++level) report.levels.push_back(measure(level, report.faults));
+        report.seconds = watch_.seconds();
+        return report;
+    }
+
+private:
+    void work()
+    {
+        std::unique_lock lock(signal_.mutex);
+        for (;;) {
+            signal_.wake.wait(lock, [&] { return signal_.stopped || !tiles_.empty() || working_ == 0; });
+            if (signal_.stopped || tiles_.empty()) return;
+            const Tile tile = tiles_.back();
+            tiles_.pop_back();
+            ++working_;
+            lock.unlock();
+            std::vector<Tile> parts;
+            const Sums sums = look_at(tile, parts);
+            lock.lock();
+            --working_;
+            tiles_.insert(tiles_.end(), parts.begin(), parts.end());
+            sums_[tile.level].merge(sums);
+            signal_.wake.notify_all();
+        }
+    }
+
+    // Calls use(position, level) for every point of the levels up to `level` in a box.
+    template <class Use>
+    void for_points(const Box3i& box, std::size_t level, const Use& use)
+    {
+        const std::vector<Node>& nodes = tree_.nodes();
+        std::vector<NodeId> open{0};
+        while (!open.empty() && !signal_.stopped) {
+            const NodeId id = open.back();
+            open.pop_back();
+            const Node& node = nodes[id];
+            bool apart = false;
+            for (std::size_t a = 0; a < 3; ++a) apart = apart || node.box.max[a] < box.min[a] || node.box.min[a] > box.max[a];
+            if (apart || (node.points && node.first_level > level)) continue;
+            for (const NodeId child : node.children)
+                if (child != no_node) open.push_back(child);
+            const std::uint32_t count = node.points_to_level(level);
+            if (count == 0) continue;
+            const Chunk chunk = tree_.read_chunk(id, ColumnSet::only_positions());
+            std::size_t run = 0;
+            std::uint32_t run_end = 0;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                while (i >= run_end) run_end += node.level_points[run++];
+                const Vec3i p = chunk.positions->grid(i);
+                if (box.contains(p)) use(p, node.first_level + run - 1);
+            }
+        }
+    }
+
+    // The box with everything that is nearer than `distance` to it.
+    Box3i around(const Box3i& box, double distance) const
+    {
+        Box3i wide = box;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double steps = std::min(std::ceil(distance / info_.grid.scale[a]) + 1, std::ldexp(1.0, 61));
+            const auto by = static_cast<std::int64_t>(steps);
+            wide.min[a] = wide.min[a] < std::numeric_limits<std::int64_t>::min() + by ? std::numeric_limits<std::int64_t>::min() : wide.min[a] - by;
+            wide.max[a] = wide.max[a] > std::numeric_limits<std::int64_t>::max() - by ? std::numeric_limits<std::int64_t>::max() : wide.max[a] + by;
+        }
+        return wide;
+    }
+
+    // Measures a tile, or divides it when too many points are chosen there.
+    Sums look_at(const Tile& tile, std::vector<Tile>& parts)
+    {
+        const double spacing = info_.spacings[tile.level], squared_spacing = spacing * spacing;
+        std::vector<Vec3i> chosen;
+        for_points(around(tile.box, 2 * spacing), tile.level, [&](const Vec3i& p, std::size_t) { chosen.push_back(p); });
+        Sums sums;
+        if (chosen.size() > tile_points && divide(tile, chosen, parts)) return sums;
+
+        const Cubes cubes(chosen, tile.box.min, info_.grid.scale, spacing);
+        for (std::size_t i = 0; i < chosen.size(); ++i) {
+            if (!tile.box.contains(chosen[i])) continue;
+            ++sums.points;
+            const double nearest = cubes.nearest(chosen[i], 2, static_cast<std::uint32_t>(i));
+            sums.least = std::min(sums.least, nearest);
+            if (nearest <= 4 * squared_spacing) {
+                const double d = std::sqrt(nearest) / spacing - 1;
+                sums.sum += d;
+                sums.sum_of_squares += d * d;
+            } else {
+                ++sums.isolated;
+            }
+        }
+        std::uint64_t seen = 0;
+        for_points(tile.box, info_.levels, [&](const Vec3i& p, std::size_t level) {
+            ++seen;
+            if (level > tile.level) sums.farthest = std::max(sums.farthest, cubes.nearest(p, 1, Cubes::none));
+        });
+        const std::lock_guard lock(signal_.mutex);
+        points_done_ += seen;
+        return sums;
+    }
+
+    // In two, at the median of the points inside, along the axis where they reach farthest.
+    bool divide(const Tile& tile, std::vector<Vec3i>& chosen, std::vector<Tile>& parts) const
+    {
+        chosen.erase(std::remove_if(chosen.begin(), chosen.end(), [&](const Vec3i& p) { return !tile.box.contains(p); }),
+                     chosen.end());
+        if (chosen.size() < 2) return false;
+        Box3i tight;
+        for (const Vec3i& p : chosen) tight.extend(p);
+        std::size_t axis = 0;
+        const auto extent = [&](std::size_t a) { return static_cast<double>(tight.max[a] - tight.min[a]) * info_.grid.scale[a]; };
+        for (std::size_t a = 1; a < 3; ++a)
+            if (extent(a) > extent(axis)) axis = a;
+        const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
+        std::nth_element(chosen.begin(), middle, chosen.end(), [&](const Vec3i& p, const Vec3i& q) { return p[axis] < q[axis]; });
+        std::int64_t last = (*middle)[axis];  // of the lower part
+        if (last == tight.max[axis]) --last;
+        if (last < tight.min[axis]) return false;
+        Tile low = tile, high = tile;
+        low.box.max[axis] = last;
+        high.box.min[axis] = last + 1;
+        parts = {low, high};
+        return true;
+    }
+
+    LevelMeasure measure(std::size_t level, std::vector<std::string>& faults) const
+    {
+        const Sums& sums = sums_[level];
+        LevelMeasure measure;
+        measure.spacing = info_.spacings[level];
+        measure.points = sums.points;
+        measure.least_distance = std::sqrt(sums.least) / measure.spacing;
+        measure.coverage = std::sqrt(sums.farthest) / measure.spacing;
+        measure.isolated = sums.isolated;
+        if (const auto n = static_cast<double>(sums.points - sums.isolated); n > 0) {
+            const double mean = sums.sum / n;
+            measure.variation = std::sqrt(std::max(0.0, sums.sum_of_squares / n - mean * mean)) / (1 + mean);
+        }
+        const double squared = measure.spacing * measure.spacing;
+        const std::string name = "level " + std::to_string(level) + ": ";
+        if (info_.sampling == Sampling::poisson && sums.least < squared)
+            faults.push_back(name + "two points are only " + std::to_string(measure.least_distance) + " of its spacing apart");
+        if (sums.farthest >= squared)
+            faults.push_back(name + "a point has none within its spacing, the nearest is " + std::to_string(measure.coverage) +
+                             " of it away");
+        return measure;
+    }
+
+    const Tree& tree_;
+    const TreeInfo& info_;
+    const unsigned threads_;
+    Watch watch_;
+    Signal signal_;
+    std::vector<Tile> tiles_;
+    std::size_t working_ = 0;
+    std::vector<Sums> sums_;
+    std::uint64_t points_done_ = 0;
+};
+
+}  // namespace
+
+LevelsReport verify_levels(const Tree& tree, unsigned threads, const ProgressFunction& progress)
+{
+    return Measurement(tree, threads, progress).run();
+}
+
+}  // namespace pcm
