@@ -178,7 +178,7 @@ SyntheticTree random_tree(std::mt19937_64& random, std::size_t size, const Vec3d
             if (parent > 0 && unit(random) < 0.1) continue;
             Node child;
             child.parent = static_cast<NodeId>(parent);
-            child.level = static_cast<std::uint16_t>(tree.nodes[parent].level + 1);
+            child.depth = static_cast<std::uint16_t>(tree.nodes[parent].depth + 1);
             child.box = box;
             (c == 0 ? child.box.max : child.box.min)[axis] = split;
             if (unit(random) < 0.03) child.box.max = child.box.min;  // coincident points
