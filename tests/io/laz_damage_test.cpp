@@ -2,6 +2,10 @@
 #include "cloud_copy.h"
 #include "las_file.h"
 
+#include <algorithm>
+#include <array>
+#include <numeric>
+
 namespace pcm::test {
 namespace {
 
@@ -102,6 +106,31 @@ TEST(LazDamage, MorePointsThanTheChunksHoldAreRefused)
     const Error error = error_of([&] { open_reader(path); });
     EXPECT_EQ(error.code(), ErrorCode::truncated);
     EXPECT_TRUE(mentions(error.what(), "44000000 points")) << error.what();
+}
+
+// GPS times are in sequences that the points switch between. A layer of ones only is nothing but switches, more than a stack
+// is deep.
+TEST(LazDamage, SwitchesWithoutEndAreRefused)
+{
+    PCM_REQUIRE_LAZ();
+    TemporaryFolder folder;
+    Laz laz = laz_of(folder, 6, 5000, 0);
+    // A chunk: its first point, the number of points, the sizes of nine layers, the layers; GPS times are the last.
+    const std::size_t chunk = laz.points_at + 8, sizes = chunk + 30 + 4;
+    std::array<std::uint32_t, 9> layers;
+    std::memcpy(layers.data(), laz.bytes.data() + sizes, sizeof layers);
+    const std::size_t gps_times = std::accumulate(layers.begin(), layers.end() - 1, sizes + sizeof layers);
+    ASSERT_GT(layers.back(), 10000u);
+    ASSERT_LE(gps_times + layers.back(), laz.table_at());
+    std::fill_n(laz.bytes.begin() + static_cast<std::ptrdiff_t>(gps_times), layers.back(), '\xFF');
+    const auto path = write_file(folder / "a.laz", laz.bytes);
+    for (const unsigned threads : {1u, 2u}) {
+        ReadOptions options;
+        options.threads = threads;
+        const Error error = error_of([&] { read_whole(*open_reader(path, options)); });
+        EXPECT_EQ(error.code(), ErrorCode::corrupt);
+        EXPECT_TRUE(mentions(error.what(), "switch between their sequences")) << error.what();
+    }
 }
 
 TEST(LazDamage, CutAnywhere)
