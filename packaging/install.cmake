@@ -10,9 +10,10 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # The public headers and all that they include; tests/install compiles each of them by itself out of the install.
 set(public_headers
   point_cloud.h
-  io/reader.h io/selection.h io/text_layout.h io/writer.h
+  io/reader.h io/grid_choice.h io/selection.h io/text_layout.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_index.h bpc/cloud_block.h
-  tree/tree.h tree/builder.h tree/verify.h
+  tree/tree.h tree/tree_reader.h tree/builder.h tree/verify.h tree/verify_levels.h
+  convert/convert.h
   cache/l2_cache.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
