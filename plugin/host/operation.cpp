@@ -55,8 +55,10 @@ ProgressFunction Operation::progress()
 bool Operation::report(const ProgressUpdate& update)
 {
     // meshlabserver has no window, and prints these texts one after the other.
-    const char* const end = QApplication::activeWindow() ? " (Esc cancels)" : "\n";
-    const std::string text = std::string(update.stage) + time_left(update.seconds_left) + end;
+    const bool window = QApplication::activeWindow();
+    const bool done = update.fraction >= 1;  // then nothing is left to wait for, or to cancel
+    const std::string text = std::string(update.stage) + (done ? std::string() : time_left(update.seconds_left)) +
+                             (window ? done ? "" : " (Esc cancels)" : "\n");
     if (callback_) callback_(static_cast<int>(std::clamp(update.fraction, 0.0, 1.0) * 100), text.c_str());
     // MeshLab's callback does nothing until the percentage changes, which may take minutes.
     if (since_events_.elapsed() > 200) {
