@@ -3,8 +3,8 @@
 #include "las_file.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
+#include <vector>
 
 namespace pcm::test {
 namespace {
@@ -108,28 +108,38 @@ TEST(LazDamage, MorePointsThanTheChunksHoldAreRefused)
     EXPECT_TRUE(mentions(error.what(), "44000000 points")) << error.what();
 }
 
-// GPS times are in sequences that the points switch between. A layer of ones only is nothing but switches, more than a stack
-// is deep.
+// GPS times are in sequences that the points switch between. Bytes of ones only are nothing but switches, more than a stack is
+// deep.
 TEST(LazDamage, SwitchesWithoutEndAreRefused)
 {
     PCM_REQUIRE_LAZ();
     TemporaryFolder folder;
-    Laz laz = laz_of(folder, 6, 5000, 0);
-    // A chunk: its first point, the number of points, the sizes of nine layers, the layers; GPS times are the last.
-    const std::size_t chunk = laz.points_at + 8, sizes = chunk + 30 + 4;
-    std::array<std::uint32_t, 9> layers;
-    std::memcpy(layers.data(), laz.bytes.data() + sizes, sizeof layers);
-    const std::size_t gps_times = std::accumulate(layers.begin(), layers.end() - 1, sizes + sizeof layers);
-    ASSERT_GT(layers.back(), 10000u);
-    ASSERT_LE(gps_times + layers.back(), laz.table_at());
-    std::fill_n(laz.bytes.begin() + static_cast<std::ptrdiff_t>(gps_times), layers.back(), '\xFF');
-    const auto path = write_file(folder / "a.laz", laz.bytes);
-    for (const unsigned threads : {1u, 2u}) {
-        ReadOptions options;
-        options.threads = threads;
-        const Error error = error_of([&] { read_whole(*open_reader(path, options)); });
-        EXPECT_EQ(error.code(), ErrorCode::corrupt);
-        EXPECT_TRUE(mentions(error.what(), "switch between their sequences")) << error.what();
+    for (const int format : {1, 3, 6, 7}) {
+        SCOPED_TRACE(format);
+        Laz laz = laz_of(folder, format, 5000, 0);
+        // A chunk: its first point; of formats to 5 one stream; of later ones the number of points, the sizes of the layers,
+        // the layers, GPS times the ninth.
+        std::size_t from = laz.points_at + 8 + (format == 1 ? 28 : format == 3 ? 34 : format == 6 ? 30 : 36);
+        std::size_t to = laz.table_at();
+        if (format >= 6) {
+            std::vector<std::uint32_t> layers(format == 6 ? 9 : 10);
+            const std::size_t sizes = from + 4, bytes = layers.size() * sizeof layers[0];
+            std::memcpy(layers.data(), laz.bytes.data() + sizes, bytes);
+            from = std::accumulate(layers.begin(), layers.begin() + 8, sizes + bytes);
+            to = from + layers[8];
+        }
+        ASSERT_GT(to, from + 10000);
+        ASSERT_LE(to, laz.table_at());
+        std::fill(laz.bytes.begin() + static_cast<std::ptrdiff_t>(from), laz.bytes.begin() + static_cast<std::ptrdiff_t>(to),
+                  '\xFF');
+        const auto path = write_file(folder / "a.laz", laz.bytes);
+        for (const unsigned threads : {1u, 2u}) {
+            ReadOptions options;
+            options.threads = threads;
+            const Error error = error_of([&] { read_whole(*open_reader(path, options)); });
+            EXPECT_EQ(error.code(), ErrorCode::corrupt);
+            EXPECT_TRUE(mentions(error.what(), "switch between their sequences")) << error.what();
+        }
     }
 }
 
