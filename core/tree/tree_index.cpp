@@ -157,7 +157,8 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     if (found != version)
         throw Error(ErrorCode::unsupported, path,
                     "tree format version " + std::to_string(found) + ", this program reads version " +
-                        std::to_string(version));
+                        std::to_string(version),
+                    found < version ? "build the tree again from its files" : "");
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))

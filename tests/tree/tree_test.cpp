@@ -135,6 +135,56 @@ TEST_F(TreeTest, VerifyNoticesAnyDamage)
     }
 }
 
+// The layout of an index in FORMAT.md: its last eight bytes are the checksum of all others. A change is a new version.
+TEST(TreeIndex, FrozenBytes)
+{
+    TreeIndex index;
+    TreeInfo& info = index.info;
+    info.points = 7;
+    info.points_skipped = 2;
+    info.content_hash = 0x0123456789abcdef;
+    info.position_error = 0.25;
+    info.grid = {{0.001, 0.001, 0.01}, {500000, 4800000, 100}};
+    info.position_type = ScalarType::i32;
+    info.sampling = Sampling::poisson;
+    info.spacings = {1.5, 0.75, 0};
+    info.levels = 3;
+    info.box = {{-5, -6, -7}, {50, 60, 70}};
+    info.extremes = {Vec3i{-5, 0, 0}, {50, 0, 0}, {0, -6, 0}, {0, 60, 0}, {0, 0, -7}, {0, 0, 70}};
+    info.schema.add({"intensity", ScalarType::u16, 1, 1.0, 0.0, "raw"});
+    info.schema.add({"rgb", ScalarType::u8, 3, 1.0, 0.0, {}});
+    info.metadata = {{"key", {std::byte{1}, std::byte{2}}}};
+    info.sources = {"a.las"};
+    index.data_file_bytes = {1000};
+    Node root, leaf;
+    root.children = {1, no_node};
+    root.points = 4;
+    root.level_points = {3, 1};
+    root.subtree_points = 7;
+    root.box = info.box;
+    root.spacing = 0.75;
+    root.extent = {0, 0, 400, 200};
+    leaf.parent = 0;
+    leaf.depth = 1;
+    leaf.first_level = 2;
+    leaf.points = 3;
+    leaf.level_points = {3};
+    leaf.subtree_points = 3;
+    leaf.box = {{0, 0, 0}, {50, 60, 70}};
+    leaf.extent = {0, 400, 500, 210};
+    index.nodes = {root, leaf};
+    const std::vector<std::byte> bytes = encode_index(index);
+    std::uint64_t sum = 0;
+    std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
+    EXPECT_EQ(bytes.size(), 687u);
+    EXPECT_EQ(sum, 8935240609400591459u);
+    const TreeIndex again = decode_index(bytes, "index");
+    EXPECT_EQ(again.info.spacings, info.spacings);
+    EXPECT_EQ(again.nodes[0].level_points, root.level_points);
+    EXPECT_EQ(again.nodes[1].first_level, 2);
+    EXPECT_EQ(encode_index(again), bytes);
+}
+
 // An index whose checksum holds but whose nodes make no sense: written by a program gone wrong.
 TEST_F(TreeTest, AnIndexThatMakesNoSenseIsRefused)
 {
