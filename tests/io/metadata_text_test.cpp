@@ -11,9 +11,8 @@ using namespace pcm::test;
 
 Metadata block(const std::string& key, const std::string& value)
 {
-    Metadata metadata{key, std::vector<std::byte>(value.size())};
-    std::memcpy(metadata.value.data(), value.data(), value.size());
-    return metadata;
+    const auto* bytes = reinterpret_cast<const std::byte*>(value.data());
+    return {key, {bytes, bytes + value.size()}};
 }
 
 TEST(MetadataText, TextIsShownAsItIs)
