@@ -1,7 +1,7 @@
 // Where the writer's LAS records go: into the file as they are, or compressed into the chunks of LAZ.
 #pragma once
 
-#include "io/output_file.h"
+#include "cloud/output_file.h"
 
 #include <cstddef>
 #include <cstdint>

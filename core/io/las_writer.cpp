@@ -1,6 +1,7 @@
 #include "io/las_writer.h"
 
 #include "cloud/error.h"
+#include "cloud/output_file.h"
 #include "cloud/text.h"
 #include "io/grid_choice.h"
 #include "io/las_header.h"
@@ -8,7 +9,6 @@
 #include "io/las_sink.h"
 #include "io/las_write_plan.h"
 #include "io/names.h"
-#include "io/output_file.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,7 @@
 #include "io/names.h"
 
+#include <utility>
+
 namespace pcm {
 namespace {
 
@@ -65,13 +67,18 @@ std::string unique_name(const Schema& schema, const std::string& name)
     return candidate;
 }
 
+std::string lower_case(std::string text)
+{
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 std::string extension_of(const std::filesystem::path& path)
 {
     std::string extension = path.extension().string();
     if (!extension.empty()) extension.erase(0, 1);
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
+    return lower_case(std::move(extension));
 }
 
 }  // namespace pcm

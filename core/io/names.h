@@ -19,6 +19,9 @@ std::string quote_bytes(std::string_view bytes);
 // `name`, or `name` with "_2", "_3", ... when the schema has it already.
 std::string unique_name(const Schema& schema, const std::string& name);
 
+// ASCII letters in lower case; other bytes stay.
+std::string lower_case(std::string text);
+
 // Of a path: lower case, without the dot; empty when there is none.
 std::string extension_of(const std::filesystem::path& path);
 

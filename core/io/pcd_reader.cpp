@@ -35,13 +35,6 @@ struct Target {
     std::size_t offset = 0;  // in a record
 };
 
-std::string lower(std::string text)
-{
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 // `count` values of a field, `stride` bytes apart, become columns of the batch from point `first` on.
 void unpack(const Target& target, const std::byte* from, std::size_t stride, std::size_t count, PointBatch& batch,
             std::size_t first)
@@ -152,7 +145,7 @@ void PcdReader::plan_axes()
     bool all_f32 = true;
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
         const PcdField& field = header_.fields[i];
-        const std::string name = lower(field.name);
+        const std::string name = lower_case(field.name);
         if (name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
         const auto axis = static_cast<std::size_t>(name[0] - 'x');
         if (std::exchange(have[axis], true)) fail(ErrorCode::bad_format, "the header has two fields '" + name + "'");
@@ -176,7 +169,7 @@ void PcdReader::plan_group(const std::array<const char*, 3>& members, std::strin
     std::array<std::size_t, 3> at{no_field, no_field, no_field};
     for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t i = 0; i < fields.size(); ++i) {
-            if (lower(fields[i].name) != members[c]) continue;
+            if (lower_case(fields[i].name) != members[c]) continue;
             if (at[c] != no_field || fields[i].count != 1) return;
             at[c] = i;
         }
@@ -195,7 +188,7 @@ void PcdReader::plan_field(std::size_t i)
 {
     const PcdField& field = header_.fields[i];
     Target& target = targets_[i];
-    const std::string name = lower(field.name);
+    const std::string name = lower_case(field.name);
     if ((name == "rgb" || name == "rgba") && field.count == 1 && size_of(field.type) == 4 &&
         !info_.schema.find(attribute_name::rgb)) {
         target.kind = Target::Kind::packed_colour;
@@ -255,7 +248,7 @@ void PcdReader::plan()
 
     using Names = std::array<const char*, 3>;
     const auto begins = [&](std::size_t field, const Names& members) {
-        const std::string name = lower(fields[field].name);
+        const std::string name = lower_case(fields[field].name);
         return std::find(members.begin(), members.end(), name) != members.end();
     };
     // In the order of the fields, so that attributes come in the order of the file.

@@ -1,9 +1,9 @@
 #include "io/pcd_writer.h"
 
+#include "cloud/output_file.h"
 #include "io/carried_comments.h"
 #include "io/names.h"
 #include "io/number_text.h"
-#include "io/output_file.h"
 #include "io/pcd_header.h"
 #include "io/record_encoder.h"
 
@@ -36,13 +36,6 @@ char kind_of(ScalarType type)
         default:
             return 'U';
     }
-}
-
-std::string lower(std::string text)
-{
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
 }
 
 // Names that pcd_reader takes for more than a name.
@@ -122,7 +115,7 @@ private:
             fields.push_back({names[0], kind_of(attribute.type), size, attribute.components});
             records.push_back(RecordField::scalars(index, 0, attribute.type, attribute.components));
         }
-        for (const std::string& name : names) used_.insert(lower(name));
+        for (const std::string& name : names) used_.insert(lower_case(name));
         if (!plain) carried.push_back({names[0], attribute});
         return more;
     }
@@ -130,9 +123,9 @@ private:
     std::string name_of_field(const Attribute& attribute) const
     {
         std::string base = field_name(attribute.name);
-        if (has_a_meaning(lower(base))) base = "attribute_" + base;
+        if (has_a_meaning(lower_case(base))) base = "attribute_" + base;
         std::string name = base;
-        for (int number = 2; used_.count(lower(name)); ++number) name = base + "_" + std::to_string(number);
+        for (int number = 2; used_.count(lower_case(name)); ++number) name = base + "_" + std::to_string(number);
         return name;
     }
 

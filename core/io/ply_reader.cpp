@@ -65,13 +65,6 @@ private:
     std::vector<std::byte> buffer_;
 };
 
-std::string lower(std::string text)
-{
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 // Names that promise three components to everybody.
 bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
 
@@ -183,7 +176,7 @@ bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::strin
     for (std::size_t c = 0; c < 3; ++c) {
         std::size_t found = properties.size();
         for (std::size_t i = 0; i < properties.size(); ++i)
-            if (!properties[i].is_list && group_of_[i] == no_group && lower(properties[i].name) == members[c]) {
+            if (!properties[i].is_list && group_of_[i] == no_group && lower_case(properties[i].name) == members[c]) {
                 if (found != properties.size()) return false;
                 found = i;
             }
@@ -246,7 +239,7 @@ void PlyReader::plan()
 
     std::array<bool, 3> have{};
     for (std::size_t i = 0; i < properties.size(); ++i) {
-        const std::string name = lower(properties[i].name);
+        const std::string name = lower_case(properties[i].name);
         if (properties[i].is_list || name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
         const int axis = name[0] - 'x';
         if (std::exchange(have[static_cast<std::size_t>(axis)], true))

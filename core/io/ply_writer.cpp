@@ -1,8 +1,9 @@
 #include "io/ply_writer.h"
 
 #include "cloud/error.h"
+#include "cloud/output_file.h"
 #include "io/carried_comments.h"
-#include "io/output_file.h"
+#include "io/names.h"
 #include "io/ply_header.h"
 #include "io/record_encoder.h"
 
@@ -39,13 +40,6 @@ std::string_view ply_name(ScalarType type)
         default:
             return "double";
     }
-}
-
-std::string lower(std::string text)
-{
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
 }
 
 // Names that ply_reader takes for more than a name.
@@ -113,7 +107,7 @@ private:
             names = names_of(attribute, wide);
             plain = names.size() == 1 && names[0] == attribute.name;
         }
-        for (const std::string& name : names) used_.insert(lower(name));
+        for (const std::string& name : names) used_.insert(lower_case(name));
         if (!plain || attribute.scale != 1 || attribute.offset != 0 || !attribute.description.empty())
             carried.push_back({names[0], attribute});
 
@@ -128,7 +122,7 @@ private:
     Names names_of(const Attribute& attribute, bool wide) const
     {
         std::string base = field_name(attribute.name);
-        if (has_a_meaning(lower(base))) base = "attribute_" + base;
+        if (has_a_meaning(lower_case(base))) base = "attribute_" + base;
         for (int number = 1;; ++number) {
             const std::string stem = number == 1 ? base : base + "_" + std::to_string(number);
             Names names;
@@ -142,7 +136,7 @@ private:
                 }
             }
             const bool free = std::none_of(names.begin(), names.end(), [&](const std::string& name) {
-                return used_.count(lower(name)) || has_a_meaning(lower(name));
+                return used_.count(lower_case(name)) || has_a_meaning(lower_case(name));
             });
             if (free) return names;
         }

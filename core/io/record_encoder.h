@@ -1,8 +1,8 @@
 // Batches of points as records of fields, one behind the other: what the bodies of PLY and PCD files are.
 #pragma once
 
+#include "cloud/output_file.h"
 #include "cloud/point_batch.h"
-#include "io/output_file.h"
 #include "io/writer.h"
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // Points as lines of text: what the writers of XYZ and PTS share.
 #pragma once
 
+#include "cloud/output_file.h"
 #include "cloud/point_batch.h"
-#include "io/output_file.h"
 #include "io/writer.h"
 
 #include <array>

@@ -9,13 +9,6 @@
 namespace pcm {
 namespace {
 
-std::string lower_case(std::string text)
-{
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 // A name for one more column, different from all others whatever their case, that holds nothing but letters, digits and
 // signs; blanks too where the columns are quoted.
 std::string column_name(std::string_view raw, bool quoted, const std::vector<std::string>& taken)

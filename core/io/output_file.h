@@ -1,4 +1,0 @@
-// Where writers find the file that they write to.
-#pragma once
-
-#include "cloud/output_file.h"
