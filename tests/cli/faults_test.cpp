@@ -1,0 +1,66 @@
+// The fault injection itself: that calls are counted and that each kind of fault does what it says.
+
+#include "clouds.h"
+#include "faults.h"
+
+namespace {
+
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+class Faults : public testing::Test {
+protected:
+    Faults()
+    {
+        const Faulty made = run_with_fault({PCM_CLI, "generate", "-n", "2000", (folder_ / "scene.las").string()}, folder_ / "none", "count");
+        EXPECT_EQ(made.code, 0) << made.err;
+        fs::create_directory(folder_ / "out");
+    }
+    std::vector<std::string> convert() const
+    {
+        return {PCM_CLI, "convert", (folder_ / "scene.las").string(), (folder_ / "out/copy.xyz").string()};
+    }
+    bool empty() const { return fs::is_empty(folder_ / "out"); }
+    TemporaryFolder folder_;
+};
+
+TEST_F(Faults, CountsWhatHappensBelowTheFolderAlone)
+{
+    EXPECT_EQ(count_calls(convert(), folder_ / "elsewhere"), 0);
+    fs::remove(folder_ / "out/copy.xyz");
+    EXPECT_GE(count_calls(convert(), folder_ / "out"), 3);  // a new file, writing, its name
+}
+
+TEST_F(Faults, KillsAtEveryCall)
+{
+    const long calls = count_calls(convert(), folder_ / "out");
+    fs::remove(folder_ / "out/copy.xyz");
+    for (const std::string kind : {"kill", "torn"})
+        for (const long at : spread(calls, 20)) {
+            EXPECT_TRUE(run_with_fault(convert(), folder_ / "out", kind, at).killed) << kind << " at " << at;
+            EXPECT_FALSE(fs::exists(folder_ / "out/copy.xyz") && at < calls) << kind << " at " << at;
+            for (const auto& left : fs::directory_iterator(folder_ / "out")) fs::remove(left);
+        }
+    EXPECT_EQ(run_with_fault(convert(), folder_ / "out", "kill", calls + 1).code, 0);
+}
+
+TEST_F(Faults, FullDiskAndBadDiskAreToldAndLeaveNothing)
+{
+    const long calls = count_calls(convert(), folder_ / "out");
+    fs::remove(folder_ / "out/copy.xyz");
+    for (const long at : spread(calls - 1, 20)) {
+        const Faulty full = run_with_fault(convert(), folder_ / "out", "full", at);
+        if (full.code != 0) {  // 0: nothing needed space any more
+            EXPECT_EQ(full.code, 1) << at;
+            EXPECT_NE(full.err.find("copy.xyz"), std::string::npos) << full.err;
+            EXPECT_TRUE(empty()) << at;
+        }
+        for (const auto& left : fs::directory_iterator(folder_ / "out")) fs::remove(left);
+        const Faulty bad = run_with_fault(convert(), folder_ / "out", "eio", at);
+        EXPECT_EQ(bad.code, 1) << at;
+        EXPECT_NE(bad.err.find("copy.xyz"), std::string::npos) << bad.err;
+        for (const auto& left : fs::directory_iterator(folder_ / "out")) fs::remove(left);
+    }
+}
+
+}  // namespace
