@@ -108,7 +108,7 @@ def build_all(arguments, work):
     for points in arguments.points:
         scene = work / f"scene-{points}.las"
         if not scene.exists():
-            subprocess.run([arguments.bin / "pcm", "generate", "-n", str(points), str(scene)], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([arguments.bin / "pcm", "generate", "-n", str(points), *(["--extent", str(arguments.extent)] if arguments.extent else []), str(scene)], check=True, stdout=subprocess.DEVNULL)
         results = {name: [] for name in rows}
         for turn in range(arguments.repeat):
             for name, command in rows.items():
@@ -181,7 +181,6 @@ def read_tree(arguments, tree, work):
     table = []
     info = json.loads(run([arguments.bin / "pcm", "info", "--json", tree])["out"])
     points = info["points"]
-    low, high = info["bounds"]["min"], info["bounds"]["max"]
     for wanted in arguments.first:
         for cold in (True, False):
             row = ask(arguments, ["first", tree, wanted, arguments.threads], tree, arguments.repeat, cold)
@@ -189,19 +188,17 @@ def read_tree(arguments, tree, work):
             table.append(row)
             print(f"{points:>12,} first {wanted:,} points, {'cold' if cold else 'warm'}: {row['process_ms']:.1f} ms the whole process, "
                   f"{row['open_ms']:.1f} to open, {row['total_ms']:.1f} to have {row['points']:,.0f} in memory", flush=True)
-    middle = [(a + b) / 2 for a, b in zip(low, high)]
-    box = [middle[0] - 10, middle[1] - 10, low[2], middle[0] + 10, middle[1] + 10, high[2]]
     for cold in (True, False):
-        row = ask(arguments, ["box", tree, *box, arguments.threads], tree, arguments.repeat, cold)
+        row = ask(arguments, ["box", tree, 20, arguments.boxes, arguments.threads, "cold" if cold else "warm"], tree, 1, cold)
         row.update(tree_points=points, what="box", cold=cold)
         table.append(row)
-        print(f"{points:>12,} box of 20 m, {'cold' if cold else 'warm'}: {row['box_ms']:.2f} ms, again in the same process "
-              f"{row['again_ms']:.2f} ms, {row['points']:,.0f} points", flush=True)
+        print(f"{points:>12,} column of 20 m, {'cold' if cold else 'warm'}: {row['box_ms']:.2f} ms ({row['open_ms']:.2f} ms to open the tree before), "
+              f"again in the same process {row['again_ms']:.2f} ms, {row['points']:,.0f} points", flush=True)
     library = next(iter(sorted(arguments.bin.parent.rglob("libpcm_latency.so"))), None)
     for latency in arguments.latency if library else []:
         environment = {"LD_PRELOAD": str(library), "PCM_LATENCY_UNDER": str(tree), "PCM_LATENCY_MS": str(latency),
                        "PCM_LATENCY_MBS": str(arguments.bandwidth)}
-        for what, command in (("first", ["first", tree, arguments.first[0], arguments.threads]), ("box", ["box", tree, *box, arguments.threads])):
+        for what, command in (("first", ["first", tree, arguments.first[0], arguments.threads]), ("box", ["box", tree, 20, 3, arguments.threads, "warm"])):
             row = ask(arguments, command, tree, arguments.repeat, False, environment)
             row.update(tree_points=points, what=what, latency_ms=latency, mb_s=arguments.bandwidth)
             table.append(row)
@@ -216,6 +213,8 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("bench-tree"))
     parser.add_argument("--points", type=lambda t: [int(float(p)) for p in t.split(",")], default=[5_000_000, 20_000_000])
     parser.add_argument("--first", type=lambda t: [int(float(p)) for p in t.split(",")], default=[1_000_000, 10_000_000])
+    parser.add_argument("--extent", type=float, help="side of the scene in metres; by default it grows with the points")
+    parser.add_argument("--boxes", type=int, default=15, help="columns that are read in one run")
     parser.add_argument("--peer", action="append", default=[])
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
@@ -228,6 +227,7 @@ def main():
     arguments = parser.parse_args()
     if arguments.smoke:
         arguments.points, arguments.first, arguments.repeat, arguments.latency = [20_000, 60_000], [10_000], 1, [1.0]
+        arguments.boxes = 2
         arguments.memory = "64M"
         arguments.peer = [f"copy={shlex.quote(str(arguments.bin / 'pcm'))} convert {{input}} {{output}}.las"]
     arguments.work.mkdir(parents=True, exist_ok=True)
