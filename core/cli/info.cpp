@@ -89,6 +89,7 @@ int tree_info(const Arguments& arguments)
         json["bounds"] = box_of(info.points ? bounds : Box3d());
         json["scale"] = info.grid.scale;
         json["origin"] = info.grid.offset;
+        json["sampling"] = info.sampling == Sampling::grid ? "grid" : "poisson";
         json["position_type"] = name_of(info.position_type);
         json["position_error"] = info.position_error;
         json["attributes"] = attributes_of(info.schema);
@@ -122,6 +123,7 @@ int tree_info(const Arguments& arguments)
     print_metadata(info.metadata);
     std::printf("size        %s, %.2f bytes a point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
+    if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];

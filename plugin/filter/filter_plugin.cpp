@@ -127,6 +127,10 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
                 RichInt("ChunkPoints", 100000, "Points per chunk",
                         "Most points of a chunk, the unit that is read and drawn, from 1000. Default 100000."));
             parameters.addParam(
+                RichBool("Fast", false, "Fast levels",
+                         "Choose the points of each level by a grid: about twice as quick a build, and less even a picture from "
+                         "afar. All points are kept either way. Default off: every level is a Poisson-disk sample."));
+            parameters.addParam(
                 RichBool("Overwrite", false, "Overwrite",
                          "Replace an existing tree of this name. Nothing but a tree is ever replaced. Default off."));
             parameters.addParam(
@@ -174,6 +178,7 @@ void PointCloudFilters::build(MeshDocument& document, const RichParameterList& p
     options.threads = static_cast<unsigned>(in_range(parameters, "Threads", "Threads", 0, 1024));
     options.chunk_points =
         static_cast<std::uint32_t>(in_range(parameters, "ChunkPoints", "Points per chunk", 1000, 100'000'000));
+    options.sampling = parameters.getBool("Fast") ? Sampling::grid : Sampling::poisson;
     options.overwrite = parameters.getBool("Overwrite");
 
     Operation operation(callback);

@@ -29,6 +29,7 @@ std::vector<std::string> tree_information(const Tree& tree)
         lines.push_back(line);
     }
 
+    lines.push_back(std::string("Levels chosen by: ") + (info.sampling == Sampling::grid ? "a grid (fast build)" : "Poisson disks"));
     const std::vector<LevelSummary> levels = tree.level_summaries();
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];

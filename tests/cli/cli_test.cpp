@@ -89,7 +89,11 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     const Result again = pcm("build " + path("scene.las"));
     EXPECT_EQ(again.code, 1);
     EXPECT_NE(again.err.find("scene.pct"), std::string::npos);
-    EXPECT_EQ(pcm("build --overwrite " + path("scene.las")).code, 0);
+    EXPECT_EQ(info["sampling"], "poisson");
+    EXPECT_EQ(pcm("build --overwrite --fast " + path("scene.las")).code, 0);
+    EXPECT_EQ(Json::parse(pcm("info --json " + path("scene.pct")).out)["sampling"], "grid");
+    EXPECT_NE(pcm("info " + path("scene.pct")).out.find("by a grid"), std::string::npos);
+    EXPECT_EQ(pcm("verify " + path("scene.pct")).code, 0);
 }
 
 TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)

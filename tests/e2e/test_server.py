@@ -5,11 +5,11 @@ import unittest
 from meshlab import MeshLabTest, pcm
 
 
-def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False):
+def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False):
     return ("Build Point Cloud Tree", {
         "Inputs": ("RichString", inputs), "Output": ("RichString", output), "MemoryMB": ("RichInt", memory),
         "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
-        "Overwrite": ("RichBool", "true" if overwrite else "false"),
+        "Overwrite": ("RichBool", "true" if overwrite else "false"), "Fast": ("RichBool", "true" if fast else "false"),
         "Open": ("RichBool", "true" if opened else "false")})
 
 
@@ -35,6 +35,15 @@ class Server(MeshLabTest):
                 # Source coordinates, to the last digit.
                 self.assertIn(repr(value).removesuffix(".0"), run.text)
         self.assertEqual(pcm("verify", tree)["faults"], [])
+
+    def test_fast_levels(self):
+        for fast, sampling in ((False, "Poisson disks"), (True, "a grid")):
+            with self.subTest(fast):
+                tree = self.folder / f"fast {fast}.pct"
+                run = self.server([build(self.las, tree, fast=fast), information(tree)])
+                self.assertEqual(run.code, 0, run.text)
+                self.assertIn("Levels chosen by: " + sampling, run.text)
+                self.assertEqual(pcm("verify", tree)["faults"], [])
 
     def test_default_output_and_layer(self):
         # Without a layer to begin with, the tree becomes one, and the second filter speaks of it.
