@@ -1,7 +1,11 @@
 #include "tree/level_sampler.h"
 
+#include "cloud/error.h"
+
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 
 namespace pcm {
 namespace {
@@ -32,9 +36,35 @@ LevelSampler<Coord>::~LevelSampler()
 }
 
 template <class Coord>
+void LevelSampler<Coord>::add_to(GivenLevels<Coord> given)
+{
+    given_ = std::move(given);
+    sizes_.clear();
+    for (const double spacing : given_.spacings) {
+        if (spacing == 0) break;
+        const int size = spacing > 0 ? std::ilogb(spacing / lattice_.spacing(0) * (1 + margin)) : -1;
+        if (size < 0 || size > 62 || std::fabs(spacing / lattice_.spacing(size) - 1) > margin ||
+            (!sizes_.empty() && size != sizes_.back() - 1))
+            throw Error(ErrorCode::invalid_argument, {}, "levels that are not on the ladder of spacings of the cloud's grid");
+        sizes_.push_back(size);
+    }
+    if (sizes_.empty()) throw Error(ErrorCode::invalid_argument, {}, "a cloud without levels that points could be added to");
+}
+
+template <class Coord>
 void LevelSampler<Coord>::run(unsigned threads, const std::function<void(double)>& progress)
 {
     progress_ = progress;
+    if (given_.list) {
+        if (sampling_ == Sampling::grid) {
+            for_each_bin(threads, [this](std::size_t bin) { sample_given_bin_by_grid(bin); });
+        } else {
+            for_each_bin(threads, [this](std::size_t bin) { bar_points(bin); });
+            for (const int size : sizes_) pass(size, threads);
+        }
+        count_levels();
+        return;
+    }
     bool any = false;
     Point<Coord> low{}, high{};
     for (std::size_t b = 0; b < bins_.size(); ++b) {
@@ -68,7 +98,8 @@ void LevelSampler<Coord>::run(unsigned threads, const std::function<void(double)
             if (fine_enough()) break;
         }
     }
-    number_levels(sizes);
+    choose_levels(sizes);
+    count_levels();
 }
 
 template <class Coord>
@@ -84,7 +115,7 @@ bool LevelSampler<Coord>::fine_enough() const
 }
 
 template <class Coord>
-void LevelSampler<Coord>::number_levels(const std::vector<int>& sizes)
+void LevelSampler<Coord>::choose_levels(const std::vector<int>& sizes)
 {
     // The first sizes, of a few points each, are one level.
     std::size_t first = 0;
@@ -96,6 +127,11 @@ void LevelSampler<Coord>::number_levels(const std::vector<int>& sizes)
         if (chosen >= first_level_points) break;
     }
     sizes_.assign(sizes.begin() + static_cast<std::ptrdiff_t>(first), sizes.end());
+}
+
+template <class Coord>
+void LevelSampler<Coord>::count_levels()
+{
     spacings_.clear();
     for (const int size : sizes_) spacings_.push_back(lattice_.spacing(size));
     spacings_.push_back(0);
@@ -112,10 +148,35 @@ void LevelSampler<Coord>::number_levels(const std::vector<int>& sizes)
         bin.histogram.back() = points_.box(b).points - chosen;
         rest += bin.histogram.back();
     }
+    if (given_.list) {
+        std::copy(given_.spacings.begin(), given_.spacings.begin() + static_cast<std::ptrdiff_t>(sizes_.size()), spacings_.begin());
+        if (given_.spacings.size() > sizes_.size()) return;  // it has a rest
+    }
     if (rest == 0) {
         spacings_.pop_back();
         for (Bin& bin : bins_) bin.histogram.pop_back();
     }
+}
+
+template <class Coord>
+std::uint64_t LevelSampler<Coord>::write(const void* data, std::size_t bytes)
+{
+    std::uint64_t offset;
+    {
+        const std::lock_guard lock(mutex_);
+        offset = end_;
+        end_ += bytes;
+    }
+    file_.write_at(data, bytes, offset);
+    return offset;
+}
+
+template <class Coord>
+std::vector<std::uint8_t> LevelSampler<Coord>::read_bytes(std::size_t bin) const
+{
+    std::vector<std::uint8_t> bytes(points_.box(bin).points);
+    file_.read_at(bytes.data(), bytes.size(), bins_[bin].bytes);
+    return bytes;
 }
 
 template <class Coord>
@@ -132,6 +193,7 @@ std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
     std::vector<std::uint8_t> levels(points_.box(bin).points, static_cast<std::uint8_t>(sizes_.size()));
     if (sampling_ == Sampling::grid) {
         if (levels.empty()) return levels;
+        if (given_.list) return read_bytes(bin);
         typename SortedPoints<Coord>::Reader points(points_, bin);
         Point<Coord> before = points[0];
         levels[0] = 0;
@@ -149,30 +211,83 @@ std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
 }
 
 template <class Coord>
-void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
+void LevelSampler<Coord>::for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work)
 {
     Signal signal;
     Crew crew(signal);
     std::atomic<std::size_t> next{0};
     for (unsigned t = 0; t < threads; ++t)
         crew.add([&] {
-            for (std::size_t b; !signal.stopped && (b = next++) < bins_.size();) {
-                if (points_.box(b).points == 0) continue;
-                std::array<std::uint32_t, 65> chosen{};
-                typename SortedPoints<Coord>::Reader points(points_, b);
-                Point<Coord> before = points[0];
-                chosen[static_cast<std::size_t>(top)] = 1;
-                for (std::size_t i = 1; i < points.size(); ++i) {
-                    const Point<Coord> p = points[i];
-                    if (const int size = parting_size(before, p, lattice_.finer); size >= 0)
-                        ++chosen[static_cast<std::size_t>(std::min(size, top))];
-                    before = p;
-                }
-                for (int size = top; size >= 0; --size)
-                    if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count});
-            }
+            for (std::size_t b; !signal.stopped && (b = next++) < bins_.size();)
+                if (points_.box(b).points > 0) work(b);
         });
     crew.join([&] { progress_(static_cast<double>(std::min(next.load(), bins_.size())) / static_cast<double>(bins_.size())); });
+}
+
+template <class Coord>
+void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
+{
+    for_each_bin(threads, [&](std::size_t b) {
+        std::array<std::uint32_t, 65> chosen{};
+        typename SortedPoints<Coord>::Reader points(points_, b);
+        Point<Coord> before = points[0];
+        chosen[static_cast<std::size_t>(top)] = 1;
+        for (std::size_t i = 1; i < points.size(); ++i) {
+            const Point<Coord> p = points[i];
+            if (const int size = parting_size(before, p, lattice_.finer); size >= 0)
+                ++chosen[static_cast<std::size_t>(std::min(size, top))];
+            before = p;
+        }
+        for (int size = top; size >= 0; --size)
+            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count});
+    });
+}
+
+template <class Coord>
+void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
+{
+    // A point is the first of its cell where no point before it is in that cell, and no given one before or after it: the
+    // nearest ones in Morton order tell. Of three in order, the outer two are parted by the larger of the inner partings.
+    Bin& bin = bins_[number];
+    const auto& box = points_.box(number);
+    typename SortedPoints<Coord>::Reader reader(points_, number);
+    std::vector<Point<Coord>> points;
+    for (std::size_t i = 0; i < reader.size(); ++i) points.push_back(reader[i]);
+    std::vector<std::int8_t> before(points.size(), 127), after(points.size(), 127);  // size that parts from the nearest given
+    Point<Coord> low, high;  // the points' cells of the first level
+    const std::array<int, 3> shifts = lattice_.shifts(sizes_[0]);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::uint64_t inside = (std::uint64_t(1) << shifts[a]) - 1;
+        low[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.low[a]) & ~inside);
+        high[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.high[a]) | inside);
+    }
+    given_.list(low, high, 0, sizes_.size() - 1, [&](const Point<Coord>* given, std::size_t count) {
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto at = std::lower_bound(points.begin(), points.end(), given[n], [&](const auto& p, const auto& q) {
+                return morton_before(p, q, lattice_.finer);
+            });
+            const auto parted = [&](std::size_t i) { return static_cast<std::int8_t>(parting_size(points[i], given[n], lattice_.finer)); };
+            const auto i = static_cast<std::size_t>(at - points.begin());
+            if (i < points.size()) before[i] = std::min(before[i], parted(i));
+            if (i > 0) after[i - 1] = std::min(after[i - 1], parted(i - 1));
+        }
+    });
+    std::vector<std::int8_t> parting(points.size(), 127);  // from the point before
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        parting[i] = static_cast<std::int8_t>(parting_size(points[i - 1], points[i], lattice_.finer));
+        before[i] = std::min(before[i], std::max(before[i - 1], parting[i]));
+    }
+    for (std::size_t i = points.size() - 1; i-- > 0;) after[i] = std::min(after[i], std::max(after[i + 1], parting[i + 1]));
+    std::vector<std::uint8_t> levels(points.size(), static_cast<std::uint8_t>(sizes_.size()));
+    std::vector<std::uint32_t> counts(sizes_.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const int size = std::min({before[i], after[i], parting[i]});
+        if (size < sizes_.back()) continue;
+        levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
+        ++counts[levels[i]];
+    }
+    for (std::size_t level = 0; level < counts.size(); ++level) bin.lists.push_back({sizes_[level], 0, counts[level]});
+    bin.bytes = write(levels.data(), levels.size());
 }
 
 template <class Coord>
@@ -260,6 +375,44 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
 }
 
 template <class Coord>
+std::vector<Point<Coord>> LevelSampler<Coord>::given_near(std::size_t number, int size, std::size_t first_level,
+                                                          std::size_t last_level,
+                                                          typename SortedPoints<Coord>::Reader& points) const
+{
+    // Of those in the box only the ones in or beside a bucket in which the bin has points: a few a point, however many there are.
+    const auto& box = points_.box(number);
+    Point<Coord> low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double reach = std::ceil(lattice_.spacing(size) / lattice_.scale[a]) + 1;
+        const auto most = std::numeric_limits<Coord>::max();
+        const auto steps = reach < static_cast<double>(most) ? static_cast<Coord>(reach) : most;
+        low[a] = box.low[a] > steps ? box.low[a] - steps : 0;
+        high[a] = most - box.high[a] > steps ? box.high[a] + steps : most;
+    }
+    const PointsNear<Coord> near(points, lattice_, size);
+    std::vector<Point<Coord>> found;
+    given_.list(low, high, first_level, last_level, [&](const Point<Coord>* given, std::size_t count) {
+        for (std::size_t n = 0; n < count; ++n)
+            if (near(given[n])) found.push_back(given[n]);
+    });
+    return found;
+}
+
+template <class Coord>
+void LevelSampler<Coord>::bar_points(std::size_t number)
+{
+    typename SortedPoints<Coord>::Reader points(points_, number);
+    std::vector<std::uint8_t> barred;
+    for (std::size_t level = 0; level < sizes_.size(); ++level) {
+        const auto given = given_near(number, sizes_[level], level, level, points);
+        if (given.empty()) continue;
+        barred.resize(points.size(), 255);
+        PoissonPass<Coord>(points, lattice_, sizes_[level], given).mark(barred);
+    }
+    if (!barred.empty()) bins_[number].bytes = write(barred.data(), barred.size());
+}
+
+template <class Coord>
 void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::vector<std::size_t>& neighbours)
 {
     Bin& bin = bins_[number];
@@ -280,16 +433,16 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     typename SortedPoints<Coord>::Reader points(points_, number);
     for (const List& list : bin.lists)
         for (const std::uint32_t i : read(list)) chosen.push_back(points[i]);
+    std::vector<std::uint8_t> barred;
+    if (given_.list) {
+        const auto given = given_near(number, size, 0, static_cast<std::size_t>(sizes_[0] - size), points);
+        chosen.insert(chosen.end(), given.begin(), given.end());
+        if (bin.bytes != no_bytes) barred = read_bytes(number);
+    }
 
-    const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, chosen).run();
+    const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, chosen).run(barred);
     if (!found.empty()) {
-        std::uint64_t offset;
-        {
-            const std::lock_guard lock(mutex_);
-            offset = end_;
-            end_ += found.size() * sizeof found[0];
-        }
-        file_.write_at(found.data(), found.size() * sizeof found[0], offset);
+        const std::uint64_t offset = write(found.data(), found.size() * sizeof found[0]);
         bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size())});
         bin.chosen += found.size();
     }

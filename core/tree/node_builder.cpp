@@ -1,12 +1,12 @@
 #include "tree/node_builder.h"
 
 #include "cloud/error.h"
+#include "tree/morton_sort.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 
 namespace pcm {
 
@@ -107,7 +107,6 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
 template <class Coord>
 auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output) -> Region
 {
-    const std::size_t row_bytes = options_.layout.bytes;
     Region region;
     region.above = std::move(left.above);
     for (std::size_t depth = 0; depth < right.above.size(); ++depth) {
@@ -120,14 +119,8 @@ auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, 
     region.above.pop_back();
     if (mine.levels.empty() && !left.draft && !right.draft) return region;
 
-    Indices indices(mine.levels.size());
-    std::iota(indices.begin(), indices.end(), 0u);
-    std::sort(indices.begin(), indices.end(), [&](std::uint32_t i, std::uint32_t j) {
-        const std::byte *p = mine.rows.data() + i * row_bytes, *q = mine.rows.data() + j * row_bytes;
-        const auto a = coordinates_of<Coord>(p), b = coordinates_of<Coord>(q);
-        if (a != b) return morton_before(a, b, options_.lattice.finer);
-        return std::memcmp(p, q, row_bytes) < 0;
-    });
+    const Indices indices =
+        morton_order<Coord>(mine.rows.data(), mine.levels.size(), options_.layout, options_.lattice.finer);
     region.draft = drafts_.add(path);
     region.draft->children = {left.draft, right.draft};
     if (left.draft || right.draft) region.draft->spacing = spacing_after(own);

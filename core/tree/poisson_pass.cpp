@@ -126,16 +126,27 @@ bool PoissonPass<Coord>::covered(const Point<Coord>& p, const Vec3d& at, const N
 }
 
 template <class Coord>
+std::size_t PoissonPass<Coord>::first_free(std::size_t i, std::size_t end) const
+{
+    if (barred_)
+        while (i < end && barred_[i] <= size_) ++i;
+    return i;
+}
+
+template <class Coord>
 std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, int size, std::size_t from, std::size_t count)
 {
-    if (count == 0) return i;
+    if (count == 0) return first_free(i, end);
     if (end - i <= few_points || size == 0) {
         Point<Coord> last{};
-        for (const std::size_t first = i; i < end; ++i) {
+        bool tested = false;
+        for (; i < end; ++i) {
             const Point<Coord>& p = points_[i];
-            if (i > first && same(p, last)) continue;
+            if (tested && same(p, last)) continue;
+            if (barred_ && barred_[i] <= size_) continue;
             if (!covered(p, relative(p), near_.data() + from, count)) return i;
             last = p;
+            tested = true;
         }
         return end;
     }
@@ -169,7 +180,7 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
     const std::size_t left = near_.size() - kept;
     std::size_t found = end;
     if (left == 0) {
-        found = i;
+        found = first_free(i, end);
     } else {
         shifts = lattice_.shifts(size - 1);
         while (i < end) {
@@ -185,8 +196,9 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
 }
 
 template <class Coord>
-std::vector<std::uint32_t> PoissonPass<Coord>::run()
+std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_t>& barred)
 {
+    barred_ = barred.empty() ? nullptr : barred.data();
     std::vector<std::uint32_t> found;
     const std::size_t count = points_.size();
     for (std::size_t i = 0; i < count;) {
@@ -219,7 +231,51 @@ std::vector<std::uint32_t> PoissonPass<Coord>::run()
     return found;
 }
 
+template <class Coord>
+void PoissonPass<Coord>::mark(std::vector<std::uint8_t>& barred)
+{
+    const std::size_t count = points_.size();
+    for (std::size_t i = 0; i < count;) {
+        const std::size_t end = points_.end_of_cell(i, count, bucket_);
+        for (std::size_t a = 0; a < 3; ++a)
+            origin_[a] = static_cast<Coord>(static_cast<std::uint64_t>(points_[i][a]) >> bucket_[a] << bucket_[a]);
+        gather(bucket_of(points_[i]));
+        if (!near_.empty())
+            for (; i < end; ++i)
+                if (covered(points_[i], relative(points_[i]), near_.data(), near_.size())) barred[i] = static_cast<std::uint8_t>(size_);
+        i = end;
+    }
+}
+
+template <class Coord>
+PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size)
+    : bucket_(lattice.shifts(size + 2))
+{
+    for (std::size_t i = 0; i < points.size(); i = points.end_of_cell(i, points.size(), bucket_)) {
+        Point<Coord> at = points[i];
+        for (std::size_t a = 0; a < 3; ++a) at[a] = static_cast<Coord>(static_cast<std::uint64_t>(at[a]) >> bucket_[a]);
+        buckets_.push_back(at);
+    }
+}
+
+template <class Coord>
+bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
+{
+    for (int n = 0; n < 27; ++n) {
+        const std::array<int, 3> step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        Point<Coord> at = p;
+        for (std::size_t a = 0; a < 3; ++a)
+            at[a] = static_cast<Coord>((static_cast<std::uint64_t>(at[a]) >> bucket_[a]) + static_cast<std::uint64_t>(step[a]));
+        if (std::binary_search(buckets_.begin(), buckets_.end(), at,
+                               [](const auto& a, const auto& b) { return morton_before(a, b, AxisShift{0, 0, 0}); }))
+            return true;
+    }
+    return false;
+}
+
 template class PoissonPass<std::uint32_t>;
 template class PoissonPass<std::uint64_t>;
+template class PointsNear<std::uint32_t>;
+template class PointsNear<std::uint64_t>;
 
 }  // namespace pcm

@@ -23,8 +23,12 @@ public:
     PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
                 const std::vector<Point<Coord>>& chosen);
 
-    // Indices of the points that are chosen now, rising.
-    std::vector<std::uint32_t> run();
+    // Indices of the points that are chosen now, rising. Where `barred` is not empty it says of each point the smallest size
+    // that may not choose it, as may no larger one: such points are left out, covered or not.
+    std::vector<std::uint32_t> run(const std::vector<std::uint8_t>& barred);
+
+    // Instead of run(): sets to this size what the points that are covered have in `barred`.
+    void mark(std::vector<std::uint8_t>& barred);
 
 private:
     static constexpr std::uint32_t none = 0xffffffffu;
@@ -52,6 +56,7 @@ private:
     void gather(const Point<Coord>& bucket);
     bool covered(const Point<Coord>& p, const Vec3d& at, const Near* from, std::size_t count) const;
     // The first point of [i, end), all of one cell of `size`, that none of near_[from .. from + count) covers; `end` if none.
+    std::size_t first_free(std::size_t i, std::size_t end) const;
     std::size_t first_uncovered(std::size_t i, std::size_t end, int size, std::size_t from, std::size_t count);
 
     typename SortedPoints<Coord>::Reader& points_;
@@ -67,9 +72,25 @@ private:
     std::size_t used_ = 0;
     Point<Coord> origin_{};
     std::vector<Near> near_;
+    const std::uint8_t* barred_ = nullptr;
+};
+
+// Whether the bin has points in the bucket of a point or in one beside it, which is where all are that are nearer than the
+// spacing.
+template <class Coord>
+class PointsNear {
+public:
+    PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size);
+    bool operator()(const Point<Coord>& p) const;
+
+private:
+    std::array<int, 3> bucket_;
+    std::vector<Point<Coord>> buckets_;  // in Morton order
 };
 
 extern template class PoissonPass<std::uint32_t>;
 extern template class PoissonPass<std::uint64_t>;
+extern template class PointsNear<std::uint32_t>;
+extern template class PointsNear<std::uint64_t>;
 
 }  // namespace pcm

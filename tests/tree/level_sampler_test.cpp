@@ -1,5 +1,6 @@
 #include "tree/level_sampler.h"
 
+#include "cloud/error.h"
 #include "support.h"
 #include "tree/morton_sort.h"
 
@@ -9,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
 #include <random>
 
 namespace pcm {
@@ -51,9 +53,10 @@ std::vector<Cloud<Coord>> cut(Cloud<Coord> cloud, std::size_t most)
     return bins;
 }
 
+// With `given`, as an addition to that.
 template <class Coord>
 Sampled<Coord> sample(const Cloud<Coord>& cloud, const Lattice& lattice, std::size_t most, unsigned threads,
-                      Sampling sampling = Sampling::poisson)
+                      Sampling sampling = Sampling::poisson, const Sampled<Coord>* given = nullptr)
 {
     const test::TemporaryFolder folder;
     const auto bins = cut(cloud, most);
@@ -75,6 +78,20 @@ Sampled<Coord> sample(const Cloud<Coord>& cloud, const Lattice& lattice, std::si
         sorted.push_back(points);
     }
     LevelSampler<Coord> sampler(store, lattice, sampling, folder.path() / "chosen");
+    if (given) {
+        GivenLevels<Coord> levels;
+        levels.spacings = given->spacings;
+        levels.list = [given](const Point<Coord>& low, const Point<Coord>& high, std::size_t first, std::size_t last,
+                              const typename GivenLevels<Coord>::Visit& visit) {
+            for (std::size_t i = 0; i < given->points.size(); ++i) {
+                const Point<Coord>& p = given->points[i];
+                bool inside = given->levels[i] >= first && given->levels[i] <= last;
+                for (std::size_t a = 0; a < 3; ++a) inside = inside && p[a] >= low[a] && p[a] <= high[a];
+                if (inside) visit(&p, 1);
+            }
+        };
+        sampler.add_to(std::move(levels));
+    }
     sampler.run(threads, [](double) {});
     result.spacings = sampler.spacings();
     for (std::size_t b = 0; b < bins.size(); ++b) {
@@ -118,6 +135,38 @@ void expect_maximal_poisson(const Sampled<Coord>& cloud, const Lattice& lattice)
             farthest = std::max(farthest, d);
         }
         ASSERT_LT(farthest, squared) << "level " << level;
+    }
+}
+
+// What level_sampler.h says of a cloud and one that was added to it.
+template <class Coord>
+void expect_added_levels(const Sampled<Coord>& given, const Sampled<Coord>& added, const Lattice& lattice)
+{
+    ASSERT_GE(added.spacings.size(), given.spacings.size());
+    ASSERT_LE(added.spacings.size(), given.spacings.size() + (given.spacings.back() > 0 ? 1 : 0));
+    Vec3d squared_scale;
+    for (std::size_t a = 0; a < 3; ++a) squared_scale[a] = lattice.scale[a] * lattice.scale[a];
+    const auto squared = [&](std::size_t level) { return added.spacings[level] * added.spacings[level]; };
+    // How far from added points their nearest of each level are; from given ones they are known to be near enough.
+    for (std::size_t i = 0; i < added.points.size(); ++i) {
+        std::vector<double> nearest(added.spacings.size(), std::numeric_limits<double>::infinity());
+        std::size_t barred = 0;  // levels before this
+        const auto see = [&](const Point<Coord>& q, std::size_t level, bool was_given) {
+            const double d = squared_distance(added.points[i], q, squared_scale);
+            nearest[level] = std::min(nearest[level], d);
+            ASSERT_GE(d, squared(std::max<std::size_t>(level, added.levels[i])));
+            if (was_given && d < squared(level)) barred = std::max(barred, level + 1);
+        };
+        for (std::size_t n = 0; n < given.points.size(); ++n) see(given.points[n], given.levels[n], true);
+        for (std::size_t n = 0; n < added.points.size(); ++n)
+            if (n != i) see(added.points[n], added.levels[n], false);
+        nearest[added.levels[i]] = 0;
+        ASSERT_GE(added.levels[i], barred);
+        double d = std::numeric_limits<double>::infinity();
+        for (std::size_t level = 0; level < nearest.size() && squared(level) > 0; ++level) {
+            d = std::min(d, nearest[level]);
+            ASSERT_LT(d, squared(level) * (level < barred ? 2.25 : 1.0));
+        }
     }
 }
 
@@ -168,6 +217,18 @@ TYPED_TEST(Levels, AreMaximalPoissonSamples)
         }
 }
 
+TYPED_TEST(Levels, OfSeveralSpacings)
+{
+    for (const std::string kind : {"plane", "line", "uneven"}) {
+        SCOPED_TRACE(kind);
+        const Lattice lattice(Grid{{0.001, 0.0008, 0.001}, {0, 0, 0}});
+        const auto sampled = sample<TypeParam>(this->cloud(kind, 9000), lattice, 1000, 2);
+        EXPECT_GE(sampled.spacings.size(), 3u);
+        expect_maximal_poisson(sampled, lattice);
+        if (this->HasFatalFailure()) return;
+    }
+}
+
 TYPED_TEST(Levels, OfAnisotropicGrids)
 {
     for (const Vec3d scale : {Vec3d{1e-8, 1e-8, 1.7664e-9}, Vec3d{0.01, 0.01, 0.3048}, Vec3d{1, 0.25, 1.0 / 64}}) {
@@ -176,6 +237,65 @@ TYPED_TEST(Levels, OfAnisotropicGrids)
         expect_maximal_poisson(sampled, lattice);
         if (this->HasFatalFailure()) return;
     }
+}
+
+TYPED_TEST(Levels, OfAddedPointsFitTheGivenOnes)
+{
+    for (const std::string kind : {"volume", "plane", "line", "duplicates", "point", "clusters", "uneven"})
+        for (const std::size_t count : {1000u, 60u}) {
+            SCOPED_TRACE(kind + ", " + std::to_string(count) + " added");
+            const Lattice lattice(Grid{{0.001, 0.001, 0.0006}, {0, 0, 0}});
+            const auto given = sample<TypeParam>(this->cloud(kind, 12000), lattice, 3000, 2);
+            const auto cloud = this->cloud(kind, count);
+            const auto added = sample<TypeParam>(cloud, lattice, 300, 2, Sampling::poisson, &given);
+            expect_added_levels(given, added, lattice);
+            if (this->HasFatalFailure()) return;
+            const auto again = sample<TypeParam>(cloud, lattice, 300, 7, Sampling::poisson, &given);
+            EXPECT_EQ(added.levels, again.levels);
+        }
+}
+
+// A cell of a level has one point of the levels up to it, and it has one where either cloud has any.
+TYPED_TEST(Levels, OfPointsAddedByGrid)
+{
+    for (const std::string kind : {"volume", "plane", "line", "duplicates", "clusters", "uneven"})
+        for (const std::size_t count : {3000u, 100u}) {
+            SCOPED_TRACE(kind + ", " + std::to_string(count) + " added");
+            const Lattice lattice(Grid{{0.001, 0.001, 0.0006}, {0, 0, 0}});
+            const auto given = sample<TypeParam>(this->cloud(kind, 3100 - count), lattice, 100000, 1, Sampling::grid);
+            const auto added = sample<TypeParam>(this->cloud(kind, count), lattice, 100000, 1, Sampling::grid, &given);
+            for (std::size_t level = 0; level < added.spacings.size() && added.spacings[level] > 0; ++level) {
+                const auto shifts = lattice.shifts(std::ilogb(added.spacings[level] / lattice.spacing(0) * 1.000001));
+                std::map<Point<TypeParam>, std::size_t> cells;
+                for (const auto* cloud : {&given, &added})
+                    for (std::size_t i = 0; i < cloud->points.size(); ++i) {
+                        Point<TypeParam> cell = cloud->points[i];
+                        for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<TypeParam>(std::uint64_t(cell[a]) >> shifts[a]);
+                        cells[cell] += cloud->levels[i] <= level;
+                    }
+                for (const auto& cell : cells) ASSERT_EQ(cell.second, 1u);
+            }
+        }
+}
+
+TYPED_TEST(Levels, AreAddedToALadderOfTheGridAlone)
+{
+    const Lattice lattice(Grid{{0.001, 0.001, 0.001}, {0, 0, 0}});
+    auto given = sample<TypeParam>(this->cloud("plane", 3000), lattice, 3000, 1);
+    const auto good = given.spacings;
+    const auto refused = [&](std::vector<double> spacings) {
+        given.spacings = std::move(spacings);
+        EXPECT_THROW(sample<TypeParam>({{1, 2, 3}}, lattice, 10, 1, Sampling::poisson, &given), Error);
+    };
+    refused({});
+    refused({0});
+    refused({-good[0]});
+    refused({good[0] * 1.5});
+    refused({good[0], good[0]});
+    refused({good[0], good[0] / 4});
+    refused({lattice.spacing(0) / 2});
+    refused({std::numeric_limits<double>::infinity()});
+    refused({std::numeric_limits<double>::quiet_NaN()});
 }
 
 TYPED_TEST(Levels, DoNotDependOnThreads)
