@@ -1,0 +1,103 @@
+// Regions in words.
+#include "cloud/region.h"
+
+#include "cloud/error.h"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace pcm {
+namespace {
+
+constexpr const char* forms =
+    "box X0 Y0 Z0 X1 Y1 Z1; oriented-box CX CY CZ HX HY HZ TURN or HX HY HZ UX UY UZ VX VY VZ; sphere CX CY CZ RADIUS; "
+    "ray OX OY OZ DX DY DZ RADIUS [LENGTH]; cone AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]; "
+    "frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]; planes CX CY CZ and NX NY NZ OFFSET for each plane";
+
+[[noreturn]] void refuse(const std::string& text, const std::string& what)
+{
+    throw Error(ErrorCode::invalid_argument, {}, "region '" + text + "': " + what, forms);
+}
+
+bool separates(char c) { return c == ' ' || c == ',' || c == '\t'; }
+
+std::vector<std::string_view> words_of(std::string_view text)
+{
+    std::vector<std::string_view> words;
+    for (std::size_t i = 0; i < text.size();) {
+        while (i < text.size() && separates(text[i])) ++i;
+        const std::size_t begin = i;
+        while (i < text.size() && !separates(text[i])) ++i;
+        if (i > begin) words.push_back(text.substr(begin, i - begin));
+    }
+    return words;
+}
+
+}  // namespace
+
+Region parse_region(const std::string& text)
+{
+    const std::vector<std::string_view> words = words_of(text);
+    if (words.empty()) refuse(text, "it names no shape");
+    std::vector<double> numbers;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        std::string_view word = words[i];
+        if (word[0] == '+') word.remove_prefix(1);
+        double value = 0;
+        const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (result.ec != std::errc() || result.ptr != word.data() + word.size())
+            refuse(text, "'" + std::string(words[i]) + "' is not a number");
+        numbers.push_back(value);
+    }
+    const auto vector = [&](std::size_t at) { return Vec3d{numbers[at], numbers[at + 1], numbers[at + 2]}; };
+    const std::size_t n = numbers.size();
+    const auto need = [&](std::size_t a, std::size_t b) {
+        if (n != a && n != b)
+            refuse(text, std::to_string(n) + " numbers were given, " + std::to_string(a) + (a == b ? "" : " or " + std::to_string(b)) +
+                             " are needed");
+    };
+    const std::string_view kind = words[0];
+    if (kind == "box") {
+        need(6, 6);
+        return Region::box({vector(0), vector(3)});
+    }
+    if (kind == "sphere") {
+        need(4, 4);
+        return Region::sphere(vector(0), numbers[3]);
+    }
+    if (kind == "oriented-box") {
+        need(7, 12);
+        Vec3d u, v;
+        if (n == 7) {
+            const double turn = numbers[6] / 180 * 3.14159265358979323846;
+            u = {std::cos(turn), std::sin(turn), 0};
+            v = {-u[1], u[0], 0};
+        } else {
+            u = vector(6);
+            v = vector(9);
+        }
+        const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+        return Region::oriented_box(vector(0), {u, v, w}, vector(3));
+    }
+    if (kind == "ray" || kind == "cone") {
+        need(7, 8);
+        const std::optional<double> length = n == 8 ? std::optional(numbers[7]) : std::nullopt;
+        return kind == "ray" ? Region::ray(vector(0), vector(3), numbers[6], length)
+                             : Region::cone(vector(0), vector(3), numbers[6], length);
+    }
+    if (kind == "frustum") {
+        need(10, 13);
+        const Vec3d up = n == 13 ? vector(10) : Vec3d{0, 0, 1};
+        return Region::frustum(vector(0), vector(3), up, numbers[6], numbers[7], numbers[8], numbers[9]);
+    }
+    if (kind == "planes") {
+        if (n < 7 || (n - 3) % 4 != 0) refuse(text, std::to_string(n) + " numbers were given; a centre is three, a plane four");
+        std::vector<Region::Plane> planes;
+        for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
+        return Region::convex(vector(0), planes);
+    }
+    refuse(text, "'" + std::string(kind) + "' is no shape");
+}
+
+}  // namespace pcm
