@@ -75,7 +75,7 @@ std::vector<std::byte> encode_points(const PointColumns& points, const Schema& s
         chunk.attributes.push_back(std::shared_ptr<const Column>(std::shared_ptr<const Column>(), column));
     if (points.gridded) {
         chunk.positions = std::make_shared<ChunkPositions>(positions_on_grid(points));
-        return encode_chunk(chunk, schema, *grid, {});
+        return encode_chunk(chunk, schema, *grid);
     }
     DoubleCodes doubles;
     chunk.positions = std::make_shared<ChunkPositions>(positions_of_doubles(points, doubles));

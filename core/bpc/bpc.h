@@ -1,4 +1,5 @@
-// Chunks as bytes: the BPC format. The layout is in FORMAT.md.
+// Chunks as bytes: the BPC format. The layout is in FORMAT.md. Versions 1 and 2 are chunks of clouds, version 3 is a tree's: it says
+// which node it is of, and its points lie in segments that can be read one by one.
 #pragma once
 
 #include "bpc/chunk.h"
@@ -28,32 +29,70 @@ struct NodePath {
     bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
 };
 
-struct BpcColumn {
+// What a chunk of a tree says about its node, so that a tree can be put together from its chunks.
+struct ChunkIdentity {
+    NodePath path;                            // from the root of its part
+    std::uint32_t part = 0;                   // 0: what the build made; each append adds one
+    std::uint32_t generation = 1;             // of the tree when the chunk was written: 1 at the build, one more with each update
+    std::uint16_t first_level = 0;            // of its points
+    std::vector<std::uint32_t> level_points;  // how many of them are of first_level, of the next, ...
+    double spacing = 0;                       // as Node::spacing
+
+    bool operator==(const ChunkIdentity& o) const
+    {
+        return path == o.path && part == o.part && generation == o.generation && first_level == o.first_level &&
+               level_points == o.level_points && spacing == o.spacing;
+    }
+};
+
+// Consecutive points of one level. A chunk of version 1 or 2 is one segment.
+struct BpcSegment {
+    std::uint32_t first = 0;  // the number of its first point in the chunk
+    std::uint32_t count = 0;
+    std::uint16_t level = 0;
+    Box3i box;                // tight around its points, as BpcHeader::box
+};
+
+// The bytes of one column of one segment.
+struct BpcPiece {
     std::uint64_t offset = 0;  // from the start of the chunk
     std::uint64_t bytes = 0;
     std::uint64_t checksum = 0;
 };
 
+struct BpcColumn {
+    std::uint64_t offset = 0;  // from the start of the chunk
+    std::uint64_t bytes = 0;
+    std::vector<BpcPiece> pieces;           // one a segment; none for a constant column
+    std::vector<std::uint64_t> constant;    // a word a component when all points have the same values, which take no bytes
+};
+
 struct BpcHeader {
-    std::uint32_t points = 0;
+    std::uint32_t points = 0;                // 0: a tombstone, which says that its node has no points from its generation on
     std::uint32_t header_bytes = 0;
     std::uint64_t total_bytes = 0;
-    NodePath path;
-    Grid grid;                         // of a chunk of version 1
-    std::optional<DoubleCodes> doubles;  // of a chunk of version 2: its positions are codes of doubles, and `grid` says nothing
-    Box3i box;                         // tight, of grid positions or codes
-    bool wide = false;                 // positions take 64 bits an axis when decoded
+    std::optional<ChunkIdentity> identity;   // of a chunk of version 3
+    Grid grid;                               // of a chunk of version 1 or 3
+    std::optional<DoubleCodes> doubles;      // of a chunk of version 2: its positions are codes of doubles, and `grid` says nothing
+    Box3i box;                               // tight, of grid positions or codes
+    bool wide = false;                       // positions take 64 bits an axis when decoded
+    std::vector<BpcSegment> segments;
     Schema schema;
     BpcColumn positions;
     std::vector<BpcColumn> attributes;
 };
 
-// `chunk` has at least one point and all its columns. Throws Error(invalid_argument) otherwise.
-std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const NodePath& path);
+// A segment has at most this many points; in a chunk of more than 16 million a 4096th of them, in whole blocks of 128.
+inline constexpr std::uint32_t most_segment_points = 4096;
+
+// A chunk of version 1. `chunk` has at least one point and all its columns. Throws Error(invalid_argument) otherwise.
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid);
 // The same for positions that are codes of doubles: a chunk of version 2, which is part of no tree.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const DoubleCodes& doubles);
+// A chunk of a tree: version 3. Its points are by level as identity.level_points says. A chunk without points becomes a tombstone.
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const ChunkIdentity& identity);
 
-// Checks magic, version, checksum, that all lies inside `total_bytes`, and that no column has fewer or more bytes than its
+// Checks magic, version, checksum, that all lies inside `total_bytes`, and that no piece has fewer or more bytes than its
 // points can take. `size` may be less than the whole chunk but must cover the header. Throws Error(corrupt | unsupported).
 BpcHeader decode_header(const std::byte* data, std::size_t size, const std::filesystem::path& path);
 

@@ -1,6 +1,7 @@
 #include "bpc/bpc_file.h"
 
 #include "bpc/batch_chunk.h"
+#include "bpc/commit_record.h"
 #include "cloud/error.h"
 
 #include <cmath>
@@ -27,6 +28,15 @@ void BpcFile::fail(ErrorCode code, const ChunkPlace& place, const std::string& w
                 "chunk " + std::to_string(place.number) + " at byte " + std::to_string(place.offset) + ": " + what);
 }
 
+// Of a tombstone or a commit record at `offset`; 0 when a chunk with points begins there.
+std::uint64_t BpcFile::bytes_to_pass(std::uint64_t offset, std::uint64_t end) const
+{
+    std::uint64_t bytes = 0;
+    if (read_commit(file_, offset, end - offset, bytes)) return bytes;
+    const BpcHeader header = read_header(file_, offset, end - offset);
+    return header.points == 0 ? header.total_bytes : 0;
+}
+
 // Chunk by chunk, what they have in common becomes the cloud.
 void BpcFile::hop()
 {
@@ -35,7 +45,16 @@ void BpcFile::hop()
     Box3d box;
     while (index_.end().offset < bytes) {
         const ChunkPlace place = index_.end();
+        std::uint64_t passed = 0;
+        if (read_commit(file_, place.offset, bytes - place.offset, passed)) {
+            index_.skip(passed);
+            continue;
+        }
         const BpcHeader header = read_header(file_, place.offset, bytes - place.offset);
+        if (header.points == 0) {
+            index_.skip(header.total_bytes);
+            continue;
+        }
         if (place.number == 0) {
             cloud_.schema = header.schema;
             cloud_.grid = header.grid;
@@ -59,18 +78,33 @@ void BpcFile::hop()
 
 void BpcFile::check(const ChunkPlace& place, const BpcHeader& header) const
 {
+    if (header.points == 0) fail(ErrorCode::corrupt, place, "it has no points");
     if (!(header.schema == cloud_.schema)) fail(ErrorCode::corrupt, place, "its attributes are not those of the cloud");
     if (decoded_bytes(header) > most_decoded_bytes)
         fail(ErrorCode::unsupported, place,
              "its " + std::to_string(header.points) + " points take " + std::to_string(decoded_bytes(header)) +
                  " bytes; a chunk of at most " + std::to_string(most_decoded_bytes) + " was expected");
+    const auto next = index_.at(place.number + 1);
+    if (next && next->first_point != place.first_point + header.points)
+        fail(ErrorCode::corrupt, place, "its points are not as many as when the file was opened, or as the chunk table says");
     if (!has_block_) return;
     if (cloud_.grid && !(fits_gridded_batch(header) && header.grid == *cloud_.grid))
         fail(ErrorCode::corrupt, place, "its positions are not on the cloud's grid");
-    const auto next = index_.at(place.number + 1);
-    const ChunkPlace found = after(place, header);
-    if (next && (next->first_point != found.first_point || next->offset != found.offset))
-        fail(ErrorCode::corrupt, place, "its points and bytes are not those in the chunk table");
+    if (next && next->offset != place.offset + header.total_bytes)
+        fail(ErrorCode::corrupt, place, "its bytes are not those in the chunk table");
+}
+
+ChunkPlace BpcFile::after(const ChunkPlace& place, const BpcHeader& header) const
+{
+    if (const auto known = index_.at(place.number + 1)) return *known;
+    ChunkPlace next{place.number + 1, place.first_point + header.points, place.offset + header.total_bytes};
+    if (has_block_) return next;
+    while (next.offset < index_.end().offset) {
+        const std::uint64_t bytes = bytes_to_pass(next.offset, index_.end().offset);
+        if (bytes == 0) break;
+        next.offset += bytes;
+    }
+    return next;
 }
 
 ChunkPlace BpcFile::find(std::uint64_t point) const

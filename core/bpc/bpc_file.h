@@ -1,4 +1,5 @@
-// A file of a whole cloud, open for reading: chunks one after another, a cloud block before them or not.
+// A file of a whole cloud, open for reading: chunks one after another, a cloud block before them or not. In a data file of a tree
+// there may also be tombstones and commit records: they are passed over.
 #pragma once
 
 #include "bpc/bpc.h"
@@ -30,11 +31,8 @@ public:
     // The place of the chunk that holds the point, which must exist. Few hops over headers, none when
     // index().knows_every_chunk().
     ChunkPlace find(std::uint64_t point) const;
-    // The place after a chunk.
-    static ChunkPlace after(const ChunkPlace& place, const BpcHeader& header)
-    {
-        return {place.number + 1, place.first_point + header.points, place.offset + header.total_bytes};
-    }
+    // The place of the next chunk, or the end.
+    ChunkPlace after(const ChunkPlace& place, const BpcHeader& header) const;
 
     // The header of the chunk at a place, and the chunk: checked against what the file says about it elsewhere, and
     // refused when its columns would take more than most_decoded_bytes. Throws Error(truncated | corrupt | unsupported
@@ -46,6 +44,7 @@ public:
 
 private:
     void hop();
+    std::uint64_t bytes_to_pass(std::uint64_t offset, std::uint64_t end) const;
     void check(const ChunkPlace& place, const BpcHeader& header) const;
     [[noreturn]] void fail(ErrorCode code, const ChunkPlace& place, const std::string& what) const;
 

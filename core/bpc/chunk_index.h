@@ -33,6 +33,9 @@ public:
         end_.offset += bytes;
     }
 
+    // Bytes behind the last chunk that are none.
+    void skip(std::uint64_t bytes) { end_.offset += bytes; }
+
     // Behind the last chunk: how many there are, their points, where their bytes end.
     const ChunkPlace& end() const { return end_; }
     bool knows_every_chunk() const { return stride_ == 1; }

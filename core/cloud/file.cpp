@@ -16,10 +16,11 @@ namespace pcm {
 File::File(const std::filesystem::path& path, Mode mode) : path_(path)
 {
     const int flags = mode == Mode::read         ? O_RDONLY
+                      : mode == Mode::change     ? O_RDWR
                       : mode == Mode::create_new ? O_RDWR | O_CREAT | O_EXCL
                                                  : O_RDWR | O_CREAT | O_TRUNC;
     descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throw Error::from_errno(errno, path, mode == Mode::read ? "opening" : "creating");
+    if (descriptor_ < 0) throw Error::from_errno(errno, path, mode == Mode::read || mode == Mode::change ? "opening" : "creating");
 }
 
 File::File(File&& other) noexcept

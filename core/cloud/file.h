@@ -11,7 +11,7 @@ namespace pcm {
 
 class File {
 public:
-    enum class Mode { read, create_new, create_or_truncate };
+    enum class Mode { read, create_new, create_or_truncate, change };  // change: a file that is there
 
     File() = default;
     File(const std::filesystem::path& path, Mode mode);

@@ -82,7 +82,7 @@ void BpcReader::load()
         decoded_ = decoded.get();
     }
     place_ = place;
-    place_after_ = BpcFile::after(place, decoded_.header);
+    place_after_ = file_.after(place, decoded_.header);
     loaded_ = true;
     if (most_ahead_ > 0) read_ahead();
 }
@@ -95,7 +95,7 @@ void BpcReader::read_ahead()
             if (place.first_point >= info_.points) return;
             const BpcHeader header = file_.header(place);
             if (decoded_bytes(header) > most_ahead_bytes / most_ahead_) return;
-            ahead_.push_back({place, BpcFile::after(place, header),
+            ahead_.push_back({place, file_.after(place, header),
                               std::async(std::launch::async, [this, place] { return file_.read(place, columns_); })});
         }
     } catch (const Error&) {

@@ -2,6 +2,7 @@
 
 #include "cloud/error.h"
 #include "io/merged_reader.h"
+#include "tree/about.h"
 #include "tree/batch_queue.h"
 #include "tree/build_folder.h"
 #include "tree/crew.h"
@@ -505,7 +506,9 @@ private:
         info.position_error = observed_.position_error;
         info.metadata = cloud_.info().metadata;
         info.sources = sources_;
-        index.data_file_bytes = files.bytes();
+        for (const std::uint64_t data_bytes : files.bytes()) index.data_files.push_back({data_bytes, info.generation});
+        write_commit(folder_, index);
+        write_about(folder_, info);
         const std::vector<std::byte> bytes = encode_index(index);
         replace_file(folder_ / index_file_name, bytes.data(), bytes.size());
 
@@ -515,7 +518,7 @@ private:
         report_.nodes = index.nodes.size();
         report_.levels = info.levels;
         report_.bytes = bytes.size();
-        for (const std::uint64_t b : files.bytes()) report_.bytes += b;
+        for (const DataFile& file : index.data_files) report_.bytes += file.bytes;
         watch_.report("Done", 1);
     }
 

@@ -201,7 +201,12 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
         }
         chunk.attributes.push_back(std::move(column));
     }
-    const std::vector<std::byte> bytes = encode_chunk(chunk, options_.schema, options_.grid, draft.path);
+    ChunkIdentity identity;
+    identity.path = draft.path;
+    identity.first_level = draft.first_level;
+    identity.level_points = draft.level_points;
+    identity.spacing = draft.spacing;
+    const std::vector<std::byte> bytes = encode_chunk(chunk, options_.schema, options_.grid, identity);
     output.pieces.push_back({&draft, output.bytes.size(), bytes.size()});
     draft.extent.bytes = bytes.size();
     std::memcpy(&draft.extent.header_bytes, bytes.data() + 24, 4);

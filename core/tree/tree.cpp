@@ -68,12 +68,19 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path)
     tree->folder_ = folder;
     tree->info_ = std::move(index.info);
     tree->nodes_ = std::move(index.nodes);
-    for (std::uint32_t i = 0; i < index.data_file_bytes.size(); ++i) {
+    tree->part_roots_ = std::move(index.part_roots);
+    tree->data_files_ = std::move(index.data_files);
+    for (std::uint32_t i = 0; i < tree->data_files_.size(); ++i) {
+        const std::uint64_t expected = tree->data_files_[i].bytes;
+        if (expected == 0) {
+            tree->files_.emplace_back();
+            continue;
+        }
         File file(folder / data_file_name(i), File::Mode::read);
-        if (file.size() < index.data_file_bytes[i])
+        if (file.size() < expected)
             throw Error(ErrorCode::truncated, file.path(),
                         "the file has " + std::to_string(file.size()) + " bytes, the index expects " +
-                            std::to_string(index.data_file_bytes[i]));
+                            std::to_string(expected));
         tree->files_.push_back(std::move(file));
     }
     return tree;
@@ -85,6 +92,26 @@ std::vector<NodeId> Tree::path_from_root(NodeId id) const
     for (; id != no_node; id = nodes_[id].parent) path.push_back(id);
     std::reverse(path.begin(), path.end());
     return path;
+}
+
+ChunkIdentity Tree::identity(NodeId id) const
+{
+    const Node& node = nodes_.at(id);
+    ChunkIdentity identity;
+    identity.part = node.part;
+    identity.generation = node.extent.bytes ? data_files_[node.extent.file].generation : info_.generation;
+    identity.first_level = node.first_level;
+    identity.level_points = node.level_points;
+    identity.spacing = node.spacing;
+    if (node.part == no_part) return identity;
+    const NodeId root = part_roots_[node.part];
+    identity.path.depth = static_cast<std::uint16_t>(node.depth - nodes_[root].depth);
+    for (NodeId below = id; below != root; below = nodes_[below].parent) {
+        const Node& parent = nodes_[nodes_[below].parent];
+        const int depth = parent.depth - nodes_[root].depth;
+        if (parent.children[1] == below) identity.path.bits[static_cast<std::size_t>(depth / 64)] |= std::uint64_t(1) << (depth % 64);
+    }
+    return identity;
 }
 
 std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const
@@ -117,8 +144,8 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     const File& file = files_[node.extent.file];
     DecodedChunk decoded = pcm::read_chunk(file, node.extent.offset, node.extent.bytes, node.extent.header_bytes, columns);
     const BpcHeader& header = decoded.header;
-    if (header.points != node.points || header.path.depth != node.depth || !(header.schema == info_.schema) ||
-        !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
+    if (!header.identity || !(*header.identity == identity(id)) || !(header.schema == info_.schema) || !(header.grid == info_.grid) ||
+        !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
         throw Error(ErrorCode::corrupt, file.path(),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " +
                         std::to_string(id));

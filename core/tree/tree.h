@@ -6,10 +6,15 @@
 // levels in the node's region, coarse ones first; below it are the finer ones. Nodes are stored parents first (node 0 is the root, and a node's
 // number is larger than its parent's), so one forward pass over nodes() visits parents before children.
 //
+// A tree consists of parts: part 0 is what the build made, and every append adds a subtree of its own. The nodes that join the parts'
+// roots have no points. Parts may overlap in space; levels 0..L of all parts together are the sample at level L.
+//
 // A Tree is immutable after open(); every member may be called from any number of threads.
 #pragma once
 
+#include "bpc/bpc.h"
 #include "bpc/chunk.h"
+#include "bpc/commit_record.h"
 #include "cloud/attribute.h"
 #include "cloud/file.h"
 #include "cloud/geometry.h"
@@ -26,6 +31,7 @@ namespace pcm {
 
 using NodeId = std::uint32_t;
 inline constexpr NodeId no_node = 0xffffffffu;
+inline constexpr std::uint32_t no_part = 0xffffffffu;
 
 // Where a chunk lies: `bytes` bytes at `offset` of data file number `file`. bytes == 0 for a node without points.
 struct Extent {
@@ -39,10 +45,14 @@ struct Extent {
     }
 };
 
+// Each update writes new data files; a file of which nothing is in use any more may be gone.
+using DataFile = CommitRecord::DataFile;
+
 struct Node {
     NodeId parent = no_node;
     std::array<NodeId, 2> children{no_node, no_node};
     std::uint16_t depth = 0;             // 0 at the root
+    std::uint32_t part = 0;              // no_part for a node that joins parts
     std::uint16_t first_level = 0;       // of its own points
     std::uint32_t points = 0;            // of this node's own chunk
     // How many of them, in the chunk's order, are of first_level, of the next, ...; empty for a node without points.
@@ -73,6 +83,7 @@ enum class Sampling : std::uint8_t {
 };
 
 struct TreeInfo {
+    std::uint32_t generation = 1;         // 1 from the build, one more with each update
     std::uint64_t points = 0;
     Grid grid;
     ScalarType position_type = ScalarType::f64;  // of the source: i32 for LAS, f32 or f64
@@ -84,6 +95,7 @@ struct TreeInfo {
     std::uint64_t points_skipped = 0;     // input points without a finite position
     std::uint64_t content_hash = 0;       // of all points with all attributes, whatever their order (tree/row.h)
     Sampling sampling = Sampling::poisson;
+    bool coverage_kept = true;            // false after a deletion: a point's neighbour of a coarser level may be gone, up to compaction
     std::uint16_t levels = 0;
     std::vector<double> spacings;         // of each level, falling; source units; 0 for a last level that holds all the rest
     std::uint64_t bytes = 0;              // of the whole folder's live data
@@ -116,6 +128,12 @@ public:
     Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
     std::vector<NodeId> path_from_root(NodeId id) const;  // root first, `id` last
 
+    // The root of each part; no_node for a part that has no points any more.
+    const std::vector<NodeId>& part_roots() const { return part_roots_; }
+    // What the header of the node's chunk says. For a node without a chunk the generation is the tree's.
+    ChunkIdentity identity(NodeId id) const;
+    const std::vector<DataFile>& data_files() const { return data_files_; }
+
     // Nodes of levels 0..level whose boxes touch `box` (source coordinates), parents first; absent means all.
     std::vector<NodeId> nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const;
 
@@ -134,6 +152,8 @@ private:
     std::filesystem::path folder_;
     TreeInfo info_;
     std::vector<Node> nodes_;
+    std::vector<NodeId> part_roots_;
+    std::vector<DataFile> data_files_;
     std::vector<File> files_;
 };
 

@@ -3,6 +3,7 @@
 #include "bpc/bpc.h"
 #include "bpc/byte_order.h"
 #include "cloud/error.h"
+#include "tree/about.h"
 
 #include <cmath>
 #include <cstdio>
@@ -12,7 +13,7 @@ namespace pcm {
 namespace {
 
 constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::size_t node_bytes = 112;
 
 void put_vec(ByteWriter& out, const Vec3i& v)
@@ -36,14 +37,11 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
     if (nodes.empty() != (index.info.points == 0)) throw Error(ErrorCode::corrupt, path, "points without nodes");
     if (!nodes.empty() && (nodes[0].subtree_points != index.info.points || !(nodes[0].box == index.info.box)))
         throw Error(ErrorCode::corrupt, path, "the root does not hold the cloud's points");
-    if (index.info.spacings.size() != index.info.levels || index.info.levels > 256)
-        throw Error(ErrorCode::corrupt, path, "the number of levels is wrong");
-    for (std::size_t k = 0; k < index.info.spacings.size(); ++k) {
-        const double spacing = index.info.spacings[k];
-        const bool last = k + 1 == index.info.spacings.size();
-        if (!std::isfinite(spacing) || spacing < 0 || (spacing == 0 && !last) || (k > 0 && spacing >= index.info.spacings[k - 1]))
-            throw Error(ErrorCode::corrupt, path, "level " + std::to_string(k) + " has a spacing out of order");
-    }
+    for (std::size_t i = 0; i < index.data_files.size(); ++i)
+        if (index.data_files[i].generation == 0 || index.data_files[i].generation > index.info.generation)
+            throw Error(ErrorCode::corrupt, path,
+                        "data file " + std::to_string(i) + " is of generation " + std::to_string(index.data_files[i].generation) +
+                            ", the tree of generation " + std::to_string(index.info.generation));
     for (std::size_t id = 0; id < nodes.size(); ++id) {
         const Node& node = nodes[id];
         if ((id == 0) != (node.parent == no_node)) throw refuse(id, "has no place under the root");
@@ -68,9 +66,9 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
         if (node.box.empty()) throw refuse(id, "has no box");
         if ((node.points == 0) != (node.extent.bytes == 0)) throw refuse(id, "has points without a chunk");
         if (node.extent.bytes) {
-            if (node.extent.file >= index.data_file_bytes.size() ||
-                node.extent.offset > index.data_file_bytes[node.extent.file] ||
-                node.extent.bytes > index.data_file_bytes[node.extent.file] - node.extent.offset)
+            const Extent& extent = node.extent;
+            if (extent.file >= index.data_files.size() || extent.offset > index.data_files[extent.file].bytes ||
+                extent.bytes > index.data_files[extent.file].bytes - extent.offset || extent.header_bytes > extent.bytes)
                 throw refuse(id, "has its chunk outside the data files");
         }
         if (!(node.spacing >= 0)) throw refuse(id, "has no spacing");
@@ -83,6 +81,54 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
 
 }  // namespace
 
+void find_parts(TreeIndex& index, const std::filesystem::path& path)
+{
+    std::vector<Node>& nodes = index.nodes;
+    const auto refuse = [&](std::size_t node, const std::string& what) {
+        return Error(ErrorCode::corrupt, path, "node " + std::to_string(node) + ": " + what);
+    };
+    for (Node& node : nodes) node.part = no_part;
+    for (std::size_t part = 0; part < index.part_roots.size(); ++part) {
+        const NodeId root = index.part_roots[part];
+        if (root == no_node) continue;
+        if (root >= nodes.size()) throw Error(ErrorCode::corrupt, path, "the root of part " + std::to_string(part) + " does not exist");
+        if (nodes[root].part != no_part) throw refuse(root, "is the root of two parts");
+        nodes[root].part = static_cast<std::uint32_t>(part);
+    }
+    for (std::size_t id = 0; id < nodes.size(); ++id) {
+        Node& node = nodes[id];
+        if (id > 0 && node.parent < id && nodes[node.parent].part != no_part) {
+            if (node.part != no_part) throw refuse(id, "is the root of a part inside another part");
+            node.part = nodes[node.parent].part;
+        }
+        if (node.part != no_part) {
+            if (node.depth - nodes[index.part_roots[node.part]].depth > NodePath::max_depth) throw refuse(id, "is too deep in its part");
+        } else if (node.points > 0 || node.is_leaf()) {
+            throw refuse(id, "belongs to no part");
+        }
+    }
+}
+
+void write_commit(const std::filesystem::path& folder, TreeIndex& index)
+{
+    CommitRecord record;
+    record.generation = index.info.generation;
+    record.coverage_kept = index.info.coverage_kept;
+    record.points = index.info.points;
+    record.content_hash = index.info.content_hash;
+    record.parts = static_cast<std::uint32_t>(index.nodes.empty() ? 0 : index.part_roots.size());
+    for (const Node& node : index.nodes) record.chunks += node.extent.bytes ? 1 : 0;
+    DataFile& last = index.data_files.back();
+    File file(folder / data_file_name(static_cast<std::uint32_t>(index.data_files.size() - 1)), File::Mode::change);
+    const std::uint64_t at = last.bytes;
+    last.bytes += commit_bytes(index.data_files.size());
+    record.data_files = index.data_files;
+    const std::vector<std::byte> bytes = encode_commit(record);
+    file.write_at(bytes.data(), bytes.size(), at);
+    file.sync();
+    file.close();
+}
+
 std::string data_file_name(std::uint32_t number)
 {
     char name[32];
@@ -92,37 +138,18 @@ std::string data_file_name(std::uint32_t number)
 
 std::vector<std::byte> encode_index(const TreeIndex& index)
 {
-    const TreeInfo& info = index.info;
     ByteWriter out;
     out.put_bytes(magic, sizeof magic);
     out.put(version);
-    out.put(static_cast<std::uint32_t>(info.levels));
-    out.put(info.points);
-    out.put(info.points_skipped);
-    out.put(info.content_hash);
-    out.put(info.position_error);
-    for (const double s : info.grid.scale) out.put(s);
-    for (const double o : info.grid.offset) out.put(o);
-    put_vec(out, info.box.min);
-    put_vec(out, info.box.max);
-    for (const Vec3i& extreme : info.extremes) put_vec(out, extreme);
-    out.put(static_cast<std::uint8_t>(info.position_type));
-    out.put(static_cast<std::uint8_t>(info.wide));
-    out.put(static_cast<std::uint8_t>(info.sampling));
-    out.put(std::uint8_t(0));
-    for (const double spacing : info.spacings) out.put(spacing);
-    out.put(static_cast<std::uint32_t>(info.schema.size()));
-    for (const Attribute& attribute : info.schema) put_attribute(out, attribute);
-    out.put(static_cast<std::uint32_t>(info.metadata.size()));
-    for (const Metadata& block : info.metadata) {
-        out.put_string(block.key);
-        out.put(static_cast<std::uint64_t>(block.value.size()));
-        out.put_bytes(block.value.data(), block.value.size());
+    put_tree_info(out, index.info);
+    out.put(static_cast<std::uint32_t>(index.data_files.size()));
+    for (const DataFile& file : index.data_files) {
+        out.put(file.bytes);
+        out.put(file.generation);
     }
-    out.put(static_cast<std::uint32_t>(info.sources.size()));
-    for (const std::string& source : info.sources) out.put_string(source);
-    out.put(static_cast<std::uint32_t>(index.data_file_bytes.size()));
-    for (const std::uint64_t bytes : index.data_file_bytes) out.put(bytes);
+    out.put(static_cast<std::uint32_t>(index.nodes.empty() ? 0 : index.part_roots.size()));
+    if (!index.nodes.empty())
+        for (const NodeId root : index.part_roots) out.put(root);
     out.put(static_cast<std::uint32_t>(index.nodes.size()));
     for (const Node& node : index.nodes) {
         out.put(node.parent);
@@ -165,42 +192,17 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
         throw Error(ErrorCode::corrupt, path, "the index's checksum does not hold");
 
     TreeIndex index;
-    TreeInfo& info = index.info;
-    const auto levels = in.get<std::uint32_t>();
-    if (levels > 256) throw Error(ErrorCode::corrupt, path, "the number of levels is wrong");
-    info.levels = static_cast<std::uint16_t>(levels);
-    info.points = in.get<std::uint64_t>();
-    info.points_skipped = in.get<std::uint64_t>();
-    info.content_hash = in.get<std::uint64_t>();
-    info.position_error = in.get<double>();
-    for (double& s : info.grid.scale) s = in.get<double>();
-    for (double& o : info.grid.offset) o = in.get<double>();
-    info.box.min = get_vec(in);
-    info.box.max = get_vec(in);
-    for (Vec3i& extreme : info.extremes) extreme = get_vec(in);
-    info.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
-    info.wide = in.get<std::uint8_t>() != 0;
-    const auto sampling = in.get<std::uint8_t>();
-    if (sampling > static_cast<std::uint8_t>(Sampling::grid))
-        throw Error(ErrorCode::corrupt, path, "the levels are of a kind that does not exist");
-    info.sampling = static_cast<Sampling>(sampling);
-    in.get<std::uint8_t>();
-    info.spacings.resize(info.levels);
-    for (double& spacing : info.spacings) spacing = in.get<double>();
-    for (auto n = in.get<std::uint32_t>(); n > 0; --n) info.schema.add(get_attribute(in));
+    index.info = get_tree_info(in, path);
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) {
-        Metadata block;
-        block.key = in.get_string();
-        const auto size = in.get<std::uint64_t>();
-        if (size > in.left()) throw Error(ErrorCode::corrupt, path, "a metadata block runs over the end");
-        const std::byte* from = in.get_bytes(static_cast<std::size_t>(size));
-        block.value.assign(from, from + size);
-        info.metadata.push_back(std::move(block));
+        DataFile file;
+        file.bytes = in.get<std::uint64_t>();
+        file.generation = in.get<std::uint32_t>();
+        index.data_files.push_back(file);
     }
-    for (auto n = in.get<std::uint32_t>(); n > 0; --n) info.sources.push_back(in.get_string());
-    for (auto n = in.get<std::uint32_t>(); n > 0; --n) index.data_file_bytes.push_back(in.get<std::uint64_t>());
+    index.part_roots.clear();
+    for (auto n = in.get<std::uint32_t>(); n > 0; --n) index.part_roots.push_back(in.get<std::uint32_t>());
     const auto count = in.get<std::uint32_t>();
-    if (in.left() < count * node_bytes + 8)
+    if (in.left() < std::uint64_t{count} * node_bytes + 8)
         throw Error(ErrorCode::corrupt, path, "the index does not hold as many nodes as it says");
     index.nodes.resize(count);
     for (Node& node : index.nodes) {
@@ -223,9 +225,10 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     for (Node& node : index.nodes)
         for (std::uint32_t& points : node.level_points) points = in.get<std::uint32_t>();
     if (in.left() != 8) throw Error(ErrorCode::corrupt, path, "the index does not end where it says");
-    info.bytes = bytes.size();
-    for (const Node& node : index.nodes) info.bytes += node.extent.bytes;
+    index.info.bytes = bytes.size();
+    for (const Node& node : index.nodes) index.info.bytes += node.extent.bytes;
     check(index, path);
+    find_parts(index, path);
     return index;
 }
 

@@ -87,11 +87,10 @@ TEST(Bpc, EveryTypeBitForBit)
     for (const bool wide : {false, true})
         for (const std::uint32_t points : {1u, 127u, 128u, 129u, 1000u}) {
             const pcm::Chunk chunk = random_chunk(schema, points, wide, random);
-            const pcm::NodePath path = pcm::NodePath().child(1).child(0).child(1);
-            const auto bytes = pcm::encode_chunk(chunk, schema, grid, path);
+            const auto bytes = pcm::encode_chunk(chunk, schema, grid);
             const pcm::File file = written(folder / "chunk", bytes, 777);
             const auto back = pcm::read_chunk(file, 777, bytes.size(), 0, pcm::ColumnSet::all(schema));
-            EXPECT_EQ(back.header.path, path);
+            EXPECT_FALSE(back.header.identity);
             EXPECT_EQ(back.header.grid, grid);
             EXPECT_EQ(back.header.schema, schema);
             expect_equal(chunk, back.chunk, pcm::ColumnSet::all(schema));
@@ -104,7 +103,7 @@ TEST(Bpc, OnlyWhatIsAskedForIsRead)
     std::mt19937_64 random(2);
     const pcm::Schema schema = every_type();
     const pcm::Chunk chunk = random_chunk(schema, 500, false, random);
-    auto bytes = pcm::encode_chunk(chunk, schema, {}, {});
+    auto bytes = pcm::encode_chunk(chunk, schema, pcm::Grid());
     const pcm::BpcHeader header = pcm::decode_header(bytes.data(), bytes.size(), {});
     for (int round = 0; round < 200; ++round) {
         pcm::ColumnSet columns;
@@ -126,7 +125,7 @@ TEST(Bpc, AnyChangedByteIsRefused)
     const TemporaryFolder folder;
     std::mt19937_64 random(3);
     const pcm::Schema schema = every_type();
-    const auto bytes = pcm::encode_chunk(random_chunk(schema, 60, false, random), schema, {}, {});
+    const auto bytes = pcm::encode_chunk(random_chunk(schema, 60, false, random), schema, pcm::Grid());
     for (std::size_t at = 0; at < bytes.size(); ++at) {
         std::vector<std::byte> damaged = bytes;
         damaged[at] ^= static_cast<std::byte>(1 + random() % 255);
@@ -145,7 +144,7 @@ TEST(Bpc, TruncationIsRefusedAtEveryLength)
     const TemporaryFolder folder;
     std::mt19937_64 random(4);
     const pcm::Schema schema = every_type();
-    const auto bytes = pcm::encode_chunk(random_chunk(schema, 20, true, random), schema, {}, {});
+    const auto bytes = pcm::encode_chunk(random_chunk(schema, 20, true, random), schema, pcm::Grid());
     for (std::size_t length = 0; length < bytes.size(); ++length) {
         const pcm::File file = written(folder / "chunk", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
         EXPECT_THROW(pcm::read_chunk(file, 0, bytes.size(), 0, pcm::ColumnSet::all(schema)), pcm::Error);
@@ -173,7 +172,7 @@ TEST(Bpc, FrozenBytes)
     pcm::Grid grid;
     grid.scale = {0.5, 0.5, 0.5};
     grid.offset = {1, 2, 3};
-    const auto bytes = pcm::encode_chunk(chunk, schema, grid, pcm::NodePath().child(1));
+    const auto bytes = pcm::encode_chunk(chunk, schema, grid);
     std::string hex;
     for (const std::byte b : bytes) {
         static const char digits[] = "0123456789abcdef";
@@ -181,11 +180,11 @@ TEST(Bpc, FrozenBytes)
         hex += digits[static_cast<int>(b) & 15];
     }
     EXPECT_EQ(hex,
-              "425043310100010001000000000000000000000000000000ee000000030000009201000000000000000000000000e03f"
+              "425043310100000000000000000000000000000000000000ee000000030000009201000000000000000000000000e03f"
               "000000000000e03f000000000000e03f000000000000f03f000000000000004000000000000008406400000000000000"
               "38ffffffffffffff2c0100000000000069000000000000003fffffffffffffff2c010000000000000000000001000000"
               "ee00000000000000940000000000000040673f93e32a58b70401000000000000000000f03f0000000000000000090000"
-              "00696e74656e73697479000000008201000000000000100000000000000027261d4df31dc444211ddf4d47cf51c50100"
+              "00696e74656e73697479000000008201000000000000100000000000000027261d4df31dc4442e23683c7db462690100"
               "000042000000000000000000000003004801000000000000000000000000000000000000000000000000000000000000"
               "000000000000000000000000000000000100000042000000000000000000000003008700000000000000000000000000"
               "000000000000000000000000000000000000000000000000000000000000000000000000000010000000000000000000"

@@ -174,7 +174,7 @@ TEST(Bpc, BareChunksOnSeveralGridsAreDoubles)
     positions->wide = true;
     positions->wide_xyz = {std::vector<std::uint64_t>{0, 7}, {std::uint64_t{1} << 50, 0}, {0, 0}};
     wide.positions = positions;
-    const Whole far = read_whole(write_file(folder / "b.bpc", text(encode_chunk(wide, {}, other, {}))));
+    const Whole far = read_whole(write_file(folder / "b.bpc", text(encode_chunk(wide, {}, other))));
     EXPECT_FALSE(far.info.grid);
     for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(far.position(i), other.to_source(positions->grid(i)));
 

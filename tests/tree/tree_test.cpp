@@ -155,7 +155,7 @@ TEST(TreeIndex, FrozenBytes)
     info.schema.add({"rgb", ScalarType::u8, 3, 1.0, 0.0, {}});
     info.metadata = {{"key", {std::byte{1}, std::byte{2}}}};
     info.sources = {"a.las"};
-    index.data_file_bytes = {1000};
+    index.data_files = {{1000, 1}};
     Node root, leaf;
     root.children = {1, no_node};
     root.points = 4;
@@ -176,8 +176,8 @@ TEST(TreeIndex, FrozenBytes)
     const std::vector<std::byte> bytes = encode_index(index);
     std::uint64_t sum = 0;
     std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
-    EXPECT_EQ(bytes.size(), 687u);
-    EXPECT_EQ(sum, 8935240609400591459u);
+    EXPECT_EQ(bytes.size(), 703u);
+    EXPECT_EQ(sum, 5211536014118567881u);
     const TreeIndex again = decode_index(bytes, "index");
     EXPECT_EQ(again.info.spacings, info.spacings);
     EXPECT_EQ(again.nodes[0].level_points, root.level_points);
@@ -214,7 +214,7 @@ TEST_F(TreeTest, AnIndexThatMakesNoSenseIsRefused)
     refused([](TreeIndex& i) { std::swap(i.info.spacings[0], i.info.spacings[1]); }, "spacing out of order");
     refused([](TreeIndex& i) { i.info.spacings[0] = std::nan(""); }, "spacing out of order");
     refused([](TreeIndex& i) { --i.nodes[1].box.min[0], i.nodes[1].box.min[0] -= 1000000; }, "out of its parent's box");
-    refused([](TreeIndex& i) { i.nodes[1].extent.offset = i.data_file_bytes[0]; }, "outside the data files");
+    refused([](TreeIndex& i) { i.nodes[1].extent.offset = i.data_files[0].bytes; }, "outside the data files");
     refused([](TreeIndex& i) { i.nodes[1].extent.file = 9; }, "outside the data files");
     refused([](TreeIndex& i) { i.nodes[1].spacing = std::nan(""); }, "no spacing");
     refused([](TreeIndex& i) { i.info.points += 1; }, "root does not hold");

@@ -1,0 +1,40 @@
+// Numbers of the chunk layout that its writer and its reader share; FORMAT.md has the layout.
+#pragma once
+
+#include "bpc/bpc.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace pcm::bpc_layout {
+
+inline constexpr char magic[4] = {'B', 'P', 'C', '1'};
+inline constexpr std::uint16_t version_on_grid = 1;
+inline constexpr std::uint16_t version_of_doubles = 2;
+inline constexpr std::uint16_t version_of_trees = 3;
+inline constexpr std::size_t header_bytes_at = 24;
+inline constexpr std::size_t total_bytes_at = 32;
+inline constexpr std::size_t fixed_header = 164;  // the shortest of the versions, without its checksum
+// A header is some hundred bytes or some kilobytes; one of a file gone wrong shall not fill the memory.
+inline constexpr std::uint32_t most_header_bytes = std::uint32_t{16} << 20;
+
+// How a column of version 3 is stored.
+inline constexpr std::uint8_t in_segments = 0;
+inline constexpr std::uint8_t constant = 1;
+
+// What no tree has; null when nothing is wrong.
+inline const char* wrong_with(const ChunkIdentity& identity)
+{
+    if (identity.path.depth > NodePath::max_depth) return "a node deeper than a path can tell";
+    for (std::uint16_t word = 0; word < 2; ++word) {
+        const int used = int(identity.path.depth) - 64 * word;
+        const std::uint64_t beyond = used >= 64 ? 0 : used <= 0 ? ~std::uint64_t(0) : ~std::uint64_t(0) << used;
+        if (identity.path.bits[word] & beyond) return "a path with steps below its node";
+    }
+    if (identity.generation == 0) return "a generation 0";
+    if (identity.first_level + identity.level_points.size() > 256) return "points of level 256 or finer";
+    if (!(identity.spacing >= 0)) return "no spacing";
+    return nullptr;
+}
+
+}  // namespace pcm::bpc_layout

@@ -1,0 +1,148 @@
+#include "tree/about.h"
+
+#include "bpc/bpc.h"
+#include "cloud/error.h"
+#include "cloud/file.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace pcm {
+namespace {
+
+constexpr char magic[8] = {'P', 'C', 'M', 'A', 'B', 'O', 'U', 'T'};
+constexpr std::uint32_t version = 3;  // the index's: both hold the same block
+constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
+constexpr std::uint8_t coverage_kept = 1;
+
+void put_vec(ByteWriter& out, const Vec3i& v)
+{
+    for (const std::int64_t c : v) out.put(c);
+}
+Vec3i get_vec(ByteReader& in)
+{
+    Vec3i v;
+    for (std::int64_t& c : v) c = in.get<std::int64_t>();
+    return v;
+}
+
+}  // namespace
+
+void put_tree_info(ByteWriter& out, const TreeInfo& info)
+{
+    out.put(info.generation);
+    out.put(static_cast<std::uint32_t>(info.levels));
+    out.put(info.points);
+    out.put(info.points_skipped);
+    out.put(info.content_hash);
+    out.put(info.position_error);
+    for (const double s : info.grid.scale) out.put(s);
+    for (const double o : info.grid.offset) out.put(o);
+    put_vec(out, info.box.min);
+    put_vec(out, info.box.max);
+    for (const Vec3i& extreme : info.extremes) put_vec(out, extreme);
+    out.put(static_cast<std::uint8_t>(info.position_type));
+    out.put(static_cast<std::uint8_t>(info.wide));
+    out.put(static_cast<std::uint8_t>(info.sampling));
+    out.put(info.coverage_kept ? coverage_kept : std::uint8_t(0));
+    for (const double spacing : info.spacings) out.put(spacing);
+    out.put(static_cast<std::uint32_t>(info.schema.size()));
+    for (const Attribute& attribute : info.schema) put_attribute(out, attribute);
+    out.put(static_cast<std::uint32_t>(info.metadata.size()));
+    for (const Metadata& block : info.metadata) {
+        out.put_string(block.key);
+        out.put(static_cast<std::uint64_t>(block.value.size()));
+        out.put_bytes(block.value.data(), block.value.size());
+    }
+    out.put(static_cast<std::uint32_t>(info.sources.size()));
+    for (const std::string& source : info.sources) out.put_string(source);
+}
+
+TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
+{
+    const auto refuse = [&](const char* what) { return Error(ErrorCode::corrupt, path, what); };
+    TreeInfo info;
+    info.generation = in.get<std::uint32_t>();
+    if (info.generation == 0) throw refuse("the generation is 0; the first is 1");
+    const auto levels = in.get<std::uint32_t>();
+    if (levels > 256) throw refuse("the number of levels is wrong");
+    info.levels = static_cast<std::uint16_t>(levels);
+    info.points = in.get<std::uint64_t>();
+    info.points_skipped = in.get<std::uint64_t>();
+    info.content_hash = in.get<std::uint64_t>();
+    info.position_error = in.get<double>();
+    for (double& s : info.grid.scale) s = in.get<double>();
+    for (double& o : info.grid.offset) o = in.get<double>();
+    info.box.min = get_vec(in);
+    info.box.max = get_vec(in);
+    for (Vec3i& extreme : info.extremes) extreme = get_vec(in);
+    const auto type = in.get<std::uint8_t>();
+    if (!is_valid(static_cast<ScalarType>(type))) throw refuse("the positions are of a type that does not exist");
+    info.position_type = static_cast<ScalarType>(type);
+    const auto wide = in.get<std::uint8_t>();
+    const auto sampling = in.get<std::uint8_t>();
+    const auto flags = in.get<std::uint8_t>();
+    if (wide > 1 || flags > coverage_kept) throw refuse("it says what no tree has");
+    info.wide = wide != 0;
+    if (sampling > static_cast<std::uint8_t>(Sampling::grid)) throw refuse("the levels are of a kind that does not exist");
+    info.sampling = static_cast<Sampling>(sampling);
+    info.coverage_kept = flags & coverage_kept;
+    info.spacings.resize(info.levels);
+    for (double& spacing : info.spacings) spacing = in.get<double>();
+    for (std::size_t k = 0; k < info.spacings.size(); ++k) {
+        const double spacing = info.spacings[k];
+        const bool last = k + 1 == info.spacings.size();
+        if (!std::isfinite(spacing) || spacing < 0 || (spacing == 0 && !last) || (k > 0 && spacing >= info.spacings[k - 1]))
+            throw Error(ErrorCode::corrupt, path, "level " + std::to_string(k) + " has a spacing out of order");
+    }
+    const auto attributes = in.get<std::uint32_t>();
+    if (attributes > max_attributes) throw refuse("the number of attributes is wrong");
+    for (std::uint32_t i = 0; i < attributes; ++i) info.schema.add(get_attribute(in));
+    for (auto n = in.get<std::uint32_t>(); n > 0; --n) {
+        Metadata block;
+        block.key = in.get_string();
+        const auto size = in.get<std::uint64_t>();
+        if (size > in.left()) throw refuse("a metadata block runs over the end");
+        const std::byte* from = in.get_bytes(static_cast<std::size_t>(size));
+        block.value.assign(from, from + size);
+        info.metadata.push_back(std::move(block));
+    }
+    for (auto n = in.get<std::uint32_t>(); n > 0; --n) info.sources.push_back(in.get_string());
+    return info;
+}
+
+void write_about(const std::filesystem::path& folder, const TreeInfo& info)
+{
+    ByteWriter out;
+    out.put_bytes(magic, sizeof magic);
+    out.put(version);
+    put_tree_info(out, info);
+    out.put(checksum(out.bytes().data(), out.size()));
+    replace_file(folder / about_file_name, out.bytes().data(), out.size());
+}
+
+TreeInfo read_about(const std::filesystem::path& folder)
+{
+    const File file(folder / about_file_name, File::Mode::read);
+    const std::filesystem::path& path = file.path();
+    const std::uint64_t size = file.size();
+    if (size < sizeof magic + 12 || size > most_bytes)
+        throw Error(ErrorCode::corrupt, path, "the file has " + std::to_string(size) + " bytes, which is impossible");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    file.read_at(bytes.data(), bytes.size(), 0);
+    if (std::memcmp(bytes.data(), magic, sizeof magic) != 0) throw Error(ErrorCode::corrupt, path, "this is not a file about a tree");
+    std::uint64_t stored;
+    std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
+    if (stored != checksum(bytes.data(), bytes.size() - 8)) throw Error(ErrorCode::corrupt, path, "the checksum does not hold");
+    ByteReader in(bytes.data(), bytes.size() - 8, path);
+    in.get_bytes(sizeof magic);
+    const auto found = in.get<std::uint32_t>();
+    if (found != version)
+        throw Error(ErrorCode::unsupported, path,
+                    "version " + std::to_string(found) + ", this program reads version " + std::to_string(version));
+    TreeInfo info = get_tree_info(in, path);
+    if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the file does not end where it says");
+    return info;
+}
+
+}  // namespace pcm
