@@ -12,7 +12,7 @@ set(public_headers
   point_cloud.h
   io/reader.h io/grid_choice.h io/selection.h io/text_layout.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_index.h bpc/cloud_block.h
-  tree/tree.h tree/tree_reader.h tree/builder.h tree/verify.h tree/verify_levels.h
+  tree/tree.h tree/tree_reader.h tree/selected_nodes.h tree/builder.h tree/verify.h tree/verify_levels.h
   convert/convert.h
   cache/l2_cache.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS

@@ -2,6 +2,7 @@
 
 #include "cli/common.h"
 #include "cli/reading.h"
+#include "cli/region_options.h"
 #include "cloud/error.h"
 #include "tree/tree.h"
 
@@ -14,6 +15,7 @@ namespace {
 struct Arguments {
     Common common;
     ReadingOptions reading;
+    RegionOptions region;
     std::vector<std::string> paths;  // inputs, then the output
     std::vector<double> box, scale, offset;
     double step = 0;
@@ -51,6 +53,7 @@ int convert(Arguments& arguments)
     if (!arguments.box.empty())
         options.cloud.selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]},
                                             {arguments.box[3], arguments.box[4], arguments.box[5]}};
+    options.cloud.selection.region = arguments.region.get();
     for (const std::string& condition : arguments.where) options.cloud.selection.where.push_back(parse_condition(condition));
     take_grid(arguments, options);
     options.progress = console_progress(arguments.common);
@@ -99,6 +102,7 @@ void add_convert(CLI::App& app, int& result)
     command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
         ->expected(6)
         ->group(group);
+    arguments->region.add_to(*command, group);
     command->add_option("--where", arguments->where,
                         "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
                         "of several all")

@@ -66,8 +66,9 @@ std::unique_ptr<PointReader> CloudSources::open() const
 {
     const Selection& selection = options_.selection;
     if (paths_.size() == 1 && is_tree_[0]) return open_tree(paths_[0], options_, selection);
-    Selection box;  // of trees only what the box touches is read
+    Selection box;  // of trees only what box and region touch is read
     box.box = selection.box;
+    box.region = selection.region;
     std::vector<MergedReader::Source> sources;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
         if (is_tree_[i])

@@ -284,8 +284,20 @@ std::unique_ptr<Selector::Test> make_test(std::size_t slot, std::uint32_t compon
 
 }  // namespace
 
-Selector::Selector(const Selection& selection, const Schema& schema) : box_(selection.box), bounds_(selection.box)
+Selector::Selector(const Selection& selection, const Schema& schema)
+    : box_(selection.box), bounds_(selection.box), region_(selection.region)
 {
+    const auto bound = [this](std::size_t axis, double low, double high) {
+        if (!bounds_) {
+            bounds_.emplace();
+            bounds_->min.fill(-std::numeric_limits<double>::infinity());
+            bounds_->max.fill(std::numeric_limits<double>::infinity());
+        }
+        bounds_->min[axis] = std::max(bounds_->min[axis], low);
+        bounds_->max[axis] = std::min(bounds_->max[axis], high);
+    };
+    if (region_)
+        for (std::size_t axis = 0; axis < 3; ++axis) bound(axis, region_->bounds().min[axis], region_->bounds().max[axis]);
     for (const Condition& condition : selection.where) {
         const std::string& name = condition.name;
         if (!schema.find(name) && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
@@ -294,18 +306,12 @@ Selector::Selector(const Selection& selection, const Schema& schema) : box_(sele
             test.ranges = intervals<double>(condition, {name, ScalarType::f64, 1, 1, 0, {}});
             test.inside = condition.relation != Condition::Relation::not_equal;
             if (test.inside) {
-                if (!bounds_) {
-                    bounds_.emplace();
-                    bounds_->min.fill(-std::numeric_limits<double>::infinity());
-                    bounds_->max.fill(std::numeric_limits<double>::infinity());
-                }
                 double low = std::numeric_limits<double>::infinity(), high = -low;
                 for (const auto& range : test.ranges) {
                     low = std::min(low, range[0]);
                     high = std::max(high, range[1]);
                 }
-                bounds_->min[test.axis] = std::max(bounds_->min[test.axis], low);
-                bounds_->max[test.axis] = std::min(bounds_->max[test.axis], high);
+                bound(test.axis, low, high);
             }
             coordinate_tests_.push_back(std::move(test));
             continue;
@@ -333,6 +339,16 @@ Selector::Selector(const Selection& selection, const Schema& schema) : box_(sele
 Selector::~Selector() = default;
 Selector::Selector(Selector&&) noexcept = default;
 Selector& Selector::operator=(Selector&&) noexcept = default;
+
+BoxRelation Selector::relation(const Box3d& box) const
+{
+    if (box.empty() || (bounds_ && !bounds_->intersects(box))) return BoxRelation::outside;
+    BoxRelation relation = BoxRelation::inside;
+    if (box_ && !box_->contains(box)) relation = BoxRelation::crosses;
+    for (const CoordinateTest& test : coordinate_tests_)
+        if (!test.surely_holds(box.min[test.axis], box.max[test.axis])) relation = BoxRelation::crosses;
+    return region_ ? both(relation, region_->relation(box)) : relation;
+}
 
 void Selector::narrow_by_attributes(const std::vector<const Column*>& columns, std::vector<std::uint32_t>& selected) const
 {

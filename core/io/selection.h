@@ -1,8 +1,9 @@
-// What is wanted of a cloud: the points in a box, the points whose attributes meet conditions, some of the attributes.
+// What is wanted of a cloud: the points in a box or a region, the points whose attributes meet conditions, some of the attributes.
 #pragma once
 
 #include "cloud/geometry.h"
 #include "cloud/point_batch.h"
+#include "cloud/region.h"
 #include "io/reader.h"
 
 #include <cstdint>
@@ -42,11 +43,12 @@ Condition parse_condition(const std::string& text);
 
 struct Selection {
     std::optional<Box3d> box;         // source coordinates, both ends included; all points when absent, none when empty
+    std::optional<Region> region;     // beside the box: both must hold
     std::vector<Condition> where;     // all must be met
     std::vector<std::string> keep;    // attributes; all when empty
     std::vector<std::string> drop;
 
-    bool chooses_points() const { return box || !where.empty(); }
+    bool chooses_points() const { return box || region || !where.empty(); }
     bool chooses_attributes() const { return !keep.empty() || !drop.empty(); }
 };
 
@@ -65,14 +67,19 @@ public:
     const Schema& kept_schema() const { return kept_schema_; }
     // Attributes, by number in the schema, that conditions look at.
     const std::vector<std::size_t>& tested() const { return tested_; }
-    bool tests_points() const { return looks_at_positions() || !tests_.empty(); }
+    bool tests_points() const { return looks_at_positions() || tests_attributes(); }
+    bool tests_attributes() const { return !tests_.empty(); }
     // No point outside of this box is selected; absent when points anywhere may be.
     const std::optional<Box3d>& bounds() const { return bounds_; }
+    // Whether points in a box can have a position that is selected, or all have one. Conservative: see Region::relation().
+    BoxRelation relation(const Box3d& box) const;
 
-    // Keeps in `selected`, ascending numbers of points, those that meet box and conditions. `columns[k]` is attribute k of the
-    // schema (only tested ones are looked at), `position(i)` the source coordinates of point i.
+    // Keeps in `selected`, ascending numbers of points, those that meet box, region and conditions. `columns[k]` is attribute k of
+    // the schema (only tested ones are looked at), `position(i)` the source coordinates of point i. Where relation() of a box
+    // around the points is `inside`, their positions need no look.
     template <class Position>
-    void narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected) const;
+    void narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected,
+                BoxRelation relation = BoxRelation::crosses) const;
 
     // Leaves the selected points of a batch with all attributes of the schema; its attributes stay. `grid` is the batch's, for
     // gridded ones.
@@ -91,11 +98,23 @@ private:
                 if (v >= range[0] && v <= range[1]) return inside;
             return !inside;
         }
+        // Of all numbers from `low` to `high`.
+        bool surely_holds(double low, double high) const
+        {
+            bool holds = !inside;
+            for (const auto& range : ranges)
+                if (inside)
+                    holds = holds || (low >= range[0] && high <= range[1]);
+                else
+                    holds = holds && (high < range[0] || low > range[1]);
+            return holds;
+        }
     };
     void narrow_by_attributes(const std::vector<const Column*>& columns, std::vector<std::uint32_t>& selected) const;
-    bool looks_at_positions() const { return box_ || !coordinate_tests_.empty(); }
+    bool looks_at_positions() const { return box_ || region_ || !coordinate_tests_.empty(); }
 
     std::optional<Box3d> box_, bounds_;
+    std::optional<Region> region_;
     std::vector<CoordinateTest> coordinate_tests_;
     std::vector<std::unique_ptr<Test>> tests_;
     std::vector<std::size_t> kept_, tested_;
@@ -103,13 +122,14 @@ private:
 };
 
 template <class Position>
-void Selector::narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected) const
+void Selector::narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected,
+                      BoxRelation relation) const
 {
-    if (looks_at_positions()) {
+    if (looks_at_positions() && relation != BoxRelation::inside) {
         std::size_t kept = 0;
         for (const std::uint32_t i : selected) {
             const Vec3d p = position(i);
-            bool wanted = !box_ || box_->contains(p);
+            bool wanted = (!box_ || box_->contains(p)) && (!region_ || region_->contains(p));
             for (const CoordinateTest& test : coordinate_tests_) wanted = wanted && test.holds(p[test.axis]);
             selected[kept] = i;
             kept += wanted;

@@ -14,12 +14,6 @@
 namespace pcm {
 namespace {
 
-Selection without_box(Selection selection)
-{
-    selection.box.reset();
-    return selection;
-}
-
 bool fits_32_bits(const Box3i& box)
 {
     for (std::size_t a = 0; a < 3; ++a)
@@ -61,17 +55,16 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     : tree_(std::move(tree)),
       level_(level),
       selector_(selection, tree_->info().schema),
-      without_box_(without_box(selection), tree_->info().schema),
-      box_(selection.box),
       chunks_ahead_(std::max(1u, chunks_ahead))
 {
     const TreeInfo& tree_info = tree_->info();
+    // Floats are rounded, and so must be the boxes that their positions are compared with.
+    single_precision_ = tree_info.position_type == ScalarType::f32;
+    nodes_ = selected_nodes(*tree_, selector_, level, single_precision_);
     std::uint64_t points = 0;
-    for (const NodeId id : tree_->nodes_in(selector_.bounds(), level)) {
-        if (points_of(id) == 0) continue;
-        nodes_.push_back(id);
+    for (const SelectedNode& node : nodes_) {
         first_.push_back(points);
-        points += points_of(id);
+        points += node.points;
     }
     for (const std::size_t k : selector_.kept()) columns_.attributes.set(k);
     for (const std::size_t k : selector_.tested()) columns_.attributes.set(k);
@@ -91,7 +84,6 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
             info_.position_type = ScalarType::f64;
         }
     }
-    single_precision_ = info_.position_type == ScalarType::f32;
     if (points) {
         Box3d box = tree_info.bounds();
         if (const auto& bounds = selector_.bounds())
@@ -105,12 +97,6 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         info_.notes.push_back(grouped(tree_info.points_skipped) + " points without a finite position were left out when the tree was built");
     if (tree_info.position_error > 0 && !single_precision_)
         info_.notes.push_back("positions are up to " + brief(tree_info.position_error) + " from those that the tree was built from");
-}
-
-std::uint32_t TreeReader::points_of(NodeId id) const
-{
-    const Node& node = tree_->node(id);
-    return level_ ? node.points_to_level(*level_) : node.points;
 }
 
 Vec3d TreeReader::position(std::size_t i) const
@@ -127,24 +113,23 @@ bool TreeReader::next_chunk()
     chunk_ = Chunk();
     while (next_node_ < nodes_.size()) {
         for (; next_ahead_ < nodes_.size() && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
-            ahead_.push_back(std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_], columns = columns_] {
+            ahead_.push_back(std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
                 return tree->read_chunk(id, columns);
             }));
         std::future<Chunk> next = std::move(ahead_.front());
         ahead_.pop_front();
-        const NodeId node = nodes_[next_node_++];
+        const SelectedNode node = nodes_[next_node_++];
         chunk_ = next.get();
-        chunk_points_ = points_of(node);
+        chunk_points_ = node.points;
         seen_ += chunk_points_;
-        const Selector& selector = box_ && box_->contains(tree_->box(node)) ? without_box_ : selector_;
-        all_ = !selector.tests_points();
+        all_ = node.relation == BoxRelation::inside && !selector_.tests_attributes();
         next_point_ = 0;
         if (!all_) {
             std::vector<const Column*> columns(chunk_.attributes.size(), nullptr);
-            for (const std::size_t k : selector.tested()) columns[k] = chunk_.attributes[k].get();
+            for (const std::size_t k : selector_.tested()) columns[k] = chunk_.attributes[k].get();
             selected_.resize(chunk_points_);
             std::iota(selected_.begin(), selected_.end(), 0u);
-            selector.narrow(columns, [this](std::size_t i) { return position(i); }, selected_);
+            selector_.narrow(columns, [this](std::size_t i) { return position(i); }, selected_, node.relation);
             chunk_points_ = selected_.size();
         }
         if (chunk_points_ > 0) return true;
@@ -200,9 +185,9 @@ double TreeReader::fraction_read() const
 {
     if (nodes_.empty() || (next_node_ == nodes_.size() && next_point_ == chunk_points_)) return 1.0;
     if (next_node_ == 0) return 0.0;
-    const std::uint64_t total = first_.back() + points_of(nodes_.back());
+    const std::uint64_t total = first_.back() + nodes_.back().points;
     const double in_chunk = chunk_points_ ? static_cast<double>(next_point_) / static_cast<double>(chunk_points_) : 0.0;
-    const double done = static_cast<double>(first_[next_node_ - 1]) + in_chunk * points_of(nodes_[next_node_ - 1]);
+    const double done = static_cast<double>(first_[next_node_ - 1]) + in_chunk * nodes_[next_node_ - 1].points;
     return done / static_cast<double>(total);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/selection.h"
+#include "tree/selected_nodes.h"
 #include "tree/tree.h"
 
 #include <cstddef>
@@ -16,7 +17,7 @@ namespace pcm {
 
 // Points come in node order, so those of coarser levels first, with the tree's metadata and exact source coordinates: integers on
 // the tree's grid where the source had such and they fit in 32 bits, else doubles. Only the columns that are kept or tested are
-// read; nodes outside of the box are not. Memory: `chunks_ahead` + 1 decoded chunks. One thread calls; chunks ahead are read on
+// read; nodes outside of box and region are not. Memory: `chunks_ahead` + 1 decoded chunks. One thread calls; chunks ahead are read on
 // threads of their own.
 class TreeReader final : public PointReader {
 public:
@@ -36,18 +37,16 @@ public:
 private:
     bool next_chunk();
     Vec3d position(std::size_t i) const;
-    std::uint32_t points_of(NodeId id) const;  // at the level that is read: the first ones of the chunk
 
     std::shared_ptr<const Tree> tree_;
     std::optional<std::uint16_t> level_;
-    Selector selector_, without_box_;  // the second for chunks inside of the box
-    std::optional<Box3d> box_;
+    Selector selector_;
     FileInfo info_;
     ColumnSet columns_;
     bool single_precision_ = false;
     std::size_t chunks_ahead_;
 
-    std::vector<NodeId> nodes_;             // with points, in order
+    std::vector<SelectedNode> nodes_;       // with points, in order
     std::vector<std::uint64_t> first_;      // number of points of the nodes before each
     std::size_t next_node_ = 0;             // of those whose chunks were taken
     std::size_t next_ahead_ = 0;            // of those asked for

@@ -126,6 +126,10 @@ TEST_P(TreeReaderTest, SelectsWhatASelectionOfTheSourceSelects)
         if (round % 3 == 1) selection.where.push_back(parse_condition("rgb[0]=0..99,200.."));
         if (round % 4 == 1)
             selection.where.push_back(parse_condition("y>" + std::to_string(position_of(cloud_.points, cloud_.info.grid, 0)[1])));
+        if (round % 3 == 2) {
+            const Vec3d p = position_of(cloud_.points, cloud_.info.grid, random() % cloud_.points.size);
+            selection.region = round % 2 ? Region::sphere(p, 40) : Region::cone(p, {1, 2, -1}, 25);
+        }
         if (round % 4 == 2) selection.keep = {"gps_time"};
         if (round % 4 == 3) selection.drop = {"intensity"};
         const MemoryCloud part = read(selection, {}, 1 + random() % 2000);

@@ -1,0 +1,41 @@
+#include "cli/region_options.h"
+
+#include "cloud/error.h"
+
+namespace pcm::cli {
+
+void RegionOptions::add_to(CLI::App& command, const char* group)
+{
+    const auto add = [&](const char* name, int least, int most, const char* help) {
+        command.add_option(std::string("--") + name, given_[name], help)->expected(least, most)->group(group);
+    };
+    add("sphere", 4, 4, "Points in the sphere cx cy cz radius");
+    add("oriented-box", 7, 12, "In the box around cx cy cz with half sizes hx hy hz, turned about z by an angle in degrees, or along the axes ux uy uz vx vy vz");
+    add("ray", 7, 8, "In the cylinder from ox oy oz along dx dy dz with a radius and, if it ends, a length");
+    add("cone", 7, 8, "In the cone from ax ay az along dx dy dz with half its angle in degrees and, if it ends, a length");
+    add("frustum", 10, 13, "Seen from ex ey ez towards tx ty tz, with the angle of view upwards in degrees, width over height, near, far, and which way is up (default 0 0 1)");
+    add("planes", 7, 259, "On the inner side of planes: a centre cx cy cz, then nx ny nz offset for each, where n.(p-c)+offset>=0 is inside");
+    command.add_option("--region", given_["region"], "One of these in words, such as \"sphere 1 2 3 0.5\"")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->group(group);
+}
+
+std::optional<Region> RegionOptions::get() const
+{
+    std::optional<Region> region;
+    std::string first;
+    for (const auto& [name, words] : given_) {
+        if (words.empty()) continue;
+        if (region)
+            throw Error(ErrorCode::invalid_argument, {}, "--" + first + " and --" + name + " were both given",
+                        "points are chosen by one region, and a --box beside it");
+        first = name;
+        std::string text = name == "region" ? "" : name;
+        for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+        region = parse_region(text);
+    }
+    return region;
+}
+
+}  // namespace pcm::cli
