@@ -40,6 +40,7 @@ int build(Arguments& arguments)
         put_outcome(json, report.outcome);
         json["points_skipped"] = report.points_skipped;
         json["bytes"] = report.bytes;
+        json["scratch_bytes"] = report.scratch_bytes;
         json["position_error"] = report.outcome.error;
         json["nodes"] = report.nodes;
         json["levels"] = report.levels;
@@ -54,8 +55,9 @@ int build(Arguments& arguments)
                     report.outcome.points_out
                         ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
                         : 0.0);
-        std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
-                    bytes_text(peak_rss_bytes()).c_str());
+        std::printf("largest position error %s source units, peak memory %s, scratch at most %s\n",
+                    exact(report.outcome.error).c_str(), bytes_text(peak_rss_bytes()).c_str(),
+                    bytes_text(report.scratch_bytes).c_str());
     }
     return 0;
 }

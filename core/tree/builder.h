@@ -26,6 +26,7 @@ struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
     std::uint64_t points_skipped = 0;  // without a finite position
     std::uint64_t bytes = 0;           // of the tree folder
+    std::uint64_t scratch_bytes = 0;   // the most that the build had on disk beside them
     std::uint64_t nodes = 0;
     std::uint16_t levels = 0;
     std::vector<std::string> notes;    // from the readers, and about merged schemas

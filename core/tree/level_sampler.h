@@ -51,6 +51,8 @@ public:
     // `progress(fraction)` is called now and then on the calling thread and may throw.
     void run(unsigned threads, const std::function<void(double)>& progress);
 
+    // Of the sampler's notes on disk.
+    std::uint64_t bytes() const { return end_; }
     // Of each level; 0 for the rest. Of a given cloud its own, and the rest where it had none and is needed now.
     const std::vector<double>& spacings() const { return spacings_; }
     // Number of points of each level in a bin.

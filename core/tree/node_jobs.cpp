@@ -7,9 +7,9 @@
 namespace pcm {
 
 template <class Coord>
-NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const Scratch& scratch, const LevelSampler<Coord>& levels,
+NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
                           const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files)
-    : top_(top), scratch_(scratch), levels_(levels), options_(options), drafts_(drafts), files_(files)
+    : top_(top), bins_(bins), levels_(levels), options_(options), drafts_(drafts), files_(files)
 {
     list(0, NodePath());
     plan();
@@ -19,7 +19,7 @@ template <class Coord>
 std::uint64_t NodeJobs<Coord>::rows(std::uint32_t node) const
 {
     const auto& n = top_.nodes[node];
-    if (!n.children[0]) return scratch_.rows(n.bin);
+    if (!n.children[0]) return bins_.rows(n.bin);
     return rows(n.children[0]) + rows(n.children[1]);
 }
 
@@ -31,7 +31,7 @@ std::optional<std::size_t> NodeJobs<Coord>::list(std::uint32_t number, const Nod
     Job job;
     job.path = path;
     if (!node.children[0]) {
-        if (scratch_.rows(node.bin) == 0) return std::nullopt;
+        if (bins_.rows(node.bin) == 0) return std::nullopt;
         job.bin = node.bin;
         job.histogram = levels_.histogram(node.bin);
     } else {
@@ -67,7 +67,7 @@ auto NodeJobs<Coord>::build(Builder& builder, Job& job, typename Builder::Region
                             typename Builder::Output& output) const -> typename Builder::Region
 {
     if (!job.bin) return builder.merge(std::move(left), std::move(right), job.path, job.own, output);
-    const LeveledRows points{scratch_.read(*job.bin), levels_.levels(*job.bin)};
+    const LeveledRows points{bins_.read(*job.bin), levels_.levels(*job.bin)};
     return builder.build(points, job.path, job.above, output);
 }
 
@@ -115,7 +115,7 @@ Draft* NodeJobs<Coord>::run(unsigned threads, const std::function<void(std::uint
             lock.lock();
             job.region = std::move(region);
             job.done = true;
-            if (job.bin) points_done += scratch_.rows(*job.bin);
+            if (job.bin) points_done += bins_.rows(*job.bin);
             waiting.emplace(*mine, std::move(output));
             // One thread at a time writes what is next in turn.
             while (!committing && !waiting.empty() && waiting.begin()->first == next_commit) {

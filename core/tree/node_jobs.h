@@ -4,7 +4,7 @@
 #include "tree/data_files.h"
 #include "tree/level_sampler.h"
 #include "tree/node_builder.h"
-#include "tree/scratch.h"
+#include "tree/sorted_bins.h"
 #include "tree/top_tree.h"
 
 #include <cstddef>
@@ -20,8 +20,8 @@ namespace pcm {
 template <class Coord>
 class NodeJobs {
 public:
-    // `scratch` holds the bins' rows in Morton order. All arguments must outlive the jobs.
-    NodeJobs(const TopTree<Coord>& top, const Scratch& scratch, const LevelSampler<Coord>& levels,
+    // All arguments must outlive the jobs.
+    NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
              const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files);
 
     // Returns the root; null for a cloud without points. `progress(points done)` is called on this thread and may throw.
@@ -48,7 +48,7 @@ private:
                                    typename Builder::Output& output) const;
 
     const TopTree<Coord>& top_;
-    const Scratch& scratch_;
+    const SortedBins<Coord>& bins_;
     const LevelSampler<Coord>& levels_;
     const NodeBuilderOptions& options_;
     DraftStore& drafts_;

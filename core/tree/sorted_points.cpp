@@ -19,7 +19,7 @@ SortedPoints<Coord>::~SortedPoints()
 }
 
 template <class Coord>
-void SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& points)
+std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& points)
 {
     Bin& to = bins_[bin];
     to.box.low = to.box.high = points[0];
@@ -49,6 +49,7 @@ void SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& 
     }
     for (Block& block : to.blocks) block.offset += offset;
     file_.write_at(bytes.data(), bytes.size(), offset);
+    return bytes.size();
 }
 
 template <class Coord>

@@ -31,8 +31,8 @@ public:
     // Bytes on disk so far.
     std::uint64_t bytes() const { return end_; }
 
-    // Any thread, each bin once. `points` in Morton order, at least one.
-    void put(std::size_t bin, const std::vector<Point<Coord>>& points);
+    // Any thread, each bin once. `points` in Morton order, at least one. Returns the bytes they take on disk.
+    std::uint64_t put(std::size_t bin, const std::vector<Point<Coord>>& points);
 
     // A bin's points, block by block as they are asked for. Belongs to one thread.
     class Reader {

@@ -1,0 +1,67 @@
+#include "tree/sorted_bins.h"
+
+#include "bpc/bpc.h"
+#include "cloud/error.h"
+
+#include <cstring>
+
+namespace pcm {
+
+template <class Coord>
+SortedBins<Coord>::SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema,
+                              ScratchSpace& space)
+    : layout_(layout), packing_(layout, schema, false), space_(space), points_(folder / "points.tmp"),
+      file_(folder / "attributes.tmp", space)
+{
+}
+
+template <class Coord>
+void SortedBins<Coord>::resize(std::size_t bins)
+{
+    points_.resize(bins);
+    attributes_.resize(bins);
+}
+
+template <class Coord>
+void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows, const std::vector<std::uint32_t>& order)
+{
+    std::vector<std::byte> packed;
+    if (layout_.bytes > 3 * sizeof(Coord)) packing_.pack(rows.data(), order.data(), order.size(), packed);
+    Attributes& to = attributes_[bin];
+    to.bytes = packed.size();
+    to.checksum = checksum(packed.data(), packed.size());
+    to.offset = file_.reserve(to.bytes);
+    file_.take(to.bytes);
+    file_.write_at(packed.data(), packed.size(), to.offset);
+    packed = {};
+
+    std::vector<Point<Coord>> positions(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) positions[i] = coordinates_of<Coord>(rows.data() + order[i] * layout_.bytes);
+    space_.take(points_.put(bin, positions));
+}
+
+template <class Coord>
+std::vector<std::byte> SortedBins<Coord>::read(std::size_t bin) const
+{
+    const Attributes& from = attributes_[bin];
+    std::vector<std::byte> packed(from.bytes);
+    file_.read_at(packed.data(), packed.size(), from.offset);
+    if (checksum(packed.data(), packed.size()) != from.checksum)
+        throw Error(ErrorCode::corrupt, file_.path(),
+                    "what was written at byte " + std::to_string(from.offset) + " is not what is there now",
+                    "the disk may be failing; build again");
+    const std::size_t count = rows(bin);
+    std::vector<std::byte> all(count * layout_.bytes);
+    if (layout_.bytes > 3 * sizeof(Coord)) packing_.unpack(packed.data(), packed.size(), all.data(), count, file_.path());
+    typename SortedPoints<Coord>::Reader positions(points_, bin);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point<Coord> p = positions[i];
+        std::memcpy(all.data() + i * layout_.bytes, p.data(), sizeof p);
+    }
+    return all;
+}
+
+template class SortedBins<std::uint32_t>;
+template class SortedBins<std::uint64_t>;
+
+}  // namespace pcm
