@@ -17,6 +17,8 @@ int main(int argc, char** argv)
     pcm::cli::add_convert(app, result);
     pcm::cli::add_info(app, result);
     pcm::cli::add_verify(app, result);
+    pcm::cli::add_delete(app, result);
+    pcm::cli::add_repair(app, result);
     pcm::cli::add_generate(app, result);
 
     const char* problem = nullptr;

@@ -3,6 +3,7 @@
 #include "cli/common.h"
 #include "tree/verify_levels.h"
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -26,6 +27,10 @@ void print(const LevelsReport& report)
                     grouped(level.isolated).c_str());
     }
     std::printf("distances over the level's spacing, measured in %.1f s\n", report.seconds);
+    if (std::isinf(report.coverage_limit))
+        std::printf("points were deleted: coverage is not promised until 'pcm compact'\n");
+    else if (report.coverage_limit > 1)
+        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcm compact'\n", report.coverage_limit);
 }
 
 Json to_json(const LevelsReport& report)

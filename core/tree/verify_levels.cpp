@@ -110,6 +110,7 @@ public:
     LevelsReport run()
     {
         LevelsReport report;
+        report.coverage_limit = coverage_limit();
         for (std::size_t level = 0; level < info_.spacings.size() && info_.spacings[level] > 0; ++level)
             if (info_.points) tiles_.push_back({level, info_.box});
         sums_.resize(tiles_.size());
@@ -124,7 +125,8 @@ public:
             }
             watch_.report("Measuring levels", static_cast<double>(done) / all);
         });
-        for (std::size_t level = 0; level < sums_.size(); ++level) report.levels.push_back(measure(level, report.faults));
+        for (std::size_t level = 0; level < sums_.size(); ++level)
+            report.levels.push_back(measure(level, report.coverage_limit, report.faults));
         report.seconds = watch_.seconds();
         return report;
     }
@@ -217,7 +219,10 @@ private:
         std::uint64_t seen = 0;
         for_points(tile.box, info_.levels, [&](const Vec3i& p, std::size_t level) {
             ++seen;
-            if (level > tile.level) sums.farthest = std::max(sums.farthest, cubes.nearest(p, 1, Cubes::none));
+            if (level <= tile.level) return;
+            double nearest = cubes.nearest(p, 1, Cubes::none);
+            if (nearest >= squared_spacing) nearest = cubes.nearest(p, 2, Cubes::none);
+            sums.farthest = std::max(sums.farthest, nearest > 4 * squared_spacing ? infinity : nearest);
         });
         const std::lock_guard lock(signal_.mutex);
         points_done_ += seen;
@@ -248,7 +253,16 @@ private:
         return true;
     }
 
-    LevelMeasure measure(std::size_t level, std::vector<std::string>& faults) const
+    double coverage_limit() const
+    {
+        if (!info_.coverage_kept) return infinity;
+        if (info_.sampling == Sampling::grid) return 1;
+        std::size_t parts = 0;
+        for (const NodeId root : tree_.part_roots()) parts += root != no_node;
+        return parts > 1 ? 2 : 1;
+    }
+
+    LevelMeasure measure(std::size_t level, double limit, std::vector<std::string>& faults) const
     {
         const Sums& sums = sums_[level];
         LevelMeasure measure;
@@ -265,9 +279,9 @@ private:
         const std::string name = "level " + std::to_string(level) + ": ";
         if (info_.sampling == Sampling::poisson && sums.least < squared)
             faults.push_back(name + "two points are only " + std::to_string(measure.least_distance) + " of its spacing apart");
-        if (sums.farthest >= squared)
-            faults.push_back(name + "a point has none within its spacing, the nearest is " + std::to_string(measure.coverage) +
-                             " of it away");
+        if (limit < infinity && sums.farthest >= limit * limit * squared)
+            faults.push_back(name + "a point has none within " + (limit > 1 ? "twice " : "") + "its spacing, the nearest is " +
+                             std::to_string(measure.coverage) + " of it away");
         return measure;
     }
 

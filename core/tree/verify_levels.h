@@ -15,7 +15,7 @@ struct LevelMeasure {
     double spacing = 0;             // source units
     std::uint64_t points = 0;       // of the cloud at this level
     double least_distance = 0;      // between any two of them; infinite for a single point
-    double coverage = 0;            // largest distance from a point of the whole cloud to the nearest of them
+    double coverage = 0;            // largest distance from a point of the whole cloud to the nearest of them; infinite beyond 2
     // Spread of the distances to the nearest neighbour: standard deviation over mean, of points that have one within twice the
     // spacing, and how many have none.
     double variation = 0;
@@ -24,6 +24,10 @@ struct LevelMeasure {
 
 struct LevelsReport {
     std::vector<LevelMeasure> levels;  // all but a last one that holds the rest
+    // What no coverage reaches: 1 in a tree as it was built or compacted. 2 after appending: a new point whose level would bring it too
+    // near to a finer one that was there takes a later level; then it has that one near, which is itself covered or near to a yet
+    // coarser one, and so on, each half as far as the next: less than twice the spacing in all. Infinite after deleting.
+    double coverage_limit = 1;
     std::vector<std::string> faults;   // where the levels are not what their kind of sampling promises
     double seconds = 0;
 };

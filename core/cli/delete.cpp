@@ -1,0 +1,78 @@
+#include "cli/common.h"
+#include "cloud/error.h"
+#include "tree/update/erase.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::string tree;
+    std::vector<double> box;
+    std::vector<std::string> where;
+    EraseOptions options;
+};
+
+int erase(Arguments& arguments)
+{
+    Selection selection;
+    if (!arguments.box.empty())
+        selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]}, {arguments.box[3], arguments.box[4], arguments.box[5]}};
+    for (const std::string& condition : arguments.where) selection.where.push_back(parse_condition(condition));
+    if (!selection.chooses_points())
+        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted", "give --box, --where or both");
+    arguments.options.progress = console_progress(arguments.common);
+    const EraseReport report = erase_points(arguments.tree, selection, arguments.options);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        put_outcome(json, report.outcome);
+        json["points_deleted"] = report.points_deleted;
+        json["done"] = !arguments.options.count_only;
+        json["nodes_rewritten"] = report.nodes_rewritten;
+        json["nodes_emptied"] = report.nodes_emptied;
+        json["bytes_written"] = report.bytes_written;
+        json["levels_as_even_as_before"] = report.coverage_kept;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    if (arguments.options.count_only) {
+        std::printf("%s: %s of %s points would be deleted\n", arguments.tree.c_str(), grouped(report.points_deleted).c_str(),
+                    grouped(report.outcome.points_in).c_str());
+        return 0;
+    }
+    std::printf("%s: %s points deleted, %s are left; %s nodes written anew (%s), %s without points now, in %.1f s\n", arguments.tree.c_str(),
+                grouped(report.points_deleted).c_str(), grouped(report.outcome.points_out).c_str(), grouped(report.nodes_rewritten).c_str(),
+                bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(), report.outcome.seconds);
+    if (!report.coverage_kept)
+        std::printf("note: coarse levels have gaps where points went; 'pcm compact' closes them and frees the space\n");
+    return 0;
+}
+
+}  // namespace
+
+void add_delete(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("delete", "Delete points of a tree");
+    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    const char* const group = "What is deleted";
+    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
+        ->expected(6)
+        ->group(group);
+    command->add_option("--where", arguments->where,
+                        "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
+                        "of several all")
+        ->allow_extra_args(false)
+        ->group(group);
+    command->add_flag("--count", arguments->options.count_only, "Only say how many points that would be");
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = erase(*arguments); });
+}
+
+}  // namespace pcm::cli

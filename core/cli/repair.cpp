@@ -1,0 +1,63 @@
+#include "tree/update/repair.h"
+
+#include "cli/common.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::string tree;
+    RepairOptions options;
+};
+
+int repair(Arguments& arguments)
+{
+    arguments.options.progress = console_progress(arguments.common);
+    const RepairReport report = repair_tree(arguments.tree, arguments.options);
+    end_progress(arguments.common);
+    const bool check = arguments.options.check_only;
+    const int result = check && !report.whole() ? 1 : 0;
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        put_outcome(json, report.outcome);
+        json["generation"] = report.generation;
+        json["whole"] = report.whole();
+        json["index_written"] = report.index_written && !check;
+        json["points_lost"] = report.points_lost;
+        json["faults"] = report.faults;
+        json["leftovers"] = report.healed;
+        std::printf("%s\n", json.dump(2).c_str());
+        return result;
+    }
+    for (const std::string& fault : report.faults) std::printf("fault: %s\n", fault.c_str());
+    for (const std::string& file : report.healed)
+        std::printf("%s: left by an interrupted update, %s\n", file.c_str(), check ? "to be removed" : "removed");
+    const char* const tree = arguments.tree.c_str();
+    const std::string points = grouped(report.outcome.points_out);
+    if (!report.index_written)
+        std::printf("%s: whole; %s points\n", tree, points.c_str());
+    else
+        std::printf("%s: %s from its chunks; %s points, %s lost\n", tree, check ? "can be put together" : "put together", points.c_str(),
+                    grouped(report.points_lost).c_str());
+    return result;
+}
+
+}  // namespace
+
+void add_repair(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("repair", "Make a tree's index anew from its chunks, without those that are damaged");
+    command->add_option("tree", arguments->tree, "Tree folder")->required();
+    command->add_flag("--check", arguments->options.check_only, "Only say what is damaged and what could be saved");
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = repair(*arguments); });
+}
+
+}  // namespace pcm::cli
