@@ -297,6 +297,9 @@ private:
         else if (old_)
             expected = old_->info.points;
         report_.outcome.points_in = expected.value_or(info.points);
+        if (info.points == 0 && report_.outcome.points_in)
+            throw Error(ErrorCode::corrupt, folder_, "not one of its " + grouped(report_.outcome.points_in) + " points is in a chunk that is whole",
+                        "bring its data files back");
         report_.outcome.points_out = info.points;
         if (report_.outcome.points_in > info.points) report_.points_lost = report_.outcome.points_in - info.points;
         if (report_.outcome.points_in < info.points)

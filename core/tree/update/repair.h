@@ -35,7 +35,7 @@ struct RepairReport {
 // once, which is kept as index.pct.damaged.
 // A tree whose index is lost is, node for node, what it was. Without about.pct too, the metadata, the names of sources, and the number of
 // skipped points are lost, which is told. `path` is the tree folder.
-// Throws Error(not_a_tree) when there is no chunk of a tree in the folder, Error(exists) when somebody else changes the tree.
+// Throws Error(not_a_tree) when there is no chunk of a tree in the folder, Error(corrupt) when no point can be saved, Error(exists) when somebody else changes the tree.
 RepairReport repair_tree(const std::filesystem::path& path, const RepairOptions& options = {});
 
 }  // namespace pcm
