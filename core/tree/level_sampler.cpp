@@ -407,7 +407,7 @@ void LevelSampler<Coord>::bar_points(std::size_t number)
         const auto given = given_near(number, sizes_[level], level, level, points);
         if (given.empty()) continue;
         barred.resize(points.size(), 255);
-        PoissonPass<Coord>(points, lattice_, sizes_[level], given).mark(barred);
+        PoissonPass<Coord>(points, lattice_, sizes_[level], {}, given).mark(barred);
     }
     if (!barred.empty()) bins_[number].bytes = write(barred.data(), barred.size());
 }
@@ -422,25 +422,33 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     if (bin.chosen == box.points) return;
     const auto covers_all = [&](const Point<Coord>& p) { return squared_distance_to(p, box, true) * (1 + margin) < squared; };
 
-    std::vector<Point<Coord>> chosen;
+    std::vector<Point<Coord>> others;
     for (const Point<Coord>& p : bin.border)
         if (covers_all(p)) return;
     for (const std::size_t n : neighbours)
         for (const Point<Coord>& p : bins_[n].border) {
             if (covers_all(p)) return;
-            if (squared_distance_to(p, box, false) * (1 - margin) < squared) chosen.push_back(p);
+            if (squared_distance_to(p, box, false) * (1 - margin) < squared) others.push_back(p);
         }
     typename SortedPoints<Coord>::Reader points(points_, number);
-    for (const List& list : bin.lists)
-        for (const std::uint32_t i : read(list)) chosen.push_back(points[i]);
+    std::vector<std::uint32_t> own;
+    if (!bin.lists.empty()) {
+        std::vector<std::uint64_t> is_own(box.points / 64 + 1, 0);
+        for (const List& list : bin.lists)
+            for (const std::uint32_t i : read(list)) is_own[i / 64] |= std::uint64_t(1) << i % 64;
+        own.reserve(bin.chosen);
+        for (std::size_t word = 0; word < is_own.size(); ++word)
+            for (std::uint64_t bits = is_own[word]; bits; bits &= bits - 1)
+                own.push_back(static_cast<std::uint32_t>(word * 64 + static_cast<std::size_t>(__builtin_ctzll(bits))));
+    }
     std::vector<std::uint8_t> barred;
     if (given_.list) {
         const auto given = given_near(number, size, 0, static_cast<std::size_t>(sizes_[0] - size), points);
-        chosen.insert(chosen.end(), given.begin(), given.end());
+        others.insert(others.end(), given.begin(), given.end());
         if (bin.bytes != no_bytes) barred = read_bytes(number);
     }
 
-    const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, chosen).run(barred);
+    const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, own, others).run(barred);
     if (!found.empty()) {
         const std::uint64_t offset = write(found.data(), found.size() * sizeof found[0]);
         bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size())});

@@ -7,6 +7,11 @@
 // covered as a whole, or halved, where a ball around a chosen point contains them.
 //
 // Covered means squared_distance < spacing², evaluated in double; so the distances of a sample are exact, not nearly right.
+// Distances are looked at in float first, which decides where it does so by more than its error.
+//
+// Cells are grouped twice. A bucket is as wide as the spacing at least, so that what is near a point is in its bucket or in
+// one of the 26 around; a block is 8 x 8 x 8 buckets. A hash table knows the blocks that hold chosen points. For the block
+// at hand the chosen points in and around it are put into an array of buckets, small enough for the first cache.
 #pragma once
 
 #include "tree/sorted_points.h"
@@ -19,9 +24,10 @@ namespace pcm {
 template <class Coord>
 class PoissonPass {
 public:
-    // `chosen`: every point chosen so far that is nearer than the spacing to some point of the bin (others do no harm).
+    // `own`: the points of the bin that are chosen already, rising. `others`: every point elsewhere chosen so far that is
+    // nearer than the spacing to some point of the bin (more do no harm).
     PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
-                const std::vector<Point<Coord>>& chosen);
+                const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others);
 
     // Indices of the points that are chosen now, rising. Where `barred` is not empty it says of each point the smallest size
     // that may not choose it, as may no larger one: such points are left out, covered or not.
@@ -32,47 +38,76 @@ public:
 
 private:
     static constexpr std::uint32_t none = 0xffffffffu;
-    struct Bucket {  // 4 x 4 x 4 cells
-        Point<Coord> at{};
-        std::uint32_t head = none;  // its chosen points, a list; none: the bucket is not in use
-        std::uint64_t taken = 0;    // cells that hold one
-    };
+    static constexpr std::size_t side = 10;  // of the array of buckets: a block's 8, and one more on either side
     struct Chosen {
         Point<Coord> point;
-        std::uint32_t next;
+        std::uint32_t next;  // of its block
     };
-    struct Near {  // a chosen point, relative to the bucket at hand, in grid steps
-        Vec3d at;
-        std::uint32_t chosen;
+    struct Block {
+        Point<Coord> at{};
+        // Its chosen points, two lists: in the outer buckets, which the blocks around look at, and in the others. Both none:
+        // the slot is not in use.
+        std::uint32_t rim = none, core = none;
+        bool used() const { return rim != none || core != none; }
+    };
+    struct Local {  // a chosen point in or around the block at hand, in spacings from its corner
+        float x, y, z;
+        std::uint32_t chosen, next;  // next of its bucket
+    };
+    struct NearPoints {  // what is near the bucket at hand, then parts of that, each in fours
+        std::vector<float> x, y, z;
+        std::vector<std::uint32_t> chosen;
+        std::size_t size = 0;
+        void make_room(std::size_t more);  // for add() and fill_four()
+        void add(float px, float py, float pz, std::uint32_t n)
+        {
+            x[size] = px;
+            y[size] = py;
+            z[size] = pz;
+            chosen[size++] = n;
+        }
+        void fill_four();
+    };
+    struct Range {  // of NearPoints
+        std::size_t from, to;
     };
 
-    std::size_t slot(const Point<Coord>& bucket) const;
-    Point<Coord> bucket_of(const Point<Coord>& p) const;
-    std::uint64_t bit_of(const Point<Coord>& p) const;
-    void add(const Point<Coord>& p);
+    std::size_t slot(const Point<Coord>& block) const;
     void grow();
-    Vec3d relative(const Point<Coord>& p) const;
-    Near near(std::uint32_t chosen) const { return {relative(chosen_[chosen].point), chosen}; }
-    void gather(const Point<Coord>& bucket);
-    bool covered(const Point<Coord>& p, const Vec3d& at, const Near* from, std::size_t count) const;
-    // The first point of [i, end), all of one cell of `size`, that none of near_[from .. from + count) covers; `end` if none.
+    std::uint32_t add(const Point<Coord>& p);
+    float relative(Coord c, std::size_t axis) const;
+    void enter_block(const Point<Coord>& p);
+    void add_local(std::uint32_t chosen);
+    std::size_t cell_at(const Point<Coord>& p) const;
+    Range gather(std::size_t cell);
+    bool covered(const Point<Coord>& p, Range near);
     std::size_t first_free(std::size_t i, std::size_t end) const;
-    std::size_t first_uncovered(std::size_t i, std::size_t end, int size, std::size_t from, std::size_t count);
+    // The first point of [i, end), all of one cell of `size`, that none of `near` covers and none bars; `end` if none.
+    std::size_t first_uncovered(std::size_t i, std::size_t end, int size, Range near);
 
     typename SortedPoints<Coord>::Reader& points_;
     const Lattice& lattice_;
     const int size_;
-    Vec3d squared_scale_;
+    const int bucket_bits_;  // a bucket is 2^bucket_bits cells wide
+    const std::vector<std::uint32_t>& own_;
+    Vec3d squared_scale_, unit_;  // unit: spacings a grid step
     double squared_spacing_;
-    std::array<int, 3> cell_, bucket_;
-    bool exact_;  // coordinates relative to a bucket are exact in double
+    std::array<int, 3> cell_, bucket_, block_;
     std::vector<Chosen> chosen_;
     int table_bits_ = 6;
-    std::vector<Bucket> table_;  // 2^table_bits_
+    std::vector<Block> table_;  // 2^table_bits_
     std::size_t used_ = 0;
-    Point<Coord> origin_{};
-    std::vector<Near> near_;
     const std::uint8_t* barred_ = nullptr;
+
+    // Of the block at hand.
+    Point<Coord> origin_{};
+    std::vector<Local> local_;
+    std::array<std::uint32_t, side * side * side> heads_;  // of buckets; only where rows_ says that there is one
+    std::array<std::uint32_t, side * side> rows_;          // of buckets along x, a bit for each that holds a chosen point
+    std::vector<std::uint64_t> taken_;  // a bit a cell: holds a chosen point
+    std::size_t bucket_mask_;           // of a cell's index: its bucket
+    NearPoints near_;
+    std::size_t hint_ = 0;  // the four among which the last point had its cover
 };
 
 // Whether the bin has points in the bucket of a point or in one beside it, which is where all are that are nearer than the
