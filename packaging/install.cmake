@@ -11,7 +11,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 set(public_headers
   point_cloud.h
   io/reader.h io/grid_choice.h io/selection.h io/text_layout.h io/writer.h
-  bpc/bpc_array.h bpc/chunk.h bpc/chunk_index.h bpc/cloud_block.h
+  bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
   tree/tree.h tree/tree_reader.h tree/selected_nodes.h tree/builder.h tree/verify.h tree/verify_levels.h
   convert/convert.h
   cache/l2_cache.h)

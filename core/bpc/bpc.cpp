@@ -88,10 +88,13 @@ private:
         with_scalar(column.type(), [&](auto scalar) {
             using T = decltype(scalar);
             T* values = column.as<T>();
-            const std::size_t n = words.size();
+            const std::size_t n = words.size(), points = column.size();
             for (std::size_t c = 0; c < n; ++c) {
                 const T value = from_word<T>(static_cast<WordOf<T>>(words[c]));
-                for (std::size_t i = 0; i < column.size(); ++i) values[i * n + c] = value;
+                if (n == 1)
+                    std::fill_n(values, points, value);
+                else
+                    for (std::size_t i = 0; i < points; ++i) values[i * n + c] = value;
             }
             return 0;
         });
@@ -161,7 +164,10 @@ private:
     std::vector<std::uint64_t> wide_words_;
 };
 
-// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie less than `gap` bytes apart
+// Bytes between two pieces that are read along, since that takes less time than a second read.
+constexpr std::uint64_t join_gap = 16384;
+
+// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie at most `gap` bytes apart
 // come in one read. Returns the bytes read.
 std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHeader& header, const ColumnSet& columns,
                             const std::vector<std::uint32_t>& kept, std::uint64_t gap, Chunk& chunk)
@@ -197,6 +203,24 @@ BpcHeader read_known_header(const File& file, std::uint64_t offset, std::uint64_
 }
 
 }  // namespace
+
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                            const ColumnSet& columns, const WantedSegment& wanted)
+{
+    try {
+        DecodedPart result;
+        result.header = read_known_header(file, offset, bytes, header_bytes);
+        if (result.header.doubles)
+            throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
+        for (std::uint32_t s = 0; s < result.header.segments.size(); ++s)
+            if (wanted(result.header.segments[s].box, result.header.segments[s].level)) result.kept.push_back(s);
+        result.bytes_read = result.header.header_bytes;
+        result.bytes_read += read_segments(file, offset, result.header, columns, result.kept, join_gap, result.chunk);
+        return result;
+    } catch (const Error& error) {
+        rethrow_naming(error, file, offset);
+    }
+}
 
 DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
                         const ColumnSet& columns, ChunkPositionsMayBe positions_may_be)

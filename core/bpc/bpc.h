@@ -3,47 +3,16 @@
 #pragma once
 
 #include "bpc/chunk.h"
+#include "bpc/chunk_identity.h"
 #include "bpc/double_codes.h"
 #include "cloud/file.h"
 
-#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 namespace pcm {
-
-// The way from the root to a node: bit i of the 128 tells which child is taken at depth i.
-struct NodePath {
-    static constexpr std::uint16_t max_depth = 128;
-    std::uint16_t depth = 0;
-    std::array<std::uint64_t, 2> bits{0, 0};
-
-    NodePath child(unsigned side) const
-    {
-        NodePath path = *this;
-        if (side) path.bits[depth / 64] |= std::uint64_t(1) << (depth % 64);
-        ++path.depth;
-        return path;
-    }
-    bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
-};
-
-// What a chunk of a tree says about its node, so that a tree can be put together from its chunks.
-struct ChunkIdentity {
-    NodePath path;                            // from the root of its part
-    std::uint32_t part = 0;                   // 0: what the build made; each append adds one
-    std::uint32_t generation = 1;             // of the tree when the chunk was written: 1 at the build, one more with each update
-    std::uint16_t first_level = 0;            // of its points
-    std::vector<std::uint32_t> level_points;  // how many of them are of first_level, of the next, ...
-    double spacing = 0;                       // as Node::spacing
-
-    bool operator==(const ChunkIdentity& o) const
-    {
-        return path == o.path && part == o.part && generation == o.generation && first_level == o.first_level &&
-               level_points == o.level_points && spacing == o.spacing;
-    }
-};
 
 // Consecutive points of one level. A chunk of version 1 or 2 is one segment.
 struct BpcSegment {
@@ -109,6 +78,17 @@ struct DecodedChunk {
 enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
 DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
                         const ColumnSet& columns, ChunkPositionsMayBe positions = ChunkPositionsMayBe::on_grid);
+
+// The same of the segments alone for which `wanted` holds, given their box and level; pieces that lie near each other come in one read.
+struct DecodedPart {
+    BpcHeader header;
+    Chunk chunk;                      // the points of the kept segments, in their order
+    std::vector<std::uint32_t> kept;  // numbers in header.segments
+    std::uint64_t bytes_read = 0;     // the header's among them
+};
+using WantedSegment = std::function<bool(const Box3i& box, std::uint16_t level)>;
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                            const ColumnSet& columns, const WantedSegment& wanted);
 
 std::uint64_t checksum(const void* data, std::size_t bytes);  // XXH3, 64 bits
 

@@ -1,5 +1,6 @@
 #include "bpc/commit_record.h"
 
+#include "bpc/bpc.h"
 #include "bpc/byte_order.h"
 #include "bpc/read_head.h"
 #include "cloud/error.h"

@@ -2,10 +2,10 @@
 // FORMAT.md.
 #pragma once
 
-#include "bpc/bpc.h"
+#include "cloud/file.h"
 
+#include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <vector>
 

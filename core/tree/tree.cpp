@@ -130,26 +130,57 @@ std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optiona
     return result;
 }
 
+Chunk Tree::empty_chunk(const ColumnSet& columns) const
+{
+    Chunk chunk;
+    chunk.attributes.resize(info_.schema.size());
+    if (columns.positions) chunk.positions = std::make_shared<ChunkPositions>();
+    for (std::size_t i = 0; i < info_.schema.size(); ++i)
+        if (columns.attributes.test(i)) chunk.attributes[i] = std::make_shared<Column>(info_.schema[i]);
+    return chunk;
+}
+
+// A chunk that is whole may still be another node's.
+void Tree::check(NodeId id, const BpcHeader& header) const
+{
+    const Node& node = nodes_[id];
+    if (!header.identity || !(*header.identity == identity(id)) || !(header.schema == info_.schema) || !(header.grid == info_.grid) ||
+        !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
+        throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
+                    "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
+                    "'pcm repair' makes the index again from the chunks");
+}
+
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
 {
     const Node& node = nodes_.at(id);
-    if (node.points == 0) {
-        Chunk chunk;
-        chunk.attributes.resize(info_.schema.size());
-        if (columns.positions) chunk.positions = std::make_shared<ChunkPositions>();
-        for (std::size_t i = 0; i < info_.schema.size(); ++i)
-            if (columns.attributes.test(i)) chunk.attributes[i] = std::make_shared<Column>(info_.schema[i]);
-        return chunk;
-    }
-    const File& file = files_[node.extent.file];
-    DecodedChunk decoded = pcm::read_chunk(file, node.extent.offset, node.extent.bytes, node.extent.header_bytes, columns);
-    const BpcHeader& header = decoded.header;
-    if (!header.identity || !(*header.identity == identity(id)) || !(header.schema == info_.schema) || !(header.grid == info_.grid) ||
-        !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
-        throw Error(ErrorCode::corrupt, file.path(),
-                    "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " +
-                        std::to_string(id));
+    if (node.points == 0) return empty_chunk(columns);
+    const Extent& extent = node.extent;
+    DecodedChunk decoded = pcm::read_chunk(files_[extent.file], extent.offset, extent.bytes, extent.header_bytes, columns);
+    check(id, decoded.header);
     return std::move(decoded.chunk);
+}
+
+ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
+                                const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const
+{
+    ChunkPart part;
+    const Node& node = nodes_.at(id);
+    if (node.points == 0) {
+        part.chunk = empty_chunk(columns);
+        return part;
+    }
+    const Extent& extent = node.extent;
+    DecodedPart decoded =
+        pcm::read_chunk_part(files_[extent.file], extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+    check(id, decoded.header);
+    for (const std::uint32_t s : decoded.kept) {
+        part.first.push_back(decoded.header.segments[s].first);
+        part.count.push_back(decoded.header.segments[s].count);
+    }
+    part.chunk = std::move(decoded.chunk);
+    part.bytes_read = decoded.bytes_read;
+    return part;
 }
 
 std::vector<LevelSummary> Tree::level_summaries() const

@@ -12,8 +12,8 @@
 // A Tree is immutable after open(); every member may be called from any number of threads.
 #pragma once
 
-#include "bpc/bpc.h"
 #include "bpc/chunk.h"
+#include "bpc/chunk_identity.h"
 #include "bpc/commit_record.h"
 #include "cloud/attribute.h"
 #include "cloud/file.h"
@@ -22,12 +22,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace pcm {
+
+struct BpcHeader;
 
 using NodeId = std::uint32_t;
 inline constexpr NodeId no_node = 0xffffffffu;
@@ -115,6 +118,15 @@ struct LevelSummary {
 inline constexpr const char* index_file_name = "index.pct";
 inline constexpr const char* tree_extension = "pct";
 
+// Consecutive points of one level of a chunk, of which the chunk keeps the box, can be read alone: segments. `chunk` has the points of
+// the segments that were kept, one segment after another.
+struct ChunkPart {
+    Chunk chunk;
+    std::vector<std::uint32_t> first;  // of each kept segment: its first point's number in the whole chunk
+    std::vector<std::uint32_t> count;  // and its points
+    std::uint64_t bytes_read = 0;
+};
+
 class Tree {
 public:
     // `path` is the tree folder or the index file in it. Throws Error(not_found | not_a_tree | interrupted_build |
@@ -141,6 +153,11 @@ public:
     // empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
     Chunk read_chunk(NodeId id, const ColumnSet& columns) const;
 
+    // The same of some segments of the chunk: of those alone for which `wanted` holds, which is asked for each with its tight box on the
+    // grid and the level of its points. What lies near together comes in one read.
+    ChunkPart read_chunk_part(NodeId id, const ColumnSet& columns,
+                              const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const;
+
     // The deepest level whose cloud has at most `points` points (0 if even the root level has more).
     std::uint16_t level_with_at_most(std::uint64_t points) const;
     std::vector<LevelSummary> level_summaries() const;
@@ -149,6 +166,8 @@ public:
 
 private:
     Tree() = default;
+    Chunk empty_chunk(const ColumnSet& columns) const;
+    void check(NodeId id, const BpcHeader& header) const;
     std::filesystem::path folder_;
     TreeInfo info_;
     std::vector<Node> nodes_;

@@ -1,0 +1,42 @@
+// Which node of a tree a chunk belongs to.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// The way from the root to a node: bit i of the 128 tells which child is taken at depth i.
+struct NodePath {
+    static constexpr std::uint16_t max_depth = 128;
+    std::uint16_t depth = 0;
+    std::array<std::uint64_t, 2> bits{0, 0};
+
+    NodePath child(unsigned side) const
+    {
+        NodePath path = *this;
+        if (side) path.bits[depth / 64] |= std::uint64_t(1) << (depth % 64);
+        ++path.depth;
+        return path;
+    }
+    bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
+};
+
+// What a chunk of a tree says about its node, so that a tree can be put together from its chunks.
+struct ChunkIdentity {
+    NodePath path;                            // from the root of its part
+    std::uint32_t part = 0;                   // 0: what the build made; each append adds one
+    std::uint32_t generation = 1;             // of the tree when the chunk was written: 1 at the build, one more with each update
+    std::uint16_t first_level = 0;            // of its points
+    std::vector<std::uint32_t> level_points;  // how many of them are of first_level, of the next, ...
+    double spacing = 0;                       // as Node::spacing
+
+    bool operator==(const ChunkIdentity& o) const
+    {
+        return path == o.path && part == o.part && generation == o.generation && first_level == o.first_level &&
+               level_points == o.level_points && spacing == o.spacing;
+    }
+};
+
+}  // namespace pcm
