@@ -1,26 +1,18 @@
 #include "point_cloud.h"
 
 #include "cloud/error.h"
-
-#include <algorithm>
-#include <numeric>
+#include "query/chunk_stream.h"
 
 namespace pcm {
 
 struct PointCursor::State {
     std::shared_ptr<PointCloud> cloud;  // keeps tree and cache alive while somebody iterates
-    Query query;
-    ColumnSet columns;
+    ProgressFunction progress;
     std::vector<std::size_t> slots;
-    std::vector<NodeId> nodes;
-    std::size_t next = 0;
-    L2Cache::Handle handle;
-    Selector selector, without_box;  // the second for chunks inside of the box
-    std::vector<const Column*> tested;
-    std::vector<std::uint32_t> selected;
-
-    State(Selector all, Selector inside) : selector(std::move(all)), without_box(std::move(inside)) {}
+    ChunkStream stream;
 };
+
+std::uint32_t PointView::number(std::size_t i) const { return part_->number(index(i)); }
 
 PointCursor::PointCursor(std::unique_ptr<State> state) : state_(std::move(state)) {}
 PointCursor::PointCursor(PointCursor&&) noexcept = default;
@@ -30,36 +22,29 @@ PointCursor::~PointCursor() = default;
 bool PointCursor::getNextData(PointView& view)
 {
     State& s = *state_;
-    const Tree& tree = *s.cloud->tree();
     view = PointView();
-    while (s.next < s.nodes.size()) {
-        const NodeId node = s.nodes[s.next++];
-        s.handle = s.cloud->cache().get(node, s.columns);
-        // The next chunk is read while the caller works on this one.
-        if (s.next < s.nodes.size()) s.cloud->cache().prefetch({s.nodes[s.next], s.columns});
-        view.node_ = node;
-        view.grid_ = &tree.info().grid;
-        view.chunk_ = &*s.handle;
-        view.slots_ = &s.slots;
-        // Coarse levels come first in a chunk.
-        view.count_ = s.query.level ? tree.node(node).points_to_level(*s.query.level) : s.handle->points;
-        const bool inside = s.query.box && s.query.box->contains(tree.box(node));
-        const Selector& selector = inside ? s.without_box : s.selector;
-        if (selector.tests_points()) {
-            s.selected.resize(view.count_);
-            std::iota(s.selected.begin(), s.selected.end(), 0u);
-            s.tested.assign(s.handle->attributes.size(), nullptr);
-            for (const std::size_t k : selector.tested()) s.tested[k] = s.handle->attributes[k].get();
-            selector.narrow(s.tested, [&](std::size_t i) { return tree.info().grid.to_source(s.handle->positions->grid(i)); },
-                            s.selected);
-            if (s.selected.empty()) continue;
-            view.selected_ = &s.selected;
-        }
-        return true;
+    if (s.progress) {
+        ProgressUpdate update;
+        update.stage = "Reading points";
+        update.fraction = s.stream.fraction();
+        if (!s.progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
     }
-    s.handle = L2Cache::Handle();
-    view = PointView();
-    return false;
+    const SelectedChunk* const part = s.stream.next();
+    if (!part) return false;
+    view.node_ = part->node;
+    view.grid_ = &s.cloud->info().grid;
+    view.chunk_ = &part->chunk;
+    view.part_ = part;
+    view.slots_ = &s.slots;
+    view.count_ = part->points;
+    if (!part->all) view.selected_ = &part->selected;
+    return true;
+}
+
+CursorStatistics PointCursor::statistics() const
+{
+    const ChunkStream& stream = state_->stream;
+    return {stream.chunks(), stream.cached(), stream.points_read(), stream.bytes_read()};
 }
 
 std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, const L2Options& cache)
@@ -70,33 +55,57 @@ std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, 
     return cloud;
 }
 
-PointCursor PointCloud::points(const Query& query)
+ColumnSet PointCloud::columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& slots) const
 {
-    Selection selection;
-    selection.where = query.where;
-    Selector without_box(selection, info().schema);
-    selection.box = query.box;
-    auto state = std::make_unique<PointCursor::State>(Selector(selection, info().schema), std::move(without_box));
-    state->cloud = shared_from_this();
-    state->query = query;
+    ColumnSet columns;
     for (const std::string& name : query.attributes) {
         const auto slot = info().schema.find(name);
         if (!slot)
             throw Error(ErrorCode::invalid_argument, tree_->folder(), "this cloud has no attribute '" + name + "'");
-        state->slots.push_back(*slot);
-        state->columns.attributes.set(*slot);
+        slots.push_back(*slot);
+        columns.attributes.set(*slot);
     }
-    for (const std::size_t slot : state->selector.tested()) state->columns.attributes.set(slot);
-    state->nodes = tree_->nodes_in(state->selector.bounds(), query.level);
-    state->nodes.erase(std::remove_if(state->nodes.begin(), state->nodes.end(),
-                                      [&](NodeId id) { return tree_->node(id).points == 0; }),
-                       state->nodes.end());
-    return PointCursor(std::move(state));
+    for (const std::size_t slot : selector.tested()) columns.attributes.set(slot);
+    return columns;
+}
+
+PointCursor PointCloud::points(const Query& query)
+{
+    Selector selector(query.selection(), info().schema);
+    std::vector<std::size_t> slots;
+    const ColumnSet columns = columns_of(query, selector, slots);
+    return PointCursor(std::unique_ptr<PointCursor::State>(new PointCursor::State{
+        shared_from_this(), query.progress, std::move(slots),
+        {*cache_, pool_, rates_, std::move(selector), query.level, columns, query.reads_in_flight}}));
+}
+
+Estimate PointCloud::estimate(const Query& query, EstimatePrecision precision)
+{
+    std::vector<std::size_t> slots;
+    const ColumnSet columns = columns_of(query, Selector(query.selection(), info().schema), slots);
+    return make_estimate(*cache_, rates_, query, columns, precision);
+}
+
+NearestResult PointCloud::nearest(const Vec3d& point, std::size_t k, const NearestOptions& options)
+{
+    return find_nearest(*cache_, blocks_, point, k, options);
+}
+
+NearestBatch PointCloud::nearest(const std::vector<Vec3d>& points, std::size_t k, const NearestOptions& options)
+{
+    return find_nearest(*cache_, blocks_, points, k, options);
+}
+
+HitResult PointCloud::first_hit(const Region& beam, const std::optional<std::uint16_t>& level)
+{
+    return find_first_hit(*cache_, blocks_, beam, level);
 }
 
 std::vector<NodeId> PointCloud::nodes_of(const Query& query) const
 {
-    return tree_->nodes_in(query.box, query.level);
+    std::vector<NodeId> ids;
+    for (const SelectedNode& node : selected_nodes(*tree_, Selector(query.selection(), info().schema), query.level)) ids.push_back(node.node);
+    return ids;
 }
 
 }  // namespace pcm

@@ -5,12 +5,19 @@
 //     pcm::PointView view;
 //     while (cursor.getNextData(view))
 //         for (std::size_t i = 0; i < view.size(); ++i) use(view.position(i));
+//     cloud->nearest({500123.4, 4800567.8, 120}, 8);       // points
 //
 // A PointCloud may be shared between threads; a cursor belongs to one thread.
 #pragma once
 
 #include "cache/l2_cache.h"
 #include "io/selection.h"
+#include "query/estimate.h"
+#include "query/nearest.h"
+#include "query/point_blocks.h"
+#include "query/query.h"
+#include "query/read_pool.h"
+#include "query/read_rates.h"
 #include "tree/tree.h"
 
 #include <filesystem>
@@ -21,12 +28,7 @@
 
 namespace pcm {
 
-struct Query {
-    std::optional<Box3d> box;                // source coordinates, both ends included; everything when absent
-    std::optional<std::uint16_t> level;      // the cloud at this level; the whole cloud when absent
-    std::vector<Condition> where;            // on attributes; all must be met (parse_condition() makes them from text)
-    std::vector<std::string> attributes;     // names to read beside the position; unknown names are an error
-};
+struct SelectedChunk;
 
 // The points of one chunk that a query selects. Valid until the cursor moves on or dies.
 class PointView {
@@ -42,14 +44,17 @@ public:
         return chunk_->attributes[(*slots_)[attribute]]->value(index(i), component);
     }
     const Column& column(std::size_t attribute) const { return *chunk_->attributes[(*slots_)[attribute]]; }
-    // Position of selected point i in the chunk's columns.
+    // Position of selected point i in the columns, which hold those segments of the chunk that were read.
     std::size_t index(std::size_t i) const { return selected_ ? (*selected_)[i] : i; }
+    // Number of selected point i in the node's whole chunk: with the node, which point of the tree it is.
+    std::uint32_t number(std::size_t i) const;
 
 private:
     friend class PointCursor;
     NodeId node_ = no_node;
     const Grid* grid_ = nullptr;
     const Chunk* chunk_ = nullptr;
+    const SelectedChunk* part_ = nullptr;
     const std::vector<std::size_t>* slots_ = nullptr;
     std::size_t count_ = 0;
     const std::vector<std::uint32_t>* selected_ = nullptr;
@@ -57,13 +62,24 @@ private:
 
 class PointCloud;
 
+// What a cursor did so far.
+struct CursorStatistics {
+    std::uint64_t chunks = 0;         // looked at
+    std::uint64_t chunks_cached = 0;  // of them found in the cache
+    std::uint64_t points_read = 0;    // decoded or found in the cache, selected or not
+    std::uint64_t bytes_read = 0;     // of chunks that were read in part, past the cache
+};
+
 class PointCursor {
 public:
     PointCursor(PointCursor&&) noexcept;
     PointCursor& operator=(PointCursor&&) noexcept;
     ~PointCursor();
-    // Moves to the next chunk with selected points; false at the end. Memory: two chunks (the next one is read ahead).
+    // Moves to the next chunk with selected points; false at the end. Memory: Query::reads_in_flight chunks and the one in view.
+    // Chunks that the query cuts are read in part and not kept in the cache, unless they are there. Throws what reading throws, and
+    // Error(cancelled) when the query's progress function says so; the cursor may then be dropped, or asked again.
     bool getNextData(PointView& view);
+    CursorStatistics statistics() const;
 
 private:
     friend class PointCloud;
@@ -85,13 +101,27 @@ public:
     // throws.
     PointCursor points(const Query& query = {});
 
-    // Nodes whose boxes a query touches and that have points of its level or stand above such, parents first.
+    // What points(query) will find and cost. Throws what points() throws.
+    Estimate estimate(const Query& query, EstimatePrecision precision = EstimatePrecision::index);
+
+    // The k points nearest to a point, or to each of many, at a precision; see query/nearest.h.
+    NearestResult nearest(const Vec3d& point, std::size_t k, const NearestOptions& options = {});
+    NearestBatch nearest(const std::vector<Vec3d>& points, std::size_t k, const NearestOptions& options = {});
+    // The point inside of a Region::ray() or Region::cone() that is nearest along it: what a click on the screen picks.
+    HitResult first_hit(const Region& beam, const std::optional<std::uint16_t>& level = {});
+
+    // Nodes with points that a query may select, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;
 
 private:
     PointCloud() = default;
+    ColumnSet columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& slots) const;
     std::shared_ptr<const Tree> tree_;
     std::unique_ptr<L2Cache> cache_;
+    ReadRates rates_;
+    BlockCache blocks_;
+    ReadPool pool_;  // its threads use all of the above
+    friend class PointCursor;
 };
 
 }  // namespace pcm

@@ -74,6 +74,14 @@ public:
     // Whether points in a box can have a position that is selected, or all have one. Conservative: see Region::relation().
     BoxRelation relation(const Box3d& box) const;
 
+    // Box, region and conditions on coordinates of a position.
+    bool holds_at(const Vec3d& p) const
+    {
+        bool holds = (!box_ || box_->contains(p)) && (!region_ || region_->contains(p));
+        for (const CoordinateTest& test : coordinate_tests_) holds = holds && test.holds(p[test.axis]);
+        return holds;
+    }
+
     // Keeps in `selected`, ascending numbers of points, those that meet box, region and conditions. `columns[k]` is attribute k of
     // the schema (only tested ones are looked at), `position(i)` the source coordinates of point i. Where relation() of a box
     // around the points is `inside`, their positions need no look.
@@ -128,9 +136,7 @@ void Selector::narrow(const std::vector<const Column*>& columns, const Position&
     if (looks_at_positions() && relation != BoxRelation::inside) {
         std::size_t kept = 0;
         for (const std::uint32_t i : selected) {
-            const Vec3d p = position(i);
-            bool wanted = (!box_ || box_->contains(p)) && (!region_ || region_->contains(p));
-            for (const CoordinateTest& test : coordinate_tests_) wanted = wanted && test.holds(p[test.axis]);
+            const bool wanted = holds_at(position(i));
             selected[kept] = i;
             kept += wanted;
         }

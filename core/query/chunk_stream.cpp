@@ -1,0 +1,155 @@
+#include "query/chunk_stream.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+double now()
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+std::uint64_t decoded_bytes(const Tree& tree, const ColumnSet& columns)
+{
+    std::uint64_t bytes = columns.positions ? (tree.info().wide ? 24 : 12) : 0;
+    for (std::size_t k = 0; k < tree.info().schema.size(); ++k)
+        if (columns.attributes.test(k)) bytes += tree.info().schema[k].bytes();
+    return bytes;
+}
+
+std::uint32_t SelectedChunk::number(std::size_t index) const
+{
+    if (begins.empty()) return static_cast<std::uint32_t>(index);
+    const auto part = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), index) - begins.begin()) - 1;
+    return first[part] + static_cast<std::uint32_t>(index - begins[part]);
+}
+
+ChunkStream::ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector,
+                         const std::optional<std::uint16_t>& level, const ColumnSet& columns, unsigned in_flight)
+    : cache_(cache), pool_(pool), rates_(rates), selector_(std::move(selector)), level_(level), columns_(columns),
+      in_flight_(std::clamp(in_flight, 1u, ReadPool::most_threads)), nodes_(selected_nodes(cache.tree(), selector_, level))
+{
+}
+
+ChunkStream::~ChunkStream()
+{
+    for (const auto& job : ahead_) job->task->cancel();
+}
+
+const SelectedChunk* ChunkStream::next()
+{
+    current_.reset();
+    const double start = now();
+    double worked = 0;
+    while (next_ < nodes_.size() || !ahead_.empty()) {
+        for (; next_ < nodes_.size() && ahead_.size() < in_flight_; ++next_) {
+            ahead_.push_back(std::make_unique<Job>());
+            Job* job = ahead_.back().get();
+            job->node = nodes_[next_];
+            job->task = std::make_shared<ReadTask>([this, job] { read(*job); });
+            // The caller does the first itself.
+            if (ahead_.size() > 1) pool_.ask(job->task, static_cast<unsigned>(in_flight_ - 1));
+        }
+        current_ = std::move(ahead_.front());
+        ahead_.pop_front();
+        current_->task->finish();
+        if (current_->error) {
+            const std::exception_ptr error = current_->error;
+            current_.reset();
+            std::rethrow_exception(error);
+        }
+        worked += current_->seconds;
+        points_read_ += current_->result.points;
+        bytes_read_ += current_->bytes;
+        ++chunks_;
+        cached_ += current_->cached;
+        if (current_->result.size() > 0) {
+            rates_.add_wait(worked, now() - start);
+            return &current_->result;
+        }
+    }
+    rates_.add_wait(worked, now() - start);
+    current_.reset();
+    return nullptr;
+}
+
+double ChunkStream::fraction() const
+{
+    return nodes_.empty() ? 1.0 : static_cast<double>(next_ - ahead_.size()) / static_cast<double>(nodes_.size());
+}
+
+// On any thread.
+void ChunkStream::read(Job& job) const
+try {
+    const Tree& tree = cache_.tree();
+    const SelectedNode& node = job.node;
+    SelectedChunk& result = job.result;
+    result.node = node.node;
+    const double start = now();
+    std::vector<BoxRelation> relations;
+    result.pin = cache_.find(node.node, columns_);
+    if (result.pin) {
+        job.cached = true;
+        result.chunk = *result.pin;
+        result.points = node.points;
+    } else if (node.relation == BoxRelation::inside && node.points == tree.node(node.node).points) {
+        result.pin = cache_.get(node.node, columns_);
+        result.chunk = *result.pin;
+        result.points = node.points;
+    } else {
+        ChunkPart part = tree.read_chunk_part(node.node, columns_, [&](const Box3i& box, std::uint16_t level) {
+            if (level_ && level > *level_) return false;
+            const BoxRelation relation = node.relation == BoxRelation::inside ? node.relation : selector_.relation(tree.info().grid.to_source(box));
+            if (relation == BoxRelation::outside) return false;
+            relations.push_back(relation);
+            return true;
+        });
+        result.chunk = std::move(part.chunk);
+        result.points = result.chunk.points;
+        result.first = std::move(part.first);
+        std::uint32_t begin = 0;
+        for (const std::uint32_t count : part.count) {
+            result.begins.push_back(begin);
+            begin += count;
+        }
+        job.bytes = part.bytes_read;
+    }
+    select(job, relations);
+    if (!job.cached) {
+        job.seconds = now() - start;
+        rates_.add_read(result.chunk.points * decoded_bytes(tree, columns_), job.seconds);
+    }
+} catch (...) {
+    job.error = std::current_exception();
+}
+
+void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) const
+{
+    SelectedChunk& result = job.result;
+    const auto of_part = [&](std::size_t k) { return relations.empty() ? job.node.relation : relations[k]; };
+    const std::size_t parts = relations.empty() ? 1 : relations.size();
+    if (result.points == 0) return;
+    result.all = !selector_.tests_attributes();
+    for (std::size_t k = 0; k < parts; ++k) result.all = result.all && of_part(k) == BoxRelation::inside;
+    if (result.all) return;
+
+    std::vector<const Column*> columns(result.chunk.attributes.size(), nullptr);
+    for (const std::size_t k : selector_.tested()) columns[k] = result.chunk.attributes[k].get();
+    const ChunkPositions& positions = *result.chunk.positions;
+    const Grid& grid = cache_.tree().info().grid;
+    std::vector<std::uint32_t> some;
+    for (std::size_t k = 0; k < parts; ++k) {
+        const std::size_t begin = relations.empty() ? 0 : result.begins[k];
+        const std::size_t end = k + 1 == parts ? result.points : result.begins[k + 1];
+        some.resize(end - begin);
+        std::iota(some.begin(), some.end(), static_cast<std::uint32_t>(begin));
+        selector_.narrow(columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, of_part(k));
+        result.selected.insert(result.selected.end(), some.begin(), some.end());
+    }
+}
+
+}  // namespace pcm
