@@ -36,6 +36,8 @@ void add_build(CLI::App& app, int& result);
 void add_convert(CLI::App& app, int& result);
 void add_info(CLI::App& app, int& result);
 void add_verify(CLI::App& app, int& result);
+void add_append(CLI::App& app, int& result);
+void add_compact(CLI::App& app, int& result);
 void add_delete(CLI::App& app, int& result);
 void add_repair(CLI::App& app, int& result);
 void add_generate(CLI::App& app, int& result);

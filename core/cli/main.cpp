@@ -1,4 +1,4 @@
-// The pcm command: build, convert, info, verify, generate.
+// The pcm command: build, convert, info, verify, generate, append, compact, delete, repair.
 //
 // Exit codes: 0 all is well; 1 it is not (the message says what); 2 the command line makes no sense; 130 cancelled.
 #include "cli/common.h"
@@ -17,6 +17,8 @@ int main(int argc, char** argv)
     pcm::cli::add_convert(app, result);
     pcm::cli::add_info(app, result);
     pcm::cli::add_verify(app, result);
+    pcm::cli::add_append(app, result);
+    pcm::cli::add_compact(app, result);
     pcm::cli::add_delete(app, result);
     pcm::cli::add_repair(app, result);
     pcm::cli::add_generate(app, result);

@@ -39,6 +39,8 @@ struct BuildState {
     Watch watch;
     ScratchSpace space;
 
+    const TreeInfo* like = nullptr;      // a tree whose grid and width of coordinates are to be taken
+
     // What reading finds.
     NodeBuilderOptions nodes;
     ScalarType position_type = ScalarType::f64;

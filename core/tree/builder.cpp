@@ -22,9 +22,12 @@ namespace fs = std::filesystem;
 
 class TreeBuild {
 public:
-    TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options)
+    // `like`: of the tree whose points these are; null when there is none.
+    TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options,
+              const TreeInfo* like = nullptr)
         : cloud_(cloud), sources_(sources), output_(output), folder_(output, options.overwrite), state_(options, folder_.path())
     {
+        state_.like = like;
     }
 
     BuildReport run()
@@ -122,6 +125,7 @@ private:
         info.position_error = state_.observed.position_error;
         info.metadata = state_.metadata;
         info.sources = sources_;
+        if (state_.like) take_over(*state_.like, info);
         for (const std::uint64_t data_bytes : files.bytes()) index.data_files.push_back({data_bytes, info.generation});
         write_commit(state_.folder, index);
         write_about(state_.folder, info);
@@ -140,6 +144,17 @@ private:
         state_.watch.report("Done", 1);
     }
 
+    void take_over(const TreeInfo& like, TreeInfo& info) const
+    {
+        if (info.points != like.points || info.content_hash != like.content_hash)
+            throw Error(ErrorCode::corrupt, output_, "the points that were read are not those that the tree had",
+                        "check it with 'pcm verify'");
+        info.points_skipped = like.points_skipped;
+        info.position_type = like.position_type;
+        info.position_error = like.position_error;
+        info.metadata = like.metadata;
+    }
+
     PointReader& cloud_;
     const std::vector<std::string>& sources_;
     const fs::path output_;
@@ -151,19 +166,37 @@ private:
 // Throws for options out of range; the folder that `output` names.
 fs::path check(const fs::path& output, const BuildOptions& options)
 {
-    if (options.memory_bytes < (std::uint64_t(64) << 20))
-        throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
-    if (options.chunk_points < 1000 || options.chunk_points > 10000000)
-        throw Error(ErrorCode::invalid_argument, {}, "points a chunk must be between 1000 and 10000000, not " +
-                                                         std::to_string(options.chunk_points));
-    if (options.threads > 1024) throw Error(ErrorCode::invalid_argument, {}, "more than 1024 threads");
+    check_build_options(options);
     fs::path folder = output;
     if (folder.filename().empty()) folder = folder.parent_path();  // "name.pct/" means name.pct
     if (folder.empty()) throw Error(ErrorCode::invalid_argument, {}, "the tree needs a name");
     return folder;
 }
 
+BuildReport run_build(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options,
+                      const TreeInfo* like)
+{
+    const fs::path folder = check(output, options);
+    try {
+        return TreeBuild(cloud, sources, folder, options, like).run();
+    } catch (const fs::filesystem_error& error) {
+        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::io, folder, "the system has no memory left", "lower the memory of the build");
+    }
+}
+
 }  // namespace
+
+void check_build_options(const BuildOptions& options)
+{
+    if (options.memory_bytes < (std::uint64_t(64) << 20))
+        throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
+    if (options.chunk_points < 1000 || options.chunk_points > 10000000)
+        throw Error(ErrorCode::invalid_argument, {}, "points a chunk must be between 1000 and 10000000, not " +
+                                                         std::to_string(options.chunk_points));
+    if (options.threads > 1024) throw Error(ErrorCode::invalid_argument, {}, "more than 1024 threads");
+}
 
 BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
 {
@@ -177,14 +210,12 @@ BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& outp
 BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,
                        const BuildOptions& options)
 {
-    const fs::path folder = check(output, options);
-    try {
-        return TreeBuild(cloud, sources, folder, options).run();
-    } catch (const fs::filesystem_error& error) {
-        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::io, folder, "the system has no memory left", "lower the memory of the build");
-    }
+    return run_build(cloud, sources, output, options, nullptr);
+}
+
+BuildReport rebuild_tree(PointReader& cloud, const TreeInfo& like, const fs::path& output, const BuildOptions& options)
+{
+    return run_build(cloud, like.sources, output, options, &like);
 }
 
 }  // namespace pcm

@@ -49,4 +49,12 @@ BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const s
 BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
+// The points of a tree, as another tree of them: what `like`, the first one's info, says of its origin (type of positions, sources,
+// metadata, position error, skipped points) is carried over, and its grid is the new one's. `cloud` has the points on this grid, as
+// FittedReader gives them (tree/update/fitted_reader.h). Throws Error(corrupt) when they are not those whose hash `like` has.
+BuildReport rebuild_tree(PointReader& cloud, const TreeInfo& like, const std::filesystem::path& output, const BuildOptions& options = {});
+
+// Throws Error(invalid_argument) for options out of range.
+void check_build_options(const BuildOptions& options);
+
 }  // namespace pcm

@@ -14,16 +14,17 @@ constexpr std::uint16_t front_depth = 6;  // chunks above this depth lie togethe
 
 }  // namespace
 
-DataFiles::DataFiles(const fs::path& folder) : folder_(folder), front_(folder / "front.tmp", File::Mode::create_new)
+DataFiles::DataFiles(const fs::path& folder, const fs::path& work, std::uint32_t first)
+    : folder_(folder), first_(first), front_(work / "front.tmp", File::Mode::create_new)
 {
-    bytes_.push_back(0);  // file 0 is the front, written last
+    bytes_.push_back(0);  // the first file is the front, written last
 }
 
 void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
 {
     if (draft.path.depth <= front_depth) {
         front_.write_at(bytes, size, front_bytes_);
-        draft.extent.file = 0;
+        draft.extent.file = first_;
         draft.extent.offset = front_bytes_;
         front_bytes_ += size;
         fronted_.push_back(&draft);
@@ -31,11 +32,11 @@ void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
     }
     if (!file_.is_open() || bytes_.back() + size > data_file_limit) {
         finish_file();
-        file_ = File(folder_ / data_file_name(static_cast<std::uint32_t>(bytes_.size())), File::Mode::create_new);
+        file_ = File(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(bytes_.size())), File::Mode::create_new);
         bytes_.push_back(0);
     }
     file_.write_at(bytes, size, bytes_.back());
-    draft.extent.file = static_cast<std::uint32_t>(bytes_.size() - 1);
+    draft.extent.file = first_ + static_cast<std::uint32_t>(bytes_.size() - 1);
     draft.extent.offset = bytes_.back();
     bytes_.back() += size;
 }
@@ -47,7 +48,7 @@ void DataFiles::finish()
         if (p->path.depth != q->path.depth) return p->path.depth < q->path.depth;
         return p->path.bits < q->path.bits;
     });
-    File front(folder_ / data_file_name(0), File::Mode::create_new);
+    File front(folder_ / data_file_name(first_), File::Mode::create_new);
     std::vector<std::byte> buffer;
     for (Draft* draft : fronted_) {
         buffer.resize(draft->extent.bytes);
@@ -58,8 +59,9 @@ void DataFiles::finish()
     }
     front.sync();
     front.close();
+    const fs::path front_path = front_.path();
     front_.close();
-    fs::remove(folder_ / "front.tmp");
+    fs::remove(front_path);
 }
 
 void DataFiles::finish_file()

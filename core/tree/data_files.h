@@ -14,7 +14,9 @@ namespace pcm {
 // front, parents first. One thread at a time.
 class DataFiles {
 public:
-    explicit DataFiles(const std::filesystem::path& folder);
+    // In `folder`, numbered from `first` on; `work` is where the front waits.
+    DataFiles(const std::filesystem::path& folder, const std::filesystem::path& work, std::uint32_t first);
+    explicit DataFiles(const std::filesystem::path& folder) : DataFiles(folder, folder, 0) {}
 
     // Writes a chunk and notes in the draft where it lies.
     void append(Draft& draft, const std::byte* bytes, std::size_t size);
@@ -25,6 +27,7 @@ public:
 private:
     void finish_file();
     std::filesystem::path folder_;
+    std::uint32_t first_;
     File front_;
     std::uint64_t front_bytes_ = 0;
     std::vector<Draft*> fronted_;

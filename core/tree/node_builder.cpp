@@ -203,6 +203,8 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
     }
     ChunkIdentity identity;
     identity.path = draft.path;
+    identity.part = options_.part;
+    identity.generation = options_.generation;
     identity.first_level = draft.first_level;
     identity.level_points = draft.level_points;
     identity.spacing = draft.spacing;

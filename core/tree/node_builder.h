@@ -53,6 +53,7 @@ struct NodeBuilderOptions {
     RowLayout layout;
     std::uint32_t chunk_points = 100000;
     std::vector<double> spacings;  // of each level
+    std::uint32_t part = 0, generation = 1;  // of the tree: what is built
 };
 
 // Levels first .. last - 1 go into one chunk.

@@ -350,6 +350,10 @@ private:
     // coordinate. True when all positions are narrow on it.
     bool choose_grid(const Box3d& box)
     {
+        if (state_.like) {
+            set_grid(state_.like->grid);
+            return !state_.like->wide;
+        }
         Grid grid;
         Vec3d largest{0, 0, 0};
         for (std::size_t a = 0; a < 3 && !box.empty(); ++a) largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));

@@ -31,9 +31,8 @@ public:
     void seek(std::uint64_t index) override { cloud_.seek(index); }
     double fraction_read() const override { return cloud_.fraction_read(); }
 
-    // So far: points read, those of them without a finite position (integers have left those out, doubles have them still), and how far
-    // a coordinate was moved at most, source units.
-    std::uint64_t points_read() const { return points_; }
+    // So far: points without a finite position (integers have left those out, doubles have them still), and how far a coordinate was
+    // moved at most, source units.
     std::uint64_t points_skipped() const { return skipped_; }
     double position_error() const { return position_error_; }
 

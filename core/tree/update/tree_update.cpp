@@ -127,6 +127,14 @@ Extent TreeUpdate::write(const std::vector<std::byte>& chunk)
     return extent;
 }
 
+void TreeUpdate::adopt(const std::vector<std::uint64_t>& bytes)
+{
+    for (const std::uint64_t size : bytes) {
+        files_.push_back({size, generation_});
+        bytes_written_ += size;
+    }
+}
+
 void TreeUpdate::bury(const PartNode& node)
 {
     PartNode empty;
@@ -141,7 +149,7 @@ void TreeUpdate::bury(const PartNode& node)
 
 void TreeUpdate::commit(TreeInfo info, NodeVector joined)
 {
-    if (!file_.is_open()) begin_file();
+    if (files_.empty()) begin_file();
     finish_file();
     TreeIndex index;
     index.info = std::move(info);

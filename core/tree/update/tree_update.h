@@ -36,6 +36,9 @@ public:
 
     // Appends a chunk, made with identity_of(), to the new data files. Returns where it lies.
     Extent write(const std::vector<std::byte>& chunk);
+    // Takes over data files that somebody else has written and synced, numbered on from the tree's, of so many bytes each. Only before
+    // anything is written here.
+    void adopt(const std::vector<std::uint64_t>& bytes);
     // Notes that a node has no points any more.
     void bury(const PartNode& node);
 

@@ -1,0 +1,73 @@
+#include "tree/update/append.h"
+
+#include "cli/common.h"
+#include "cli/reading.h"
+#include "convert/open_cloud.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    ReadingOptions reading;
+    std::string tree;
+    std::vector<std::string> inputs;
+    std::uint64_t memory = std::uint64_t(1) << 30;
+    AppendOptions options;
+};
+
+int append(Arguments& arguments)
+{
+    CloudOptions cloud_options;
+    cloud_options.read = arguments.reading.get(arguments.options.threads);
+    const CloudSources sources({arguments.inputs.begin(), arguments.inputs.end()}, cloud_options);
+    const std::unique_ptr<PointReader> cloud = sources.open();
+    arguments.options.memory_bytes = arguments.memory;
+    arguments.options.progress = console_progress(arguments.common);
+    const AppendReport report = append_points(arguments.tree, *cloud, sources.names(), arguments.options);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        put_outcome(json, report.outcome);
+        json["points_added"] = report.points_added;
+        json["points_skipped"] = report.points_skipped;
+        json["nodes_added"] = report.nodes_added;
+        json["bytes_written"] = report.bytes_written;
+        json["parts"] = report.parts;
+        json["position_error"] = report.outcome.error;
+        json["notes"] = report.notes;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s points added in %.1f s (%.2f M points/s), %s nodes, %s; %s points in %u parts now\n", arguments.tree.c_str(),
+                grouped(report.points_added).c_str(), report.outcome.seconds,
+                report.outcome.seconds > 0 ? static_cast<double>(report.points_added) / report.outcome.seconds / 1e6 : 0.0,
+                grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(), grouped(report.outcome.points_out).c_str(),
+                report.parts);
+    std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
+                bytes_text(peak_rss_bytes()).c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_append(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("append", "Add files to a tree");
+    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    command->add_option("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")->required();
+    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    arguments->reading.add_to(*command);
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = append(*arguments); });
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,60 @@
+#include "tree/update/compact.h"
+
+#include "cli/common.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::string tree, output;
+    std::uint64_t memory = std::uint64_t(1) << 30;
+    CompactOptions options;
+};
+
+int compact(Arguments& arguments)
+{
+    arguments.options.output = arguments.output;
+    arguments.options.memory_bytes = arguments.memory;
+    arguments.options.progress = console_progress(arguments.common);
+    const CompactReport report = compact_tree(arguments.tree, arguments.options);
+    end_progress(arguments.common);
+    const std::string& output = arguments.output.empty() ? arguments.tree : arguments.output;
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = output;
+        put_outcome(json, report.build.outcome);
+        json["bytes_before"] = report.bytes_before;
+        json["bytes"] = report.build.bytes;
+        json["nodes"] = report.build.nodes;
+        json["levels"] = report.build.levels;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%s before)\n", output.c_str(),
+                grouped(report.build.outcome.points_out).c_str(), report.build.outcome.seconds, points_per_second(report.build.outcome) / 1e6,
+                static_cast<unsigned long long>(report.build.nodes), report.build.levels, bytes_text(report.build.bytes).c_str(),
+                bytes_text(report.bytes_before).c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_compact(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("compact", "Write a tree anew after appending and deleting: smaller, with even levels");
+    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    command->add_option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
+    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if there is a tree of this name");
+    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = compact(*arguments); });
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,18 @@
+// The points that a tree has already, for choosing the levels of those that are added.
+#pragma once
+
+#include "tree/level_sampler.h"
+#include "tree/tree.h"
+
+#include <memory>
+
+namespace pcm {
+
+// Levels of the tree, as the sampler asks for them: chunk by chunk, of each only the pieces in the box and of the levels asked for.
+template <class Coord>
+GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree);
+
+extern template GivenLevels<std::uint32_t> given_levels(std::shared_ptr<const Tree> tree);
+extern template GivenLevels<std::uint64_t> given_levels(std::shared_ptr<const Tree> tree);
+
+}  // namespace pcm
