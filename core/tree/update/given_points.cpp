@@ -41,15 +41,12 @@ GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree)
             for (const NodeId child : node.children)
                 if (child != no_node) open.push_back(child);
             if (node.points == 0 || node.first_level + node.level_points.size() <= first) continue;
-            const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+            const ChunkPart part = tree->read_chunk_part(id, ColumnSet::only_positions(), [&](const Box3i& piece, std::uint16_t level) {
+                return level >= first && level <= last && touch(piece, box);
+            });
             points.clear();
-            std::size_t run = 0;
-            std::uint32_t run_end = 0;
-            for (std::uint32_t i = 0; i < chunk.points; ++i) {
-                while (i >= run_end) run_end += node.level_points[run++];
-                const std::size_t level = node.first_level + run - 1;
-                if (level < first || level > last) continue;
-                const Vec3i q = chunk.positions->grid(i);
+            for (std::uint32_t i = 0; i < part.chunk.points; ++i) {
+                const Vec3i q = part.chunk.positions->grid(i);
                 if (!box.contains(q)) continue;
                 points.push_back({to_coordinate<Coord>(q[0]), to_coordinate<Coord>(q[1]), to_coordinate<Coord>(q[2])});
             }
