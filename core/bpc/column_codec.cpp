@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -77,56 +78,78 @@ BlockShape shape_of_delta(const Word* v, std::size_t n)
     return shape;
 }
 
-// Writes 128 values of `width` bits, least significant bit first; `to` has 16 * width bytes.
-template <class Word>
-void pack_block(const Word* values, int width, std::byte* to)
+// 128 values of `Width` bits, least significant bit first, are 16 * Width bytes, and eight of them are Width bytes. With the width
+// known when this is compiled all shifts are.
+template <class Word, int Width>
+void pack_block(const Word* values, std::byte* to)
 {
-    if (width == 0) return;
-    std::uint64_t word = 0;
-    int filled = 0;
-    for (std::size_t i = 0; i < codec_block; ++i) {
-        const std::uint64_t v = values[i];
-        word |= v << filled;
-        filled += width;
-        if (filled >= 64) {
-            std::memcpy(to, &word, 8);
-            to += 8;
-            filled -= 64;
-            word = filled ? v >> (width - filled) : 0;
+    std::array<std::byte, 16 * Width + 8> bytes;
+    for (std::size_t group = 0; group < codec_block / 8; ++group) {
+        std::byte* at = bytes.data() + group * Width;
+        std::uint64_t word = 0;
+        int filled = 0;
+        for (std::size_t i = 0; i < 8; ++i) {
+            const std::uint64_t v = values[group * 8 + i];
+            word |= v << filled;
+            filled += Width;
+            if (filled >= 64) {
+                std::memcpy(at, &word, 8);
+                at += 8;
+                filled -= 64;
+                word = filled ? v >> (Width - filled) : 0;
+            }
+        }
+        std::memcpy(at, &word, 8);  // the next group begins within it
+    }
+    std::memcpy(to, bytes.data(), 16 * Width);
+}
+
+template <class Word, int Width>
+void unpack_block(const std::byte* from, Word* values)
+{
+    constexpr std::uint64_t mask = Width >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << Width) - 1;
+    for (std::size_t group = 0; group < codec_block / 8; ++group) {
+        for (std::size_t i = 0; i < 8; ++i) {
+            const std::size_t bit = i * Width;
+            const std::byte* at = from + group * Width + (bit >> 3);
+            std::uint64_t word;
+            std::memcpy(&word, at, 8);
+            word >>= bit & 7;
+            if constexpr (Width > 57)
+                if (Width + (bit & 7) > 64) word |= static_cast<std::uint64_t>(at[8]) << (64 - (bit & 7));
+            values[group * 8 + i] = static_cast<Word>(word & mask);
         }
     }
 }
 
 template <class Word>
-void unpack_block(const std::byte* from, int width, Word* values)
+struct BlockCoders {
+    static constexpr std::size_t widths = sizeof(Word) * 8 + 1;
+    std::array<void (*)(const Word*, std::byte*), widths> pack{};
+    std::array<void (*)(const std::byte*, Word*), widths> unpack{};
+};
+
+template <class Word, std::size_t... Width>
+constexpr BlockCoders<Word> block_coders_of(std::index_sequence<Width...>)
 {
-    const std::uint64_t mask = low_mask(width);
-    std::size_t bit = 0;
-    if (width <= 57) {
-        for (std::size_t i = 0; i < codec_block; ++i, bit += static_cast<std::size_t>(width)) {
-            std::uint64_t word;
-            std::memcpy(&word, from + (bit >> 3), 8);
-            values[i] = static_cast<Word>((word >> (bit & 7)) & mask);
-        }
-    } else {
-        for (std::size_t i = 0; i < codec_block; ++i, bit += static_cast<std::size_t>(width)) {
-            std::uint64_t word;
-            std::memcpy(&word, from + (bit >> 3), 8);
-            word >>= bit & 7;
-            if (const unsigned have = 64 - static_cast<unsigned>(bit & 7); have < static_cast<unsigned>(width))
-                word |= static_cast<std::uint64_t>(from[(bit >> 3) + 8]) << have;
-            values[i] = static_cast<Word>(word & mask);
-        }
-    }
+    return {{pack_block<Word, static_cast<int>(Width)>...}, {unpack_block<Word, static_cast<int>(Width)>...}};
 }
+
+template <class Word>
+constexpr BlockCoders<Word> block_coders = block_coders_of<Word>(std::make_index_sequence<BlockCoders<Word>::widths>());
 
 // Sequences of any length and width, for the bases.
 void pack_bits(const std::vector<std::uint64_t>& values, int width, std::byte* to)
 {
     std::size_t bit = 0;
     for (const std::uint64_t v : values)
-        for (int b = 0; b < width; ++b, ++bit)
-            if ((v >> b) & 1) to[bit >> 3] |= static_cast<std::byte>(1u << (bit & 7));
+        for (int done = 0; done < width;) {
+            const int free = 8 - static_cast<int>(bit & 7);  // of the byte at hand
+            to[bit >> 3] |= static_cast<std::byte>(v >> done << (bit & 7));
+            const int put = std::min(free, width - done);
+            done += put;
+            bit += static_cast<std::size_t>(put);
+        }
 }
 std::uint64_t bits_at(const std::byte* from, std::size_t bit, int width)
 {
@@ -151,7 +174,7 @@ void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
         const Word* v = values + b * codec_block;
         const std::size_t n = std::min(codec_block, count - b * codec_block);
         reference[b] = shape_of_reference(v, n);
-        differences[b] = shape_of_delta(v, n);
+        differences[b] = reference[b].width ? shape_of_delta(v, n) : reference[b];
         reference_bits += reference[b].width;
         delta_bits += differences[b].width;
     }
@@ -201,7 +224,7 @@ void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
                 block[i] = static_cast<Word>(static_cast<Word>(v[i] - static_cast<Word>(shape.base)) >> shape.shift);
         }
         std::fill(block.begin() + static_cast<std::ptrdiff_t>(n), block.end(), Word(0));
-        pack_block(block.data(), shape.width, to);
+        block_coders<Word>.pack[shape.width](block.data(), to);
         to += shape.width * (codec_block / 8);
     }
 }
@@ -253,7 +276,7 @@ std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::s
             continue;
         }
         Word* target = n == codec_block ? v : block.data();
-        unpack_block(payload, width, target);
+        block_coders<Word>.unpack[static_cast<std::size_t>(width)](payload, target);
         if (mode == delta) {
             Word sum = base;
             for (std::size_t i = 0; i < n; ++i)

@@ -9,16 +9,21 @@ namespace {
 
 constexpr int code_bits = 21;  // an axis
 
-// Puts two zero bits between the low 21 bits of v.
+// For seven bits, the same with two zero bits after each.
+constexpr std::array<std::uint32_t, 128> make_spread_bits()
+{
+    std::array<std::uint32_t, 128> spread{};
+    for (std::uint32_t v = 0; v < 128; ++v)
+        for (std::uint32_t bit = 0; bit < 7; ++bit) spread[v] |= (v >> bit & 1) << (3 * bit);
+    return spread;
+}
+constexpr std::array<std::uint32_t, 128> spread_bits = make_spread_bits();
+
+// For the low 21 bits of v.
 std::uint64_t spread(std::uint64_t v)
 {
-    std::uint64_t x = v & 0x1fffff;
-    x = (x | x << 32) & 0x1f00000000ffffULL;
-    x = (x | x << 16) & 0x1f0000ff0000ffULL;
-    x = (x | x << 8) & 0x100f00f00f00f00fULL;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-    x = (x | x << 2) & 0x1249249249249249ULL;
-    return x;
+    return spread_bits[v & 127] | static_cast<std::uint64_t>(spread_bits[v >> 7 & 127]) << 21 |
+           static_cast<std::uint64_t>(spread_bits[v >> 14 & 127]) << 42;
 }
 
 struct CodeIndex {

@@ -181,26 +181,34 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
     Chunk chunk;
     chunk.points = draft.points;
     chunk.positions = std::move(positions);
-    for (std::size_t k = 0; k < options_.schema.size(); ++k) {
-        auto column = std::make_shared<Column>(options_.schema[k]);
-        column->resize(order.size());
-        std::byte* to = column->data();
-        const std::byte* from = points.rows.data() + options_.layout.offsets[k];
-        const std::size_t size = options_.layout.sizes[k];
-        const auto gather = [&](auto fixed) {
-            for (std::size_t i = 0; i < order.size(); ++i) std::memcpy(to + i * fixed, from + order[i] * row_bytes, fixed);
-        };
-        switch (size) {
-        case 1: gather(std::integral_constant<std::size_t, 1>()); break;
-        case 2: gather(std::integral_constant<std::size_t, 2>()); break;
-        case 4: gather(std::integral_constant<std::size_t, 4>()); break;
-        case 6: gather(std::integral_constant<std::size_t, 6>()); break;
-        case 8: gather(std::integral_constant<std::size_t, 8>()); break;
-        case 12: gather(std::integral_constant<std::size_t, 12>()); break;
-        default: gather(size);
-        }
-        chunk.attributes.push_back(std::move(column));
+    std::vector<std::shared_ptr<Column>> columns;
+    for (const Attribute& attribute : options_.schema) {
+        columns.push_back(std::make_shared<Column>(attribute));
+        columns.back()->resize(order.size());
     }
+    // So few rows at a time that they stay in the cache until all their columns are taken.
+    constexpr std::size_t few = 512;
+    for (std::size_t first = 0; first < order.size(); first += few) {
+        const std::size_t count = std::min(few, order.size() - first);
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            const std::size_t size = options_.layout.sizes[k];
+            std::byte* to = columns[k]->data() + first * size;
+            const std::byte* from = points.rows.data() + options_.layout.offsets[k];
+            const auto gather = [&](auto fixed) {
+                for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * fixed, from + order[first + i] * row_bytes, fixed);
+            };
+            switch (size) {
+            case 1: gather(std::integral_constant<std::size_t, 1>()); break;
+            case 2: gather(std::integral_constant<std::size_t, 2>()); break;
+            case 4: gather(std::integral_constant<std::size_t, 4>()); break;
+            case 6: gather(std::integral_constant<std::size_t, 6>()); break;
+            case 8: gather(std::integral_constant<std::size_t, 8>()); break;
+            case 12: gather(std::integral_constant<std::size_t, 12>()); break;
+            default: gather(size);
+            }
+        }
+    }
+    for (auto& column : columns) chunk.attributes.push_back(std::move(column));
     ChunkIdentity identity;
     identity.path = draft.path;
     identity.part = options_.part;

@@ -49,6 +49,19 @@ std::array<Coord, 3> coordinates_of(const std::byte* row)
     return c;
 }
 
+// As memcpy, without a call: rows are short, and copied one by one.
+inline void copy_row(std::byte* to, const std::byte* from, std::size_t bytes)
+{
+    if (bytes < 16) {
+        for (; bytes >= 4; bytes -= 4, to += 4, from += 4) std::memcpy(to, from, 4);
+        for (; bytes; --bytes) *to++ = *from++;
+        return;
+    }
+    std::size_t done = 0;
+    for (; done + 16 <= bytes; done += 16) std::memcpy(to + done, from + done, 16);
+    std::memcpy(to + bytes - 16, from + bytes - 16, 16);
+}
+
 // A number for a multiset of rows: the sum of the rows' hashes, so that order does not matter.
 std::uint64_t hash_rows(const std::byte* rows, std::size_t count, std::size_t row_bytes);
 

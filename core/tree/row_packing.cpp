@@ -199,7 +199,7 @@ void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::si
     for (std::size_t from = 0; from < count; from += block_rows) {
         const std::size_t n = std::min(block_rows, count - from);
         for (std::size_t i = 0; i < n; ++i)
-            std::memcpy(block.data() + i * row_bytes_, rows + order[from + i] * row_bytes_, row_bytes_);
+            copy_row(block.data() + i * row_bytes_, rows + order[from + i] * row_bytes_, row_bytes_);
         pack_block([&](std::size_t i) { return block.data() + i * row_bytes_; }, n, out);
     }
 }

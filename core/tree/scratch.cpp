@@ -212,7 +212,7 @@ Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bin
 void Scratch::Writer::add(std::size_t bin, const std::byte* row)
 {
     const std::size_t slot = bin - first_bin_;
-    std::memcpy(buffer_.data() + (slot * rows_each_ + filled_[slot]) * scratch_.row_bytes_, row, scratch_.row_bytes_);
+    copy_row(buffer_.data() + (slot * rows_each_ + filled_[slot]) * scratch_.row_bytes_, row, scratch_.row_bytes_);
     if (++filled_[slot] == rows_each_) flush(slot);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -21,7 +22,51 @@ struct TopTree {
     };
     std::vector<Node> nodes{Node()};  // the root; one bin until it is divided
 
-    std::size_t bin_of(const std::array<Coord, 3>& c) const { return bin_of(c, 0); }
+    // Where bin_of() begins, so that it has fewer nodes to pass: for each cell of a grid the node that has it all. Cells at the
+    // sides of the grid reach on without end. Empty: at the root.
+    static constexpr int grid_bits = 5;
+    static constexpr std::uint64_t grid_last = (1u << grid_bits) - 1;  // of 32 cells along an axis
+    std::vector<std::uint32_t> starts;
+    std::array<Coord, 3> grid_low{};
+    std::array<int, 3> grid_shift{};
+
+    // Of a grid over the box from `low` to `high`.
+    void make_starts(const std::array<Coord, 3>& low, const std::array<Coord, 3>& high)
+    {
+        grid_low = low;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (grid_shift[a] = 0; static_cast<std::uint64_t>(high[a] - low[a]) >> grid_shift[a] > grid_last;) ++grid_shift[a];
+        starts.resize(std::size_t(1) << (3 * grid_bits));
+        for (std::size_t cell = 0; cell < starts.size(); ++cell) {
+            std::array<Coord, 3> first, last;  // coordinates in the cell
+            for (std::size_t a = 0; a < 3; ++a) {
+                const std::uint64_t along = cell >> (a * grid_bits) & grid_last;
+                const std::uint64_t room = std::numeric_limits<Coord>::max() - low[a];
+                const std::uint64_t from = along << grid_shift[a], to = from + (std::uint64_t(1) << grid_shift[a]) - 1;
+                first[a] = along == 0 ? Coord(0) : static_cast<Coord>(low[a] + std::min(from, room));
+                last[a] = along == grid_last || to < from ? std::numeric_limits<Coord>::max()
+                                                          : static_cast<Coord>(low[a] + std::min(to, room));
+            }
+            std::uint32_t n = 0;
+            while (nodes[n].children[0]) {
+                const Node& node = nodes[n];
+                const bool left = last[node.axis] < node.value;
+                if (!left && first[node.axis] < node.value) break;
+                n = node.children[left ? 0 : 1];
+            }
+            starts[cell] = n;
+        }
+    }
+    std::uint32_t start_of(const std::array<Coord, 3>& c) const
+    {
+        std::size_t cell = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const std::uint64_t steps = c[a] > grid_low[a] ? static_cast<std::uint64_t>(c[a] - grid_low[a]) : 0;
+            cell |= static_cast<std::size_t>(std::min(steps >> grid_shift[a], grid_last)) << (a * grid_bits);
+        }
+        return starts[cell];
+    }
+    std::size_t bin_of(const std::array<Coord, 3>& c) const { return bin_of(c, starts.empty() ? 0 : start_of(c)); }
     std::size_t bin_of(const std::array<Coord, 3>& c, std::uint32_t from) const
     {
         std::uint32_t n = from;
@@ -44,6 +89,15 @@ public:
     {
         next_bin_ = first_bin;
         divide(at, sample.data(), sample.size(), points, 0);
+        if (at == 0 && !sample.empty()) {
+            std::array<Coord, 3> low = sample[0], high = sample[0];
+            for (const auto& c : sample)
+                for (std::size_t a = 0; a < 3; ++a) {
+                    low[a] = std::min(low[a], c[a]);
+                    high[a] = std::max(high[a], c[a]);
+                }
+            top_.make_starts(low, high);
+        }
         return next_bin_ - first_bin;
     }
 
