@@ -13,6 +13,7 @@ set(public_headers
   io/reader.h io/grid_choice.h io/selection.h io/text_layout.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
   tree/tree.h tree/tree_reader.h tree/selected_nodes.h tree/builder.h tree/verify.h tree/verify_levels.h
+  tree/update/append.h tree/update/compact.h tree/update/erase.h tree/update/repair.h
   query/estimate.h query/nearest.h query/point_blocks.h query/query.h query/read_pool.h query/read_rates.h
   convert/convert.h
   cache/l2_cache.h)

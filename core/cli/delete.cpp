@@ -1,4 +1,5 @@
 #include "cli/common.h"
+#include "cli/region_options.h"
 #include "cloud/error.h"
 #include "tree/update/erase.h"
 
@@ -13,6 +14,7 @@ struct Arguments {
     std::string tree;
     std::vector<double> box;
     std::vector<std::string> where;
+    RegionOptions region;
     EraseOptions options;
 };
 
@@ -21,9 +23,10 @@ int erase(Arguments& arguments)
     Selection selection;
     if (!arguments.box.empty())
         selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]}, {arguments.box[3], arguments.box[4], arguments.box[5]}};
+    selection.region = arguments.region.get();
     for (const std::string& condition : arguments.where) selection.where.push_back(parse_condition(condition));
     if (!selection.chooses_points())
-        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted", "give --box, --where or both");
+        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted", "give a box, another region or a condition");
     arguments.options.progress = console_progress(arguments.common);
     const EraseReport report = erase_points(arguments.tree, selection, arguments.options);
     end_progress(arguments.common);
@@ -64,6 +67,7 @@ void add_delete(CLI::App& app, int& result)
     command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
         ->expected(6)
         ->group(group);
+    arguments->region.add_to(*command, group);
     command->add_option("--where", arguments->where,
                         "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
                         "of several all")

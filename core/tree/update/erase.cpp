@@ -4,6 +4,7 @@
 #include "cloud/error.h"
 #include "tree/observed.h"
 #include "tree/row.h"
+#include "tree/selected_nodes.h"
 #include "tree/update/chunk_points.h"
 #include "tree/update/extremes.h"
 #include "tree/update/in_turn.h"
@@ -51,7 +52,11 @@ public:
         looked.bytes = encode_chunk(looked.rest, info_.schema, info_.grid, identity_of(looked.node, generation_));
     }
 
-    const std::optional<Box3d>& bounds() const { return selector_.bounds(); }
+    // Whether there may be points to delete in a node or below it.
+    bool touches(const Node& node) const
+    {
+        return selector_.relation(source_box(info_.grid, node.box, info_.position_type == ScalarType::f32)) != BoxRelation::outside;
+    }
 
     Looked look_at(const PartNode& node) const
     {
@@ -158,7 +163,10 @@ public:
         nodes_ = part_nodes(*tree_);
         alive_.assign(tree_->nodes().size(), true);
         std::vector<bool> touched(tree_->nodes().size(), false);
-        for (const NodeId id : tree_->nodes_in(eraser_->bounds(), std::nullopt)) touched[id] = true;
+        for (NodeId id = 0; id < touched.size(); ++id) {
+            const Node& node = tree_->node(id);
+            touched[id] = (node.parent == no_node || touched[node.parent]) && eraser_->touches(node);
+        }
         std::vector<std::size_t> to_look_at;  // children before their parents
         for (std::size_t n = nodes_.size(); n-- > 0;)
             if (touched[nodes_[n].id]) to_look_at.push_back(n);
