@@ -21,6 +21,7 @@ int main(int argc, char** argv)
     pcm::cli::add_compact(app, result);
     pcm::cli::add_delete(app, result);
     pcm::cli::add_repair(app, result);
+    pcm::cli::add_query(app, result);
     pcm::cli::add_generate(app, result);
 
     const char* problem = nullptr;

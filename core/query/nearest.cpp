@@ -238,14 +238,7 @@ void require(const std::vector<Vec3d>& points, const NearestOptions& options)
         throw Error(ErrorCode::invalid_argument, {}, "the largest distance of neighbours is " + exact(options.max_distance) + "; it is 0 or more");
 }
 
-// What a level leaves out: every point has one of the level nearer than this. Infinite where that is not promised.
-double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level)
-{
-    const TreeInfo& info = tree.info();
-    if (!level || *level >= info.spacings.size() || *level + 1 >= info.levels) return 0;
-    if (tree.points_to_level(*level) == info.points) return 0;
-    return info.coverage_kept ? info.spacings[*level] : infinity;
-}
+double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level) { return level ? level_spacing(tree, *level) : 0; }
 
 double least_distance(const std::vector<Neighbour>& points, double spacing, double max_distance)
 {
@@ -283,6 +276,13 @@ std::vector<std::uint32_t> morton_order(const std::vector<Vec3d>& points)
 }
 
 }  // namespace
+
+double level_spacing(const Tree& tree, std::uint16_t level)
+{
+    const TreeInfo& info = tree.info();
+    if (level >= info.spacings.size() || level + 1 >= info.levels || tree.points_to_level(level) == info.points) return 0;
+    return info.coverage_kept ? info.spacings[level] : infinity;
+}
 
 double Neighbour::distance() const { return std::sqrt(squared_distance); }
 

@@ -59,6 +59,10 @@ struct HitResult {
     Outcome outcome;         // error: every point of the whole cloud has one of the level nearer than this
 };
 
+// What a level leaves out: every point of the cloud has one of the level nearer than this. 0 where the level is the whole cloud,
+// infinite where nothing is promised (points were deleted since the levels were made).
+double level_spacing(const Tree& tree, std::uint16_t level);
+
 // Memory: beside the cache's, up to 16 chunks that a search, or each thread of many searches, holds. Throw Error(invalid_argument)
 // for a point that is not finite, a negative max_distance, or a region that is neither ray nor cone; and what reading throws.
 NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k, const NearestOptions& options);

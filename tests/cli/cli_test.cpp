@@ -1,47 +1,16 @@
 // The pcm command as a user meets it: output, JSON, exit codes.
 
 #include "cloud/region.h"
-#include "clouds.h"
-#include "support.h"
+#include "command.h"
 
-#include <nlohmann/json.hpp>
-
-#include <sys/wait.h>
-
-#include <array>
 #include <fstream>
-#include <cstdio>
 
 namespace {
 
 using namespace pcm::test;
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-struct Result {
-    int code = -1;
-    std::string out, err;
-};
-
-class CliTest : public testing::Test {
-protected:
-    // Runs pcm with `arguments`, quoted for the shell by the caller where need be.
-    Result pcm(const std::string& arguments)
-    {
-        const fs::path err = folder_ / "stderr.txt";
-        const std::string command = std::string("'") + PCM_CLI + "' " + arguments + " 2>'" + err.string() + "'";
-        Result result;
-        FILE* pipe = popen(command.c_str(), "r");
-        std::array<char, 4096> buffer;
-        for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) result.out.append(buffer.data(), n);
-        result.code = WEXITSTATUS(pclose(pipe));
-        std::ifstream file(err);
-        result.err.assign(std::istreambuf_iterator<char>(file), {});
-        return result;
-    }
-    std::string path(const std::string& name) const { return "'" + (folder_ / name).string() + "'"; }
-    TemporaryFolder folder_;
-};
+class CliTest : public CommandTest {};
 
 TEST_F(CliTest, GenerateBuildInfoVerify)
 {

@@ -1,0 +1,236 @@
+#include "point_cloud.h"
+
+#include "cli/common.h"
+#include "cli/region_options.h"
+#include "cloud/error.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    RegionOptions region;
+    std::string tree;
+    std::vector<double> box, nearest;
+    std::vector<std::string> where;
+    std::optional<std::uint16_t> level;
+    bool estimate = false, headers = false, count = false, first_hit = false;
+    std::size_t k = 1;
+    std::optional<double> max_distance;
+    unsigned reads = 4;
+    std::uint64_t cache = std::uint64_t(512) << 20;
+};
+
+Json json_of(const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); }
+
+Json json_of(const Box3d& box)
+{
+    return box.empty() ? Json() : Json({{"min", json_of(box.min)}, {"max", json_of(box.max)}});
+}
+
+std::string time_text(double seconds)
+{
+    return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s";
+}
+
+void refuse(const std::string& what, const std::string& hint)
+{
+    throw Error(ErrorCode::invalid_argument, {}, what, hint);
+}
+
+Query query_of(const Arguments& arguments, const PointCloud& cloud)
+{
+    Query query;
+    query.level = arguments.level;
+    const std::uint16_t levels = cloud.info().levels;
+    if (query.level && levels > 0 && *query.level >= levels)
+        refuse("level " + std::to_string(*query.level) + " asked for; this tree has levels 0 to " + std::to_string(levels - 1), "");
+    if (!arguments.box.empty()) {
+        const std::vector<double>& b = arguments.box;
+        query.box = Box3d{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+    }
+    query.region = arguments.region.get();
+    for (const std::string& condition : arguments.where) query.where.push_back(parse_condition(condition));
+    query.reads_in_flight = arguments.reads;
+    query.progress = console_progress(arguments.common);
+    return query;
+}
+
+int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
+{
+    const Estimate e = cloud.estimate(query, arguments.headers ? EstimatePrecision::headers : EstimatePrecision::index);
+    if (arguments.common.json) {
+        Json json;
+        json["points_least"] = e.points_least;
+        json["points_expected"] = e.points_expected;
+        json["points_most"] = e.points_most;
+        json["conditions_reckoned_with"] = !e.conditions;
+        json["chunks"] = e.chunks;
+        json["points_read"] = e.points_read;
+        json["bytes"] = e.bytes;
+        json["seconds_expected"] = e.seconds ? Json(*e.seconds) : Json();
+        json["seconds"] = e.own_seconds;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    std::printf("points      about %s%s; from %s to %s\n", grouped(static_cast<std::uint64_t>(std::llround(e.points_expected))).c_str(),
+                e.conditions ? " before the conditions" : "", grouped(e.points_least).c_str(), grouped(e.points_most).c_str());
+    std::printf("to read     %s chunks, at most %s points and %s\n", grouped(e.chunks).c_str(), grouped(e.points_read).c_str(),
+                bytes_text(e.bytes).c_str());
+    if (e.seconds)
+        std::printf("time        about %s\n", time_text(*e.seconds).c_str());
+    else
+        std::printf("time        unknown: nothing was read of this tree yet; --count says it too\n");
+    std::printf("estimated in %s from %s\n", time_text(e.own_seconds).c_str(), arguments.headers ? "the index and the headers of chunks" : "the index");
+    return 0;
+}
+
+int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
+{
+    const auto start = std::chrono::steady_clock::now();
+    Outcome outcome;
+    Box3i box;
+    PointCursor cursor = cloud.points(query);
+    for (PointView view; cursor.getNextData(view); outcome.points_out += view.size())
+        for (std::size_t i = 0; i < view.size(); ++i) box.extend(view.grid_position(i));
+    const Box3d found = cloud.info().grid.to_source(box);
+    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const CursorStatistics statistics = cursor.statistics();
+    outcome.points_in = statistics.points_read;
+    if (query.level) outcome.error = level_spacing(*cloud.tree(), *query.level);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        put_outcome(json, outcome);
+        json["bounds"] = json_of(found);
+        json["chunks"] = statistics.chunks;
+        json["points_read"] = statistics.points_read;
+        json["bytes_read"] = statistics.bytes_read;
+        json["spacing"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    std::printf("%s points in %s; %s points of %s chunks were looked at\n", grouped(outcome.points_out).c_str(),
+                time_text(outcome.seconds).c_str(), grouped(statistics.points_read).c_str(), grouped(statistics.chunks).c_str());
+    if (!found.empty()) std::printf("from        %s\nto          %s\n", exact(found.min).c_str(), exact(found.max).c_str());
+    if (!query.level || outcome.error == 0)
+        std::printf("exact: every point of the cloud was considered\n");
+    else
+        std::printf("level %u only: every point of the cloud has one of it nearer than %s\n", *query.level, brief(outcome.error).c_str());
+    return 0;
+}
+
+int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
+{
+    if (query.region || query.box || !query.where.empty())
+        refuse("--nearest was given together with a region, a box or a condition", "neighbours are searched in the whole cloud, or at a --level");
+    NearestOptions options;
+    options.level = query.level;
+    if (arguments.max_distance) options.max_distance = *arguments.max_distance;
+    const NearestResult result = cloud.nearest({arguments.nearest[0], arguments.nearest[1], arguments.nearest[2]}, arguments.k, options);
+    const Outcome& outcome = result.outcome;
+    if (arguments.common.json) {
+        Json json, points = Json::array();
+        for (const Neighbour& n : result.points)
+            points.push_back({{"distance", n.distance()}, {"position", json_of(n.position)}, {"node", n.node}, {"index", n.index}});
+        json["tree"] = arguments.tree;
+        put_outcome(json, outcome);
+        json["neighbours"] = points;
+        json["least_distance"] = std::isfinite(result.least_distance) ? Json(result.least_distance) : Json();
+        json["error"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
+        json["points_compared"] = outcome.points_in;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (const Neighbour& n : result.points) std::printf("%-14s  at %s\n", brief(n.distance()).c_str(), exact(n.position).c_str());
+    std::printf("%zu points in %s, %s compared; ", result.points.size(), time_text(outcome.seconds).c_str(), grouped(outcome.points_in).c_str());
+    if (outcome.error == 0)
+        std::printf("exact\n");
+    else
+        std::printf("of level %u: no point of the cloud is nearer than %s, %s less\n", *query.level, brief(result.least_distance).c_str(),
+                    brief(outcome.error).c_str());
+    return 0;
+}
+
+int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
+{
+    if (!query.region || (query.region->kind() != Region::Kind::ray && query.region->kind() != Region::Kind::cone))
+        refuse("--first-hit goes with --ray or --cone", "say where from, where to and how wide");
+    if (query.box || !query.where.empty()) refuse("--first-hit was given together with a box or a condition", "");
+    const HitResult result = cloud.first_hit(*query.region, query.level);
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        put_outcome(json, result.outcome);
+        json["hit"] = Json();
+        if (result.hit)
+            json["hit"] = {{"along", result.hit->along}, {"position", json_of(result.hit->position)}, {"node", result.hit->node}, {"index", result.hit->index}};
+        json["error"] = std::isfinite(result.outcome.error) ? Json(result.outcome.error) : Json();
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    if (result.hit)
+        std::printf("%s, %s along, in %s", exact(result.hit->position).c_str(), brief(result.hit->along).c_str(), time_text(result.outcome.seconds).c_str());
+    else
+        std::printf("nothing is met, in %s", time_text(result.outcome.seconds).c_str());
+    if (result.outcome.error == 0)
+        std::printf("; exact\n");
+    else
+        std::printf("; of level %u, to which every point of the cloud is nearer than %s\n", *query.level, brief(result.outcome.error).c_str());
+    return 0;
+}
+
+int query(const Arguments& arguments)
+{
+    L2Options cache;
+    cache.capacity_bytes = arguments.cache;
+    const auto cloud = PointCloud::open(arguments.tree, cache);
+    const Query query = query_of(arguments, *cloud);
+    if (arguments.estimate + arguments.count + arguments.first_hit + !arguments.nearest.empty() > 1)
+        refuse("more than one of --estimate, --count, --nearest and --first-hit was given", "ask one thing at a time");
+    if (arguments.headers && !arguments.estimate) refuse("--headers goes with --estimate", "");
+    if (arguments.max_distance && arguments.nearest.empty()) refuse("--max-distance goes with --nearest", "");
+    if (arguments.estimate) return estimate(arguments, *cloud, query);
+    if (!arguments.nearest.empty()) return nearest(arguments, *cloud, query);
+    if (arguments.first_hit) return first_hit(arguments, *cloud, query);
+    return count(arguments, *cloud, query);
+}
+
+}  // namespace
+
+void add_query(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("query", "Ask a tree: how many points are in a region, which are nearest to a point, what a ray meets first");
+    command->add_option("tree", arguments->tree, "A tree folder, or the index file in it")->required();
+
+    const char* group = "What is asked";
+    command->add_flag("--count", arguments->count, "How many points there are, and the box around them (this is the default)")->group(group);
+    command->add_flag("--estimate", arguments->estimate, "How many to expect and what it would cost, without reading a point")->group(group);
+    command->add_flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")->group(group);
+    command->add_option("--nearest", arguments->nearest, "The points nearest to x y z")->expected(3)->group(group);
+    command->add_option("-k", arguments->k, "How many (default 1)")->needs("--nearest")->group(group);
+    command->add_option("--max-distance", arguments->max_distance, "None farther than this")->group(group);
+    command->add_flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets")->group(group);
+
+    group = "Of which points";
+    command->add_option("--level", arguments->level, "The cloud at this level (default: all of it)")->group(group);
+    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")->expected(6)->group(group);
+    arguments->region.add_to(*command, group);
+    command->add_option("--where", arguments->where, "Points that meet a condition, such as classification=2,6; of several all")
+        ->allow_extra_args(false)
+        ->group(group);
+
+    command->add_option("--reads", arguments->reads, "Chunks read at once (default 4); more for slow file systems")->check(CLI::Range(1, 64));
+    command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = query(*arguments); });
+}
+
+}  // namespace pcm::cli
