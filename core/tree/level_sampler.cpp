@@ -455,7 +455,20 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
         bin.chosen += found.size();
     }
     // Neighbours only get fewer with smaller spacings: what is far from all of them now will not be asked for again.
+    // Neighbours lie outside of the bin's own box, as a rule: then what is as deep in it as the spacing is far from them.
+    Point<Coord> inner_low = box.high, inner_high = box.low;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double reach = std::ceil(spacing / lattice_.scale[a]) + 1;
+        if (!(reach < static_cast<double>(box.high[a] - box.low[a]) / 2)) continue;
+        inner_low[a] = box.low[a] + static_cast<Coord>(reach);
+        inner_high[a] = box.high[a] - static_cast<Coord>(reach);
+    }
+    const bool apart = std::none_of(neighbours.begin(), neighbours.end(),
+                                    [&](std::size_t n) { return squared_distance_between(number, n) == 0; });
     const auto at_border = [&](const Point<Coord>& p) {
+        bool inside = apart;
+        for (std::size_t a = 0; a < 3; ++a) inside = inside && p[a] > inner_low[a] && p[a] < inner_high[a];
+        if (inside) return false;
         for (const std::size_t n : neighbours)
             if (squared_distance_to(p, points_.box(n), false) * (1 - margin) < squared) return true;
         return false;

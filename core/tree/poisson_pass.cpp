@@ -7,9 +7,9 @@
 namespace pcm {
 namespace {
 
-// Squared distances in float, in spacings, are right within this: coordinates are below 24 (a block of 8 buckets of at most
-// 4 cells, and a bucket more; a cell is at most 0.9 wide), so each is off by less than 2e-6, their differences by 4e-6, of
-// which there are three that are at most about 1 where it matters.
+// Squared distances in float, in spacings, are right within this: coordinates are below 36 cells (a block of 32, and a bucket of
+// at most 4 more), of which each is less than 0.9 wide, so they are off by less than 2e-6 and their differences by 4e-6; there
+// are three of them that are at most about 1 where it matters.
 constexpr float error = 5e-5f;
 constexpr float surely_inside = 1 - error, surely_outside = 1 + error;
 constexpr float nowhere = 1e18f;
@@ -89,8 +89,8 @@ template <class Coord>
 PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
                                 const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others)
     : points_(points), lattice_(lattice), size_(size), bucket_bits_(bucket_bits(lattice)), own_(own), cell_(all_shifts(lattice, size)),
-      bucket_(all_shifts(lattice, size + bucket_bits_)), block_(all_shifts(lattice, size + bucket_bits_ + 3)),
-      table_(std::size_t(1) << table_bits_), taken_(std::size_t(1) << (3 * (bucket_bits_ + 3) - 6))
+      bucket_(all_shifts(lattice, size + bucket_bits_)), block_(all_shifts(lattice, size + block_bits)),
+      table_(std::size_t(1) << table_bits_), taken_(std::size_t(1) << (3 * block_bits - 6))
 {
     const double spacing = lattice.spacing(size);
     squared_spacing_ = spacing * spacing;
@@ -98,9 +98,8 @@ PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, co
         squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
         unit_[a] = lattice.scale[a] / spacing;
     }
-    const int bits = bucket_bits_ + 3;
-    const std::size_t along = ((std::size_t(1) << bits) - 1) >> bucket_bits_ << bucket_bits_;
-    bucket_mask_ = along | along << bits | along << (2 * bits);
+    const std::size_t along = ((std::size_t(1) << block_bits) - 1) >> bucket_bits_ << bucket_bits_;
+    bucket_mask_ = along | along << block_bits | along << (2 * block_bits);
     chosen_.reserve(own.size() + others.size());
     for (const std::uint32_t i : own) add(points_[i]);
     for (const Point<Coord>& p : others) add(p);
@@ -132,7 +131,8 @@ template <class Coord>
 std::uint32_t PoissonPass<Coord>::add(const Point<Coord>& p)
 {
     const Point<Coord> at = cell_of(p, block_);
-    std::size_t i = slot(at);
+    std::size_t i = last_slot_;  // points come in Morton order
+    if (!table_[i].used() || !same(table_[i].at, at)) i = slot(at);
     if (!table_[i].used()) {
         if (2 * ++used_ > table_.size()) {
             grow();
@@ -140,8 +140,10 @@ std::uint32_t PoissonPass<Coord>::add(const Point<Coord>& p)
         }
         table_[i].at = at;
     }
+    last_slot_ = i;
+    const std::uint64_t buckets = (std::uint64_t(1) << (block_bits - bucket_bits_)) - 1;
     bool core = true;
-    for (std::size_t a = 0; a < 3; ++a) core = core && ((down(p[a], bucket_[a]) + 1) & 7) >= 2;
+    for (std::size_t a = 0; a < 3; ++a) core = core && ((down(p[a], bucket_[a]) + 1) & buckets) >= 2;
     std::uint32_t& head = core ? table_[i].core : table_[i].rim;
     chosen_.push_back({p, head});
     return head = static_cast<std::uint32_t>(chosen_.size() - 1);
@@ -162,10 +164,9 @@ float PoissonPass<Coord>::relative(Coord c, std::size_t axis) const
 template <class Coord>
 std::size_t PoissonPass<Coord>::cell_at(const Point<Coord>& p) const
 {
-    const int bits = bucket_bits_ + 3;
-    const std::uint64_t mask = (std::uint64_t(1) << bits) - 1;
+    constexpr std::uint64_t mask = (std::uint64_t(1) << block_bits) - 1;
     std::uint64_t index = 0;
-    for (std::size_t a = 3; a-- > 0;) index = index << bits | (down(p[a], cell_[a]) & mask);
+    for (std::size_t a = 3; a-- > 0;) index = index << block_bits | (down(p[a], cell_[a]) & mask);
     return index;
 }
 
@@ -173,10 +174,11 @@ template <class Coord>
 void PoissonPass<Coord>::add_local(std::uint32_t chosen)
 {
     const Point<Coord>& p = chosen_[chosen].point;
+    const std::uint64_t buckets = (std::uint64_t(1) << (block_bits - bucket_bits_)) + 2;
     std::array<std::uint64_t, 3> along;
     for (std::size_t a = 0; a < 3; ++a) {
         along[a] = down(p[a], bucket_[a]) - down(origin_[a], bucket_[a]) + 1;
-        if (along[a] >= side) return;
+        if (along[a] >= buckets) return;
     }
     const std::size_t row = along[2] * side + along[1], bucket = row * side + along[0];
     const std::uint32_t bit = 1u << along[0];
@@ -218,8 +220,9 @@ auto PoissonPass<Coord>::gather(std::size_t cell) -> Range
 {
     near_.size = 0;
     near_.make_room(local_.size());
-    const int bits = bucket_bits_ + 3;
-    const std::size_t x = cell >> bucket_bits_ & 7, y = cell >> (bits + bucket_bits_) & 7, z = cell >> (2 * bits + bucket_bits_);
+    constexpr std::size_t mask = (std::size_t(1) << block_bits) - 1;
+    const std::size_t x = (cell & mask) >> bucket_bits_, y = (cell >> block_bits & mask) >> bucket_bits_,
+                      z = cell >> (2 * block_bits) >> bucket_bits_;
     for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t j = 0; j < 3; ++j) {
             const std::size_t row = (z + k) * side + y + j;
@@ -339,7 +342,7 @@ std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_
 {
     barred_ = barred.empty() ? nullptr : barred.data();
     std::vector<std::uint32_t> found;
-    const auto cell_shifts = lattice_.shifts(size_), block_shifts = lattice_.shifts(size_ + bucket_bits_ + 3);
+    const auto cell_shifts = lattice_.shifts(size_), block_shifts = lattice_.shifts(size_ + block_bits);
     const std::size_t count = points_.size();
     std::size_t own = 0, end = 0;
     for (std::size_t i = 0; i < count; i = end) {
@@ -377,7 +380,7 @@ std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_
 template <class Coord>
 void PoissonPass<Coord>::mark(std::vector<std::uint8_t>& barred)
 {
-    const auto block_shifts = lattice_.shifts(size_ + bucket_bits_ + 3);
+    const auto block_shifts = lattice_.shifts(size_ + block_bits);
     const std::size_t count = points_.size();
     std::size_t end = 0;
     for (std::size_t i = 0; i < count; i = end) {

@@ -10,7 +10,7 @@
 // Distances are looked at in float first, which decides where it does so by more than its error.
 //
 // Cells are grouped twice. A bucket is as wide as the spacing at least, so that what is near a point is in its bucket or in
-// one of the 26 around; a block is 8 x 8 x 8 buckets. A hash table knows the blocks that hold chosen points. For the block
+// one of the 26 around; a block is 32 x 32 x 32 cells. A hash table knows the blocks that hold chosen points. For the block
 // at hand the chosen points in and around it are put into an array of buckets, small enough for the first cache.
 #pragma once
 
@@ -38,7 +38,8 @@ public:
 
 private:
     static constexpr std::uint32_t none = 0xffffffffu;
-    static constexpr std::size_t side = 10;  // of the array of buckets: a block's 8, and one more on either side
+    static constexpr int block_bits = 5;  // a block is 2^block_bits cells wide
+    static constexpr std::size_t side = 18;  // of the array of buckets: a block's 16 at most, and one more on either side
     struct Chosen {
         Point<Coord> point;
         std::uint32_t next;  // of its block
@@ -88,7 +89,7 @@ private:
     typename SortedPoints<Coord>::Reader& points_;
     const Lattice& lattice_;
     const int size_;
-    const int bucket_bits_;  // a bucket is 2^bucket_bits cells wide
+    const int bucket_bits_;  // a bucket is 2^bucket_bits cells wide, 1 or 2
     const std::vector<std::uint32_t>& own_;
     Vec3d squared_scale_, unit_;  // unit: spacings a grid step
     double squared_spacing_;
@@ -96,7 +97,7 @@ private:
     std::vector<Chosen> chosen_;
     int table_bits_ = 6;
     std::vector<Block> table_;  // 2^table_bits_
-    std::size_t used_ = 0;
+    std::size_t used_ = 0, last_slot_ = 0;
     const std::uint8_t* barred_ = nullptr;
 
     // Of the block at hand.

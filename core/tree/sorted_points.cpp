@@ -54,7 +54,7 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
 
 template <class Coord>
 SortedPoints<Coord>::Reader::Reader(const SortedPoints& store, std::size_t bin)
-    : store_(store), bin_(bin), points_(store.bins_[bin].box.points), ready_(store.bins_[bin].blocks.size(), 0)
+    : store_(store), bin_(bin), size_(store.bins_[bin].box.points), points_(new Point<Coord>[size_]), ready_(store.bins_[bin].blocks.size(), 0)
 {
 }
 
@@ -65,7 +65,7 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
     bytes_.resize(block.bytes + codec_slack);
     store_.file_.read_at(bytes_.data(), block.bytes, block.offset);
     const std::size_t first = number * sorted_block;
-    const std::size_t count = std::min(sorted_block, points_.size() - first);
+    const std::size_t count = std::min(sorted_block, size_ - first);
     words_.resize(count);
     std::size_t at = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -76,7 +76,7 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
 }
 
 template <class Coord>
-std::size_t SortedPoints<Coord>::Reader::end_of_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts)
+std::size_t SortedPoints<Coord>::Reader::end_of_longer_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts)
 {
     const Point<Coord> p = (*this)[i];
     const std::vector<Block>& blocks = store_.bins_[bin_].blocks;
@@ -99,7 +99,7 @@ std::size_t SortedPoints<Coord>::Reader::end_of_cell(std::size_t i, std::size_t 
     // Then within one block.
     end = std::min(end, (i / sorted_block + 1) * sorted_block);
     (*this)[i];
-    const Point<Coord>* points = points_.data();
+    const Point<Coord>* points = points_.get();
     for (step = 1; i + step < end && same_cell(p, points[i + step], shifts); step *= 2) i += step;
     std::size_t beyond = std::min(end, i + step);
     while (i + 1 < beyond) {

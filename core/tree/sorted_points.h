@@ -38,20 +38,28 @@ public:
     class Reader {
     public:
         Reader(const SortedPoints& store, std::size_t bin);
-        std::size_t size() const { return points_.size(); }
+        std::size_t size() const { return size_; }
         const Point<Coord>& operator[](std::size_t i)
         {
             if (!ready_[i / sorted_block]) load(i / sorted_block);
             return points_[i];
         }
         // The end of the run of points, from `i` on and before `end`, that share i's cell.
-        std::size_t end_of_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts);
+        std::size_t end_of_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts)
+        {
+            const std::size_t next = i + 1;
+            if (next == end) return end;
+            if (next % sorted_block && ready_[i / sorted_block] && !same_cell(points_[i], points_[next], shifts)) return next;
+            return end_of_longer_cell(i, end, shifts);
+        }
 
     private:
         void load(std::size_t block);
+        std::size_t end_of_longer_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts);
         const SortedPoints& store_;
         std::size_t bin_;
-        std::vector<Point<Coord>> points_;
+        std::size_t size_;
+        std::unique_ptr<Point<Coord>[]> points_;  // of blocks that are ready
         std::vector<std::uint8_t> ready_;
         std::vector<std::byte> bytes_;
         std::vector<Coord> words_;
