@@ -39,6 +39,16 @@ bool same(const Point<Coord>& p, const Point<Coord>& q)
     return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
 }
 
+// A place in a table of 2^bits.
+template <class Coord>
+std::size_t hash_of(const Point<Coord>& p, int bits)
+{
+    // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
+    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
+                               static_cast<std::uint64_t>(p[2]) * 0x165667B19E3779F9u;
+    return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
+}
+
 // c >> shift, for shifts of 64 and more too.
 template <class Coord>
 std::uint64_t down(Coord c, int shift)
@@ -108,11 +118,7 @@ PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, co
 template <class Coord>
 std::size_t PoissonPass<Coord>::slot(const Point<Coord>& block) const
 {
-    // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
-    const std::uint64_t hash = static_cast<std::uint64_t>(block[0]) * 0x9E3779B97F4A7C15u +
-                               static_cast<std::uint64_t>(block[1]) * 0xC2B2AE3D27D4EB4Fu +
-                               static_cast<std::uint64_t>(block[2]) * 0x165667B19E3779F9u;
-    std::size_t i = (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - table_bits_);
+    std::size_t i = hash_of(block, table_bits_);
     while (table_[i].used() && !same(table_[i].at, block)) i = (i + 1) & (table_.size() - 1);
     return i;
 }
@@ -408,19 +414,33 @@ PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, cons
     const auto shifts = lattice.shifts(size + bucket_bits(lattice));
     for (std::size_t i = 0; i < points.size(); i = points.end_of_cell(i, points.size(), shifts))
         buckets_.push_back(cell_of(points[i], bucket_));
+    while ((std::size_t(1) << table_bits_) < 2 * buckets_.size()) ++table_bits_;
+    table_.assign(std::size_t(1) << table_bits_, 0);
+    for (std::size_t b = 0; b < buckets_.size(); ++b) {
+        std::size_t i = hash_of(buckets_[b], table_bits_);
+        while (table_[i]) i = (i + 1) & (table_.size() - 1);
+        table_[i] = static_cast<std::uint32_t>(b + 1);
+    }
+}
+
+template <class Coord>
+bool PointsNear<Coord>::has(const Point<Coord>& bucket) const
+{
+    for (std::size_t i = hash_of(bucket, table_bits_); table_[i]; i = (i + 1) & (table_.size() - 1))
+        if (same(buckets_[table_[i] - 1], bucket)) return true;
+    return false;
 }
 
 template <class Coord>
 bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
 {
     const Point<Coord> own = cell_of(p, bucket_);
+    if (has(own)) return true;
     for (int n = 0; n < 27; ++n) {
         const Point<Coord> at{static_cast<Coord>(own[0] + static_cast<Coord>(n % 3 - 1)),
                               static_cast<Coord>(own[1] + static_cast<Coord>(n / 3 % 3 - 1)),
                               static_cast<Coord>(own[2] + static_cast<Coord>(n / 9 - 1))};
-        if (std::binary_search(buckets_.begin(), buckets_.end(), at,
-                               [](const auto& a, const auto& b) { return morton_before(a, b, AxisShift{0, 0, 0}); }))
-            return true;
+        if (has(at)) return true;
     }
     return false;
 }

@@ -120,8 +120,11 @@ public:
     bool operator()(const Point<Coord>& p) const;
 
 private:
+    bool has(const Point<Coord>& bucket) const;
     std::array<int, 3> bucket_;
-    std::vector<Point<Coord>> buckets_;  // in Morton order
+    std::vector<Point<Coord>> buckets_;
+    int table_bits_ = 1;
+    std::vector<std::uint32_t> table_;  // by hash: one more than the number of a bucket; 0 for none
 };
 
 extern template class PoissonPass<std::uint32_t>;

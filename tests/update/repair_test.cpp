@@ -1,5 +1,6 @@
 #include "tree/update/repair.h"
 
+#include "bpc/bpc.h"
 #include "cloud/error.h"
 #include "model.h"
 #include "tree/about.h"
@@ -190,6 +191,31 @@ TEST_P(RepairTest, AnUnfinishedGenerationIsNotTaken)
     repair_tree(path_, options_of());
     EXPECT_TRUE(bytes_of_file(index_) == before);
     EXPECT_FALSE(fs::exists(path_ / name));
+}
+
+// Whole chunks, as far as checksums go, that say what no tree's chunk says.
+TEST_P(RepairTest, ImpossibleNumbersAreDamage)
+{
+    const std::string before = bytes_of_file(index_);
+    const auto tree = Tree::open(path_);
+    const Schema& schema = tree->info().schema;
+    const Chunk chunk = tree->read_chunk(0, ColumnSet::all(schema));
+    std::ofstream file(path_ / "chunks-000.bpc", std::ios::binary | std::ios::app);
+    for (const int kind : {0, 1, 2}) {
+        ChunkIdentity identity = tree->identity(0);
+        if (kind == 0) identity.part = 0xffffffff;
+        if (kind == 1) identity.part = 0x7fffffff;
+        if (kind == 2) identity.generation = 0xfffffff0;
+        const auto bytes = encode_chunk(chunk, schema, tree->info().grid, identity);
+        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    }
+    file.close();
+    std::ofstream(path_ / "chunks-4000000000.bpc") << "BPC1";
+    fs::remove(index_);
+    const RepairReport report = repair_tree(path_, options_of());
+    EXPECT_EQ(report.points_lost, 0u);
+    EXPECT_EQ(report.faults.size(), 2u);
+    EXPECT_TRUE(bytes_of_file(index_) == before);
 }
 
 TEST(Repair, RefusesWhatIsNoTree)

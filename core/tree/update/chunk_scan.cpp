@@ -14,6 +14,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint32_t most_data_files = 1'000'000;  // a name alone shall not make the list of files long
+
+// Each generation has data files of its own, and each but the first may add a part: what says otherwise is damaged, whatever its checksum.
+void check_numbers(std::uint32_t generation, std::uint32_t parts, std::uint32_t file)
+{
+    if (generation == 0 || generation > file + std::uint64_t(1) || parts > generation)
+        throw Error(ErrorCode::corrupt, {},
+                    "generation " + std::to_string(generation) + " and " + std::to_string(parts) + " parts cannot be in data file " + std::to_string(file));
+}
+
 // Finds where, among bytes that are nothing whole, a chunk or a commit record may begin. What cannot be the start of a header is passed over
 // without a look at the rest of it: damaged bytes may look like the beginning of one many times.
 class Beginnings {
@@ -62,7 +72,8 @@ std::vector<FoundFile> list_data_files(const fs::path& folder)
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
         FoundFile file;
-        if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number)) continue;
+        if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number) || file.number >= most_data_files)
+            continue;
         file.path = entry.path();
         files.push_back(std::move(file));
     }
@@ -88,6 +99,7 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
         std::uint64_t bytes = 0;
         try {
             if (auto commit = read_commit(file, at, found.size - at, bytes)) {
+                check_numbers(commit->generation, commit->parts, found.number);
                 found.commit = std::move(commit);
             } else {
                 const BpcHeader header = read_header(file, at, found.size - at);
@@ -97,6 +109,7 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
                 if (!(expected->schema == header.schema) || !(expected->grid == header.grid))
                     throw Error(ErrorCode::corrupt, {}, "it is of another tree");
                 const ChunkIdentity& identity = *header.identity;
+                check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1, found.number);
                 FoundChunk chunk;
                 chunk.generation = identity.generation;
                 PartNode& node = chunk.node;
