@@ -54,6 +54,7 @@ int verify(const Arguments& arguments)
         levels = verify_levels(*Tree::open(arguments.tree), arguments.threads, console_progress(arguments.common));
         report.faults = levels.faults;
     }
+    const bool whole = report.faults.empty() && report.around.empty();
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
@@ -63,10 +64,14 @@ int verify(const Arguments& arguments)
         json["position_error"] = report.position_error;
         if (arguments.levels) json["levels"] = to_json(levels);
         json["faults"] = report.faults;
+        json["around"] = report.around;
+        json["notes"] = report.notes;
         std::printf("%s\n", json.dump(2).c_str());
-        return report.faults.empty() ? 0 : 1;
+        return whole ? 0 : 1;
     }
     if (!levels.levels.empty()) print(levels);
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    for (const std::string& fault : report.around) std::printf("fault: %s\nno point is lost; 'pcm repair' heals it\n", fault.c_str());
     if (report.faults.empty()) {
         std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
                     grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
@@ -75,7 +80,7 @@ int verify(const Arguments& arguments)
         for (const std::string& fault : report.faults) std::printf("fault: %s\n", fault.c_str());
         std::printf("%s: %zu faults\n", arguments.tree.c_str(), report.faults.size());
     }
-    return report.faults.empty() ? 0 : 1;
+    return whole ? 0 : 1;
 }
 
 }  // namespace

@@ -111,6 +111,14 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
     return info;
 }
 
+bool same_info(const TreeInfo& a, const TreeInfo& b)
+{
+    ByteWriter of_a, of_b;
+    put_tree_info(of_a, a);
+    put_tree_info(of_b, b);
+    return of_a.bytes() == of_b.bytes();
+}
+
 void write_about(const std::filesystem::path& folder, const TreeInfo& info)
 {
     ByteWriter out;

@@ -15,6 +15,9 @@ void put_tree_info(ByteWriter& out, const TreeInfo& info);
 // Throws Error(corrupt) for what no tree has.
 TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path);
 
+// Whether both say the same, `bytes` aside.
+bool same_info(const TreeInfo& a, const TreeInfo& b);
+
 // Writes about.pct; at any instant it is the old file or the new one. It is written before the index: after an interruption between the
 // two it is one generation ahead.
 void write_about(const std::filesystem::path& folder, const TreeInfo& info);

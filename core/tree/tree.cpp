@@ -2,6 +2,7 @@
 
 #include "bpc/bpc.h"
 #include "cloud/error.h"
+#include "tree/data_file_pool.h"
 #include "tree/tree_index.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ bool is_tree(const fs::path& path)
     return fs::is_regular_file(folder_of(path) / index_file_name, ignored);
 }
 
-std::shared_ptr<const Tree> Tree::open(const fs::path& path)
+std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_open_files)
 {
     const fs::path folder = folder_of(path);
     std::error_code error;
@@ -70,19 +71,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path)
     tree->nodes_ = std::move(index.nodes);
     tree->part_roots_ = std::move(index.part_roots);
     tree->data_files_ = std::move(index.data_files);
-    for (std::uint32_t i = 0; i < tree->data_files_.size(); ++i) {
-        const std::uint64_t expected = tree->data_files_[i].bytes;
-        if (expected == 0) {
-            tree->files_.emplace_back();
-            continue;
-        }
-        File file(folder / data_file_name(i), File::Mode::read);
-        if (file.size() < expected)
-            throw Error(ErrorCode::truncated, file.path(),
-                        "the file has " + std::to_string(file.size()) + " bytes, the index expects " +
-                            std::to_string(expected));
-        tree->files_.push_back(std::move(file));
-    }
+    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
     return tree;
 }
 
@@ -156,7 +145,8 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     const Node& node = nodes_.at(id);
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
-    DecodedChunk decoded = pcm::read_chunk(files_[extent.file], extent.offset, extent.bytes, extent.header_bytes, columns);
+    const std::shared_ptr<const File> file = files_->get(extent.file);
+    DecodedChunk decoded = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
     check(id, decoded.header);
     return std::move(decoded.chunk);
 }
@@ -171,8 +161,9 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
         return part;
     }
     const Extent& extent = node.extent;
+    const std::shared_ptr<const File> file = files_->get(extent.file);
     DecodedPart decoded =
-        pcm::read_chunk_part(files_[extent.file], extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+        pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
     check(id, decoded.header);
     for (const std::uint32_t s : decoded.kept) {
         part.first.push_back(decoded.header.segments[s].first);

@@ -31,6 +31,7 @@
 namespace pcm {
 
 struct BpcHeader;
+class DataFilePool;
 
 using NodeId = std::uint32_t;
 inline constexpr NodeId no_node = 0xffffffffu;
@@ -129,9 +130,10 @@ struct ChunkPart {
 
 class Tree {
 public:
-    // `path` is the tree folder or the index file in it. Throws Error(not_found | not_a_tree | interrupted_build |
+    // `path` is the tree folder or the index file in it. A tree of more than `most_open_files` data files keeps only so many of them
+    // open, besides those that are being read; they are opened when they are needed. Throws Error(not_found | not_a_tree | interrupted_build |
     // corrupt | unsupported | permission | io).
-    static std::shared_ptr<const Tree> open(const std::filesystem::path& path);
+    static std::shared_ptr<const Tree> open(const std::filesystem::path& path, std::size_t most_open_files = 128);
 
     const std::filesystem::path& folder() const { return folder_; }
     const TreeInfo& info() const { return info_; }
@@ -173,7 +175,7 @@ private:
     std::vector<Node> nodes_;
     std::vector<NodeId> part_roots_;
     std::vector<DataFile> data_files_;
-    std::vector<File> files_;
+    std::shared_ptr<DataFilePool> files_;
 };
 
 // Whether `path` looks like a tree folder or its index file (a cheap test of names and magic, not a validation).

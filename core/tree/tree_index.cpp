@@ -35,6 +35,7 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
     };
     const std::vector<Node>& nodes = index.nodes;
     if (nodes.empty() != (index.info.points == 0)) throw Error(ErrorCode::corrupt, path, "points without nodes");
+    if (nodes.empty() != index.part_roots.empty()) throw Error(ErrorCode::corrupt, path, "parts without nodes");
     if (!nodes.empty() && (nodes[0].subtree_points != index.info.points || !(nodes[0].box == index.info.box)))
         throw Error(ErrorCode::corrupt, path, "the root does not hold the cloud's points");
     for (std::size_t i = 0; i < index.data_files.size(); ++i)
@@ -209,7 +210,9 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
         node.parent = in.get<std::uint32_t>();
         node.children[0] = in.get<std::uint32_t>();
         node.children[1] = in.get<std::uint32_t>();
-        node.depth = static_cast<std::uint16_t>(in.get<std::uint32_t>());
+        const auto depth = in.get<std::uint32_t>();
+        if (depth > 0xffff) throw Error(ErrorCode::corrupt, path, "a node is too deep");
+        node.depth = static_cast<std::uint16_t>(depth);
         node.points = in.get<std::uint32_t>();
         node.extent.file = in.get<std::uint32_t>();
         node.extent.header_bytes = in.get<std::uint32_t>();

@@ -1,6 +1,7 @@
 #include "bpc/bpc.h"
 #include "io/bpc_reader.h"
 #include "reader_input.h"
+#include "seal_tree_chunk.h"
 
 #include <cstring>
 #include <vector>
@@ -37,7 +38,14 @@ void seal_all(std::vector<std::uint8_t>& bytes)
         at = static_cast<std::size_t>(size);
     }
     // Columns first, for the header holds their checksums; the first column, and the last, which ends the header.
-    while (at < end && bytes.size() - at >= 176) {
+    while (at < end && bytes.size() - at >= 44) {
+        if (std::memcmp(&bytes[at], "BPCG", 4) == 0 || number<std::uint16_t>(bytes, at + 4) == 3) {
+            const std::uint64_t size = pcm::fuzz::seal_record_of_tree(bytes, at);
+            if (size == 0 || size > bytes.size() - at) return;
+            at += static_cast<std::size_t>(size);
+            continue;
+        }
+        if (bytes.size() - at < 176) return;
         const auto header = number<std::uint32_t>(bytes, at + 24);
         const auto total = number<std::uint64_t>(bytes, at + 32);
         if (header < 176 || header > bytes.size() - at) return;

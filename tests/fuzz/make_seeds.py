@@ -8,6 +8,7 @@ import random
 import struct
 import subprocess
 import sys
+import tempfile
 
 POINTS = 40
 # Bytes of a record of the point formats 0 to 10.
@@ -152,6 +153,22 @@ BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_see
 CONVERTED = {"laz": "laz", "bpc": "bpc", "pcd": "pcd", "ply": "ply", "xyz": "xyz", "pts": "pts"}  # folder: extension
 
 
+def write_trees(pcm, scene, folder):
+    """Indices of trees, and files of a tree's chunks."""
+    for name in ("index", "chunk"):
+        (folder / name).mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as trees:
+        several = pathlib.Path(trees) / "several.las"
+        subprocess.run([pcm, "generate", several, "--points", "4000", "--no-truth", "-q"], check=True)
+        for source in (several, scene, folder / "las" / "format7.las", folder / "ply" / "binary_little_endian.ply"):
+            tree = pathlib.Path(trees) / f"{source.stem}.pct"
+            subprocess.run([pcm, "build", source, "-o", tree, "--chunk-points", "1000", "-q"], stdout=subprocess.DEVNULL)
+            if not tree.exists():
+                continue
+            (folder / "index" / tree.name).write_bytes((tree / "index.pct").read_bytes())
+            (folder / "chunk" / f"{source.stem}.bpc").write_bytes((tree / "chunks-000.bpc").read_bytes())
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -163,6 +180,7 @@ def main():
     write_e57(folder / "e57")
     scene = folder / "las" / "scene.las"
     subprocess.run([pcm, "generate", scene, "--points", "200", "--no-truth", "-q"], check=True)
+    write_trees(pcm, scene, folder)
     for name, extension in CONVERTED.items():
         (folder / name).mkdir(exist_ok=True)
         for source in (scene, folder / "las" / "format7.las", folder / "las" / "extra.las", folder / "las" / "format3.las"):

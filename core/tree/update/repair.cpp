@@ -99,9 +99,9 @@ private:
     // What an interrupted update has left, and about.pct where it is not of this index.
     void heal_around(const TreeInfo& info, std::size_t data_files)
     {
-        const bool about = !about_ || about_->generation != info.generation;
+        const bool about = !about_ || !same_info(*about_, info);
         if (about && !options_.check_only) write_about(folder_, info);
-        if (about) report_.notes.push_back(std::string(about_file_name) + (about_ ? " is of another generation" : " is damaged or missing: " + about_fault_));
+        if (about) report_.notes.push_back(std::string(about_file_name) + (about_ ? " does not say what the index says" : " is damaged or missing: " + about_fault_));
         remove_leftovers(data_files);
     }
 
