@@ -219,7 +219,7 @@ TYPED_TEST(Levels, AreMaximalPoissonSamples)
 
 TYPED_TEST(Levels, OfSeveralSpacings)
 {
-    for (const std::string kind : {"plane", "line", "uneven"}) {
+    for (const std::string kind : {"plane", "line"}) {
         SCOPED_TRACE(kind);
         const Lattice lattice(Grid{{0.001, 0.0008, 0.001}, {0, 0, 0}});
         const auto sampled = sample<TypeParam>(this->cloud(kind, 9000), lattice, 1000, 2);
@@ -242,10 +242,10 @@ TYPED_TEST(Levels, OfAnisotropicGrids)
 TYPED_TEST(Levels, OfAddedPointsFitTheGivenOnes)
 {
     for (const std::string kind : {"volume", "plane", "line", "duplicates", "point", "clusters", "uneven"})
-        for (const std::size_t count : {1000u, 60u}) {
+        for (const std::size_t count : {500u, 60u}) {
             SCOPED_TRACE(kind + ", " + std::to_string(count) + " added");
             const Lattice lattice(Grid{{0.001, 0.001, 0.0006}, {0, 0, 0}});
-            const auto given = sample<TypeParam>(this->cloud(kind, 12000), lattice, 3000, 2);
+            const auto given = sample<TypeParam>(this->cloud(kind, 7000), lattice, 2000, 2);
             const auto cloud = this->cloud(kind, count);
             const auto added = sample<TypeParam>(cloud, lattice, 300, 2, Sampling::poisson, &given);
             expect_added_levels(given, added, lattice);
@@ -325,7 +325,9 @@ TYPED_TEST(Levels, GrowFourfoldOnASurface)
         EXPECT_GE(counts.size(), 3u);
         for (std::size_t k = 1; k < counts.size(); ++k) {
             EXPECT_LT(counts[k], 5 * counts[k - 1]);
-            if (sampled.spacings[k] > 0) EXPECT_GT(counts[k], 2 * counts[k - 1]);
+            if (sampled.spacings[k] > 0) {
+                EXPECT_GT(counts[k], 2 * counts[k - 1]);
+            }
         }
     }
 }
