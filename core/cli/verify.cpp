@@ -62,7 +62,10 @@ int verify(const Arguments& arguments)
         put_outcome(json, report.outcome);
         json["bytes"] = report.bytes;
         json["position_error"] = report.position_error;
-        if (arguments.levels) json["levels"] = to_json(levels);
+        if (arguments.levels) {
+            json["levels"] = to_json(levels);
+            json["coverage_limit"] = levels.coverage_limit;  // null: none is promised
+        }
         json["faults"] = report.faults;
         json["around"] = report.around;
         json["notes"] = report.notes;
