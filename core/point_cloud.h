@@ -115,7 +115,7 @@ public:
 
 private:
     PointCloud() = default;
-    ColumnSet columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& slots) const;
+    ColumnSet columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& places) const;
     std::shared_ptr<const Tree> tree_;
     std::unique_ptr<L2Cache> cache_;
     ReadRates rates_;

@@ -172,7 +172,7 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
     for (Attribute attribute : info.schema) {
         const std::string name = attribute.name;
         std::vector<bool> taken(info_.schema.size(), false);
-        for (const std::size_t slot : shape.slots) taken[slot] = true;
+        for (const std::size_t slot : shape.places) taken[slot] = true;
         auto slot = info_.schema.find(name);
         for (unsigned n = 1; slot && (!same_kind(info_.schema[*slot], attribute) || taken[*slot]); ++n) {
             attribute.name = name + "_" + std::string(name_of(attribute.type)) + (n > 1 ? "_" + std::to_string(n) : "");
@@ -184,7 +184,7 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
             slot = info_.schema.size();
             info_.schema.add(attribute);
         }
-        shape.slots.push_back(*slot);
+        shape.places.push_back(*slot);
     }
     shapes_.push_back(std::move(shape));
     return shapes_.size() - 1;
@@ -239,10 +239,10 @@ void MergedReader::describe_missing(Notes& notes)
 {
     for (Shape& shape : shapes_) {
         std::vector<bool> has(info_.schema.size(), false);
-        for (const std::size_t slot : shape.slots) has[slot] = true;
+        for (const std::size_t slot : shape.places) has[slot] = true;
         for (std::size_t k = 0; k < has.size(); ++k)
             if (!has[k]) shape.missing.push_back(k);
-        shape.same = shape.missing.empty() && std::is_sorted(shape.slots.begin(), shape.slots.end());
+        shape.same = shape.missing.empty() && std::is_sorted(shape.places.begin(), shape.places.end());
     }
     // Attributes that the same files lack are one note.
     std::map<std::vector<bool>, std::vector<std::size_t>> lacked_by;
@@ -304,8 +304,8 @@ bool MergedReader::read(PointBatch& batch, std::size_t max_points)
                 else
                     std::swap(batch.xyz[a], part_batch_.xyz[a]);
             }
-            for (std::size_t k = 0; k < shape.slots.size(); ++k)
-                std::swap(batch.attributes[shape.slots[k]], part_batch_.attributes[k]);
+            for (std::size_t k = 0; k < shape.places.size(); ++k)
+                std::swap(batch.attributes[shape.places[k]], part_batch_.attributes[k]);
             for (const std::size_t k : shape.missing)
                 if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
             return true;

@@ -57,7 +57,7 @@ private:
     // A schema that one file or many have, and the place of each of its attributes in the merged one.
     struct Shape {
         Schema schema;
-        std::vector<std::size_t> slots;
+        std::vector<std::size_t> places;
         std::vector<std::size_t> missing;  // attributes of the merged cloud that it lacks
         bool same = false;                 // as the merged one
     };

@@ -1,68 +1,32 @@
 #include "filter/filter_plugin.h"
 
+#include "filter/parameters.h"
 #include "filter/tree_information.h"
+#include "filter/tree_updates.h"
 #include "host/layer.h"
 #include "host/operation.h"
+#include "host/registry.h"
 #include "host/text.h"
 #include "tree/builder.h"
-
-#include <QDir>
-#include <QFileInfo>
 
 using namespace pcm;
 using namespace pcm::host;
 
 namespace {
 
-std::filesystem::path absolute_path(const QString& text)
-{
-    return QDir::cleanPath(QFileInfo(text.trimmed()).absoluteFilePath()).toStdString();
-}
-
-Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_argument, {}, what); }
-
-int in_range(const RichParameterList& parameters, const char* name, const char* label, int least, int most)
-{
-    const int value = parameters.getInt(name);
-    if (value < least || value > most)
-        throw bad_parameter(std::string(label) + " is " + std::to_string(value) + "; it must be " +
-                            std::to_string(least) + " to " + std::to_string(most));
-    return value;
-}
-
-std::vector<std::filesystem::path> split_paths(const QString& text)
-{
-    std::vector<std::filesystem::path> paths;
-    for (const QString& part : text.split(';', Qt::SkipEmptyParts))
-        if (!part.trimmed().isEmpty()) paths.push_back(absolute_path(part));
-    return paths;
-}
-
-QString readable_formats()
-{
-    QStringList names;
-    for (const std::string& extension : readable_extensions()) names << QString::fromStdString(extension).toUpper();
-    return names.join(", ");
-}
-
 // The output's name ends in .pct, which is how MeshLab recognises it.
 std::filesystem::path output_path(const QString& text, const std::filesystem::path& first_input)
 {
-    const std::string extension = std::string(".") + tree_extension;
-    if (text.trimmed().isEmpty()) {
-        std::filesystem::path output = first_input;
-        return std::filesystem::is_directory(first_input) ? output += extension : output.replace_extension(extension);
-    }
-    std::filesystem::path output = absolute_path(text);
-    if (output.extension() != extension) output += extension;
-    return output;
+    if (!text.trimmed().isEmpty()) return as_tree(absolute_path(text));
+    if (std::filesystem::is_directory(first_input)) return as_tree(first_input);
+    return std::filesystem::path(first_input).replace_extension(tree_extension);
 }
 
 }  // namespace
 
 PointCloudFilters::PointCloudFilters()
 {
-    typeList << build_tree_filter << tree_information_filter;
+    typeList << build_tree_filter << append_filter << delete_filter << compact_filter << tree_information_filter;
     for (const FilterIDType filter : types()) {
         auto* action = new QAction(filterName(filter), this);
         // Without a layer MeshLab disables what is in the menu of our other class.
@@ -76,6 +40,12 @@ QString PointCloudFilters::filterName(FilterIDType filter) const
     switch (filter) {
         case build_tree_filter:
             return "Build Point Cloud Tree";
+        case append_filter:
+            return "Append to Point Cloud Tree";
+        case delete_filter:
+            return "Delete Points of Point Cloud Tree";
+        case compact_filter:
+            return "Compact Point Cloud Tree";
         case tree_information_filter:
             return "Point Cloud Tree Information";
     }
@@ -91,6 +61,18 @@ QString PointCloudFilters::filterInfo(FilterIDType filter) const
                    "at several levels of detail that MeshLab opens in moments and draws without ever loading all of "
                    "it.<br>"
                    "All points are kept, with all their attributes. The build works in bounded memory; Esc cancels it.";
+        case append_filter:
+            return "Adds the points of one or more files to a <b>point cloud tree</b>, as a tree of its own that shares the old "
+                   "one's data, or in place. What is there is not rewritten, so it takes as long as the new points do; every level "
+                   "of detail stays as even as before. Esc cancels it.";
+        case delete_filter:
+            return "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet conditions, in a tree "
+                   "of its own that shares the old one's data, or in place. Only chunks that lose points are written anew. "
+                   "Esc cancels it.";
+        case compact_filter:
+            return "Writes a <b>point cloud tree</b> anew, as if it were built of its points now: what was appended and what was "
+                   "there become one, the space of deleted points is given back, and levels are even again. It is the old tree "
+                   "until the new one is whole. Esc cancels it.";
         case tree_information_filter:
             return "Writes to the log what a point cloud tree holds: points, bounds in source coordinates, attributes, "
                    "levels "
@@ -103,7 +85,7 @@ MeshFilterInterface::FilterClass PointCloudFilters::getClass(QAction* action)
 {
     // MeshLab offers only filters of the class MeshCreation when there is no layer. It also resets the view after them,
     // which giving information should not do; but the menus are made before any filter is applied.
-    if (ID(action) == build_tree_filter) return FilterClass(MeshCreation | PointSet);
+    if (ID(action) != tree_information_filter) return FilterClass(MeshCreation | PointSet);
     return information_given_ ? Measure : FilterClass(MeshCreation | Measure);
 }
 
@@ -111,18 +93,11 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
 {
     switch (ID(action)) {
         case build_tree_filter:
-            parameters.addParam(RichString("Inputs", "", "Input files",
-                                           "Paths of files, or of folders of files, separated by semicolons; together "
-                                           "they become one cloud. Readable: " +
-                                               readable_formats() + "."));
+            add_inputs_parameter(parameters, "together they become one cloud.");
             parameters.addParam(
                 RichString("Output", "", "Output folder",
                            "The tree folder to write, NAME.pct. Default: beside the first input, named like it."));
-            parameters.addParam(
-                RichInt("MemoryMB", 1024, "Memory (MB)",
-                        "Memory that the build may use, in megabytes, at least 64. More is faster. Default 1024."));
-            parameters.addParam(
-                RichInt("Threads", 0, "Threads", "Threads of the build. 0, the default: one a processor."));
+            add_work_parameters(parameters);
             parameters.addParam(
                 RichInt("ChunkPoints", 100000, "Points per chunk",
                         "Most points of a chunk, the unit that is read and drawn, from 1000. Default 100000."));
@@ -136,10 +111,17 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
             parameters.addParam(
                 RichBool("Open", true, "Open when done", "Add a layer that shows the new tree. Default on."));
             break;
+        case append_filter:
+            add_append_parameters(parameters);
+            break;
+        case delete_filter:
+            add_delete_parameters(parameters);
+            break;
+        case compact_filter:
+            add_compact_parameters(parameters);
+            break;
         case tree_information_filter:
-            parameters.addParam(
-                RichString("Tree", "", "Tree folder",
-                           "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
+            add_tree_parameter(parameters);
             break;
     }
 }
@@ -152,6 +134,15 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
         switch (ID(action)) {
             case build_tree_filter:
                 build(document, parameters, callback);
+                break;
+            case append_filter:
+                say(append_to_tree(document, parameters, callback));
+                break;
+            case delete_filter:
+                say(delete_from_tree(document, parameters, callback));
+                break;
+            case compact_filter:
+                say(compact_tree_in_place(document, parameters, callback));
                 break;
             case tree_information_filter:
                 information_given_ = true;
@@ -170,12 +161,11 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
 
 void PointCloudFilters::build(MeshDocument& document, const RichParameterList& parameters, vcg::CallBackPos* callback)
 {
-    const auto inputs = split_paths(parameters.getString("Inputs"));
-    if (inputs.empty()) throw bad_parameter("no input file is given");
+    const auto inputs = inputs_of(parameters);
     const std::filesystem::path output = output_path(parameters.getString("Output"), inputs.front());
     BuildOptions options;
-    options.memory_bytes = std::uint64_t(in_range(parameters, "MemoryMB", "Memory", 64, 1 << 24)) << 20;
-    options.threads = static_cast<unsigned>(in_range(parameters, "Threads", "Threads", 0, 1024));
+    options.memory_bytes = memory_of(parameters);
+    options.threads = threads_of(parameters);
     options.chunk_points =
         static_cast<std::uint32_t>(in_range(parameters, "ChunkPoints", "Points per chunk", 1000, 100'000'000));
     options.sampling = parameters.getBool("Fast") ? Sampling::grid : Sampling::poisson;
@@ -201,7 +191,7 @@ void PointCloudFilters::build(MeshDocument& document, const RichParameterList& p
     MeshModel* layer = document.addNewMesh(QString::fromStdString(output.string()),
                                            QString::fromStdString(output.filename().string()));
     try {
-        for (const std::string& line : show_tree(*layer, cloud)) say(line);
+        say(show_tree(*layer, cloud));
     } catch (...) {
         document.delMesh(layer);
         throw;
@@ -211,15 +201,5 @@ void PointCloudFilters::build(MeshDocument& document, const RichParameterList& p
 void PointCloudFilters::information(MeshDocument& document, const RichParameterList& parameters)
 {
     const QString given = parameters.getString("Tree");
-    if (!given.trimmed().isEmpty()) {
-        for (const std::string& line : tree_information(*Tree::open(absolute_path(given)))) say(line);
-        return;
-    }
-    const MeshModel* layer = document.mm();
-    if (!layer) throw bad_parameter("no tree is given, and there is no current layer");
-    const auto tree = Registry::instance().find(*layer);
-    if (!tree)
-        throw bad_parameter("no tree is given, and the current layer '" + layer->label().toStdString() +
-                            "' does not show one");
-    for (const std::string& line : tree_information(*tree->cloud->tree())) say(line);
+    say(tree_information(given.trimmed().isEmpty() ? *shown_tree(document)->tree() : *Tree::open(absolute_path(given))));
 }

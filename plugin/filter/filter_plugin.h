@@ -4,6 +4,7 @@
 #include <common/interfaces.h>
 
 #include <string>
+#include <vector>
 
 class PointCloudFilters : public QObject, public MeshFilterInterface {
     Q_OBJECT
@@ -25,11 +26,15 @@ public:
                      vcg::CallBackPos* callback) override;
 
 private:
-    enum { build_tree_filter, tree_information_filter };
+    enum { build_tree_filter, append_filter, delete_filter, compact_filter, tree_information_filter };
 
     void build(MeshDocument& document, const RichParameterList& parameters, vcg::CallBackPos* callback);
     void information(MeshDocument& document, const RichParameterList& parameters);
     void say(const std::string& line) { Log(GLLogStream::FILTER, line); }
+    void say(const std::vector<std::string>& lines)
+    {
+        for (const std::string& line : lines) say(line);
+    }
 
     bool information_given_ = false;
 };

@@ -4,6 +4,7 @@
 #include "convert/convert.h"
 #include "host/layer_reader.h"
 #include "host/registry.h"
+#include "host/selection_text.h"
 #include "host/text.h"
 #include "io/formats.h"
 #include "tree/tree_reader.h"
@@ -22,41 +23,9 @@ const QString box = "Box";
 const QString where = "Where";
 const QString decimals = "Decimals";
 
-Vec3d three_numbers(const QStringList& numbers, int from)
-{
-    Vec3d v{};
-    for (int a = 0; a < 3; ++a) {
-        bool good = false;
-        v[static_cast<std::size_t>(a)] = numbers[from + a].toDouble(&good);
-        if (!good)
-            throw Error(ErrorCode::invalid_argument, {},
-                        "the box has '" + numbers[from + a].toStdString() + "' where a number was expected");
-    }
-    return v;
-}
-
-std::optional<Box3d> parse_box(const QString& text)
-{
-    const QStringList numbers = text.simplified().split(' ', Qt::SkipEmptyParts);
-    if (numbers.isEmpty()) return std::nullopt;
-    if (numbers.size() != 6)
-        throw Error(ErrorCode::invalid_argument, {},
-                    "the box has " + std::to_string(numbers.size()) + " numbers, not 6",
-                    "give the smallest x y z, then the largest x y z");
-    const Box3d parsed{three_numbers(numbers, 0), three_numbers(numbers, 3)};
-    if (parsed.empty())
-        throw Error(ErrorCode::invalid_argument, {}, "the box is empty: a largest coordinate is below the smallest");
-    return parsed;
-}
-
 Selection selection_of(const RichParameterList& parameters)
 {
-    Selection selection;
-    selection.box = parse_box(parameters.getString(box));
-    for (const QString& condition : parameters.getString(where).split(';', Qt::SkipEmptyParts))
-        if (!condition.trimmed().isEmpty())
-            selection.where.push_back(parse_condition(condition.trimmed().toStdString()));
-    return selection;
+    return parse_selection(parameters.getString(box), parameters.getString(where));
 }
 
 std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const RichParameterList& parameters)

@@ -1,0 +1,110 @@
+#include "filter/parameters.h"
+
+#include "cloud/error.h"
+#include "host/registry.h"
+#include "io/reader.h"
+#include "tree/tree.h"
+
+#include <QDir>
+#include <QFileInfo>
+
+namespace pcm::host {
+
+namespace {
+
+Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_argument, {}, what); }
+
+QString readable_formats()
+{
+    QStringList names;
+    for (const std::string& extension : readable_extensions()) names << QString::fromStdString(extension).toUpper();
+    return names.join(", ");
+}
+
+}  // namespace
+
+std::filesystem::path absolute_path(const QString& text)
+{
+    return QDir::cleanPath(QFileInfo(text.trimmed()).absoluteFilePath()).toStdString();
+}
+
+std::vector<std::filesystem::path> split_paths(const QString& text)
+{
+    std::vector<std::filesystem::path> paths;
+    for (const QString& part : text.split(';', Qt::SkipEmptyParts))
+        if (!part.trimmed().isEmpty()) paths.push_back(absolute_path(part));
+    return paths;
+}
+
+int in_range(const RichParameterList& parameters, const char* name, const char* label, int least, int most)
+{
+    const int value = parameters.getInt(name);
+    if (value < least || value > most)
+        throw bad_parameter(std::string(label) + " is " + std::to_string(value) + "; it must be " +
+                            std::to_string(least) + " to " + std::to_string(most));
+    return value;
+}
+
+void add_work_parameters(RichParameterList& parameters)
+{
+    parameters.addParam(
+        RichInt("MemoryMB", 1024, "Memory (MB)",
+                "Memory that the work may use, in megabytes, at least 64. More is faster. Default 1024."));
+    parameters.addParam(RichInt("Threads", 0, "Threads", "Threads that work. 0, the default: one a processor."));
+}
+
+std::uint64_t memory_of(const RichParameterList& parameters)
+{
+    return std::uint64_t(in_range(parameters, "MemoryMB", "Memory", 64, 1 << 24)) << 20;
+}
+
+unsigned threads_of(const RichParameterList& parameters)
+{
+    return static_cast<unsigned>(in_range(parameters, "Threads", "Threads", 0, 1024));
+}
+
+void add_inputs_parameter(RichParameterList& parameters, const QString& meaning)
+{
+    parameters.addParam(RichString("Inputs", "", "Input files",
+                                   "Paths of files, or of folders of files, separated by semicolons; " + meaning +
+                                       " Readable: " + readable_formats() + "."));
+}
+
+std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters)
+{
+    auto inputs = split_paths(parameters.getString("Inputs"));
+    if (inputs.empty()) throw bad_parameter("no input file is given");
+    return inputs;
+}
+
+void add_tree_parameter(RichParameterList& parameters)
+{
+    parameters.addParam(RichString("Tree", "", "Tree folder",
+                                   "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
+}
+
+std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document)
+{
+    const QString given = parameters.getString("Tree");
+    return given.trimmed().isEmpty() ? shown_tree(document)->tree()->folder() : absolute_path(given);
+}
+
+std::shared_ptr<PointCloud> shown_tree(MeshDocument& document)
+{
+    const MeshModel* layer = document.mm();
+    if (!layer) throw bad_parameter("no tree is given, and there is no current layer");
+    const auto tree = Registry::instance().find(*layer);
+    if (!tree)
+        throw bad_parameter("no tree is given, and the current layer '" + layer->label().toStdString() +
+                            "' does not show one");
+    return tree->cloud;
+}
+
+std::filesystem::path as_tree(std::filesystem::path path)
+{
+    const std::string extension = std::string(".") + tree_extension;
+    if (path.extension() != extension) path += extension;
+    return path;
+}
+
+}  // namespace pcm::host
