@@ -22,7 +22,7 @@ struct Arguments {
     bool estimate = false, headers = false, count = false, first_hit = false;
     std::size_t k = 1;
     std::optional<double> max_distance;
-    unsigned reads = 4;
+    unsigned reads = 8;
     std::uint64_t cache = std::uint64_t(512) << 20;
 };
 
@@ -227,7 +227,7 @@ void add_query(CLI::App& app, int& result)
         ->allow_extra_args(false)
         ->group(group);
 
-    command->add_option("--reads", arguments->reads, "Chunks read at once (default 4); more for slow file systems")->check(CLI::Range(1, 64));
+    command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")->check(CLI::Range(1, 64));
     command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = query(*arguments); });

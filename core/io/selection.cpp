@@ -296,6 +296,15 @@ Selector::Selector(const Selection& selection, const Schema& schema)
         bounds_->min[axis] = std::max(bounds_->min[axis], low);
         bounds_->max[axis] = std::min(bounds_->max[axis], high);
     };
+    if (region_ && region_->kind() == Region::Kind::box) {
+        Box3d box = region_->bounds();
+        for (std::size_t axis = 0; axis < 3 && box_; ++axis) {
+            box.min[axis] = std::max(box.min[axis], box_->min[axis]);
+            box.max[axis] = std::min(box.max[axis], box_->max[axis]);
+        }
+        box_ = bounds_ = box;
+        region_.reset();
+    }
     if (region_)
         for (std::size_t axis = 0; axis < 3; ++axis) bound(axis, region_->bounds().min[axis], region_->bounds().max[axis]);
     for (const Condition& condition : selection.where) {

@@ -74,6 +74,8 @@ public:
     // Whether points in a box can have a position that is selected, or all have one. Conservative: see Region::relation().
     BoxRelation relation(const Box3d& box) const;
 
+    // Whether bounds() is all that is asked of positions.
+    bool is_box() const { return !region_ && coordinate_tests_.empty(); }
     // Box, region and conditions on coordinates of a position.
     bool holds_at(const Vec3d& p) const
     {

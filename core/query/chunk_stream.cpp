@@ -1,7 +1,9 @@
 #include "query/chunk_stream.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <limits>
+#include <type_traits>
 
 namespace pcm {
 namespace {
@@ -9,6 +11,41 @@ namespace {
 double now()
 {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Adds those of points [begin, end) whose grid position is in a box.
+void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& points)
+{
+    const std::size_t before = points.size();
+    points.resize(before + (end - begin));
+    std::uint32_t* const kept = points.data() + before;
+    std::size_t n = 0;
+    const auto keep = [&](const auto& xyz) {
+        // Less the origin, as the chunk has them: the box begins at `low` and is `width` + 1 wide.
+        using Number = std::remove_const_t<std::remove_reference_t<decltype(xyz[0][0])>>;
+        std::array<Number, 3> low, width;
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (box.max[a] < positions.origin[a]) return;
+            const auto origin = static_cast<std::uint64_t>(positions.origin[a]);
+            const std::uint64_t from = box.min[a] > positions.origin[a] ? static_cast<std::uint64_t>(box.min[a]) - origin : 0;
+            const std::uint64_t to = std::min<std::uint64_t>(static_cast<std::uint64_t>(box.max[a]) - origin, std::numeric_limits<Number>::max());
+            if (from > to) return;
+            low[a] = static_cast<Number>(from);
+            width[a] = static_cast<Number>(to - from);
+        }
+        const Number *x = xyz[0].data(), *y = xyz[1].data(), *z = xyz[2].data();
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const bool in_x = static_cast<Number>(x[i] - low[0]) <= width[0], in_y = static_cast<Number>(y[i] - low[1]) <= width[1],
+                       in_z = static_cast<Number>(z[i] - low[2]) <= width[2];
+            kept[n] = i;
+            n += static_cast<std::size_t>(in_x & in_y & in_z);
+        }
+    };
+    if (positions.wide)
+        keep(positions.wide_xyz);
+    else
+        keep(positions.narrow_xyz);
+    points.resize(before + n);
 }
 
 }  // namespace
@@ -33,6 +70,7 @@ ChunkStream::ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selec
     : cache_(cache), pool_(pool), rates_(rates), selector_(std::move(selector)), level_(level), columns_(columns),
       in_flight_(std::clamp(in_flight, 1u, ReadPool::most_threads)), nodes_(selected_nodes(cache.tree(), selector_, level))
 {
+    box_ = selector_.bounds() ? grid_box(cache.tree(), *selector_.bounds()) : cache.tree().info().box;
 }
 
 ChunkStream::~ChunkStream()
@@ -143,11 +181,14 @@ void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) co
     const Grid& grid = cache_.tree().info().grid;
     std::vector<std::uint32_t> some;
     for (std::size_t k = 0; k < parts; ++k) {
-        const std::size_t begin = relations.empty() ? 0 : result.begins[k];
-        const std::size_t end = k + 1 == parts ? result.points : result.begins[k + 1];
-        some.resize(end - begin);
-        std::iota(some.begin(), some.end(), static_cast<std::uint32_t>(begin));
-        selector_.narrow(columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, of_part(k));
+        const auto begin = relations.empty() ? 0 : result.begins[k];
+        const auto end = k + 1 == parts ? static_cast<std::uint32_t>(result.points) : result.begins[k + 1];
+        some.clear();
+        // Whole numbers are quick to compare, and few points are left.
+        BoxRelation relation = of_part(k);
+        points_in(positions, relation == BoxRelation::inside ? cache_.tree().info().box : box_, begin, end, some);
+        if (selector_.is_box()) relation = BoxRelation::inside;
+        selector_.narrow(columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, relation);
         result.selected.insert(result.selected.end(), some.begin(), some.end());
     }
 }

@@ -76,6 +76,7 @@ private:
     Selector selector_;
     std::optional<std::uint16_t> level_;
     ColumnSet columns_;
+    Box3i box_;  // no point outside of it is selected
     std::size_t in_flight_;
     std::vector<SelectedNode> nodes_;
     std::size_t next_ = 0;                    // of nodes_, to be asked for

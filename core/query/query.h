@@ -17,7 +17,7 @@ struct Query {
     std::vector<Condition> where;            // on attributes; all must be met (parse_condition() makes them from text)
     std::vector<std::string> attributes;     // names to read beside the position; unknown names are an error
     std::optional<Region> region;            // beside the box; both must hold
-    unsigned reads_in_flight = 4;            // chunks that are read at once, ahead of the caller: more hide a network's latency,
+    unsigned reads_in_flight = 8;            // chunks that are read at once, ahead of the caller: more hide a network's latency,
                                              // and each takes the memory of a chunk
     ProgressFunction progress;               // called by the cursor, on the caller's thread; false: Error(cancelled)
 

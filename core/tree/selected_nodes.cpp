@@ -13,6 +13,33 @@ Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
     return source;
 }
 
+Box3i grid_box(const Tree& tree, const Box3d& box)
+{
+    const TreeInfo& info = tree.info();
+    // The first number of [low, high] for which `holds`, which stays true from there on; high + 1 if there is none.
+    const auto first = [](std::int64_t low, std::int64_t high, const auto& holds) {
+        auto from = static_cast<std::uint64_t>(low), count = static_cast<std::uint64_t>(high) - from + 1;
+        while (count > 0) {
+            const std::uint64_t half = count / 2;
+            if (holds(static_cast<std::int64_t>(from + half))) {
+                count = half;
+            } else {
+                from += half + 1;
+                count -= half + 1;
+            }
+        }
+        return static_cast<std::int64_t>(from);
+    };
+    Box3i result;
+    if (box.empty() || info.box.empty()) return result;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::int64_t low = info.box.min[a], high = info.box.max[a];
+        result.min[a] = first(low, high, [&](std::int64_t q) { return info.grid.to_source(q, a) >= box.min[a]; });
+        result.max[a] = first(low, high, [&](std::int64_t q) { return info.grid.to_source(q, a) > box.max[a]; }) - 1;
+    }
+    return result;
+}
+
 std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector, const std::optional<std::uint16_t>& level,
                                          bool single_precision)
 {
