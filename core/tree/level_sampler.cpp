@@ -329,21 +329,27 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
     // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one colour are not
     // near each other and go side by side; colours go one after the other: the same for any number of threads.
     const double squared = lattice_.spacing(size) * lattice_.spacing(size);
-    std::vector<std::vector<std::size_t>> neighbours(bins_.size());
-    for (std::size_t b = 0; b < bins_.size(); ++b)
-        for (std::size_t n = 0; n < b; ++n)
-            if (points_.box(b).points && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared) {
-                neighbours[b].push_back(n);
-                neighbours[n].push_back(b);
-            }
+    // Found anew each time they are needed: at coarse spacings every bin is near every other, and lists of all would take memory with
+    // the square of their number.
+    const auto neighbours_of = [&](std::size_t b, std::size_t below) {
+        std::vector<std::size_t> neighbours;
+        for (std::size_t n = 0; n < below; ++n)
+            if (n != b && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared) neighbours.push_back(n);
+        return neighbours;
+    };
     std::vector<std::size_t> colour(bins_.size(), 0);
     std::size_t colours = 0;
+    std::vector<std::size_t> used_by;  // of each colour, the last bin that has a neighbour of it
     for (std::size_t b = 0; b < bins_.size(); ++b) {
-        std::vector<bool> used(colours + 1, false);
-        for (const std::size_t n : neighbours[b])
-            if (n < b) used[colour[n]] = true;
-        colour[b] = static_cast<std::size_t>(std::find(used.begin(), used.end(), false) - used.begin());
-        colours = std::max(colours, colour[b] + 1);
+        if (points_.box(b).points == 0) continue;
+        for (const std::size_t n : neighbours_of(b, b)) used_by[colour[n]] = b;
+        std::size_t c = 0;
+        while (c < colours && used_by[c] == b) ++c;
+        colour[b] = c;
+        if (c == colours) {
+            ++colours;
+            used_by.push_back(bins_.size());
+        }
     }
     std::vector<std::vector<std::size_t>> groups(colours);
     for (std::size_t b = 0; b < bins_.size(); ++b)
@@ -356,7 +362,7 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
     for (const std::vector<std::size_t>& group : groups) {
         if (group.size() == 1 || threads == 1) {
             for (const std::size_t b : group) {
-                sample_bin(b, size, neighbours[b]);
+                sample_bin(b, size, neighbours_of(b, bins_.size()));
                 ++done;
                 tick();
             }
@@ -368,7 +374,7 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
         for (unsigned t = 0; t < std::min<std::size_t>(threads, group.size()); ++t)
             crew.add([&] {
                 for (std::size_t i; !signal.stopped && (i = next++) < group.size(); ++done)
-                    sample_bin(group[i], size, neighbours[group[i]]);
+                    sample_bin(group[i], size, neighbours_of(group[i], bins_.size()));
             });
         crew.join(tick);
     }
