@@ -60,6 +60,7 @@ public:
     {
         if (fs::exists(folder_ / build_marker_name))
             throw Error(ErrorCode::interrupted_build, folder_, "the build of this tree was interrupted or is still running", "build it again");
+        if (!fs::is_directory(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
         files_ = list_data_files(folder_);
         if (files_.empty() && !is_tree(folder_)) throw Error(ErrorCode::not_a_tree, folder_, "this folder holds no chunks of a point cloud tree");
         if (!options_.check_only) lock_.emplace(folder_);
@@ -358,7 +359,6 @@ RepairReport repair_tree(const fs::path& path, const RepairOptions& options)
 {
     fs::path folder = path.filename() == index_file_name ? path.parent_path() : path;
     if (folder.empty()) folder = ".";
-    if (!fs::is_directory(folder)) throw Error(ErrorCode::not_found, path, "no such folder");
     try {
         return Repair(folder, options).run();
     } catch (const fs::filesystem_error& error) {
