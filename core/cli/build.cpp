@@ -76,6 +76,11 @@ void add_build(CLI::App& app, int& result)
     command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
     command->add_flag("--fast", arguments->fast, "Choose the points of levels by a grid: quicker, and less even");
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
+    command->add_flag("!--no-resume", arguments->options.resume,
+                      "Start afresh where a build of these files was interrupted, and make no checkpoints");
+    command->add_option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
+                        "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
+        ->check(CLI::NonNegativeNumber);
     arguments->reading.add_to(*command);
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = build(*arguments); });

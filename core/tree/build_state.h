@@ -76,7 +76,7 @@ private:
 template <class Coord>
 struct Bins {
     TopTree<Coord> top;
-    std::unique_ptr<Scratch> scratch;
+    std::shared_ptr<Scratch> scratch;
 };
 using AnyBins = std::variant<Bins<std::uint32_t>, Bins<std::uint64_t>>;
 

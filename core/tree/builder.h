@@ -18,6 +18,8 @@ struct BuildOptions {
     std::uint32_t chunk_points = 100000;                  // most points of a chunk (a pile of duplicates may exceed it)
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
+    bool resume = true;                                   // go on with an interrupted build, and be such a one that can be
+    double checkpoint_seconds = 1;                        // how often what is done is put on disk for good; 0: at every chance
     ReadOptions read{0, {}};                              // how files are read; threads 0: one a processor
     ProgressFunction progress;
 };
@@ -37,15 +39,19 @@ struct BuildReport {
 // The same input, chunk_points and memory give the same bytes whatever the number of threads; the memory decides how the
 // cloud is partitioned and so may change the tree's shape, never its points.
 // The tree is built in the folder `output`.part and appears under its name when it is whole, so an interrupted build is
-// never taken for a tree; building again removes what an interrupted build has left and starts afresh. On an error or a
-// cancel everything that was written is removed.
+// never taken for a tree. A build of the same files (by path, size and time of change) with the same options goes on where an
+// interrupted one was at its last checkpoint, and makes the same tree byte for byte; any other removes what is left of it and
+// starts afresh. The notes tell which. An input that takes less than checkpoint_seconds to read has no checkpoints. On an
+// error or a cancel everything that was written is removed.
+// A tree that is replaced is there until the new one takes its place, at one stroke where the system can do that
+// (build_folder.h says what is found after a crash where it cannot).
 // Throws Error(exists) when `output` is there (with overwrite: is there and is not a tree) or is being built by another
 // process, Error(invalid_argument) for options out of range, and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
 // The same of any cloud, read to its end; `sources` are the names that the tree remembers as its origin. The cloud must not read
-// from the tree that is overwritten.
+// from the tree that is overwritten. Such a build cannot be gone on with: it starts afresh.
 BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 

@@ -1,5 +1,6 @@
 #include "tree/level_sampler.h"
 
+#include "bpc/byte_order.h"
 #include "cloud/error.h"
 
 #include <algorithm>
@@ -22,8 +23,8 @@ constexpr double waiting_share = 0.2;
 
 template <class Coord>
 LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
-                                  const std::filesystem::path& scratch)
-    : points_(points), lattice_(lattice), sampling_(sampling), file_(scratch, File::Mode::create_new), bins_(points.bins())
+                                  const std::filesystem::path& scratch, File::Mode mode)
+    : points_(points), lattice_(lattice), sampling_(sampling), file_(scratch, mode), remove_(mode == File::Mode::create_new), bins_(points.bins())
 {
     for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
 }
@@ -32,7 +33,7 @@ template <class Coord>
 LevelSampler<Coord>::~LevelSampler()
 {
     std::error_code ignored;
-    std::filesystem::remove(file_.path(), ignored);
+    if (remove_) std::filesystem::remove(file_.path(), ignored);
 }
 
 template <class Coord>
@@ -485,6 +486,59 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     for (const std::uint32_t i : found)
         if (at_border(points[i])) border.push_back(points[i]);
     bin.border = std::move(border);
+}
+
+template <class Coord>
+void LevelSampler<Coord>::save(ByteWriter& out) const
+{
+    out.put(end_);
+    out.put(static_cast<std::uint64_t>(spacings_.size()));
+    for (const double spacing : spacings_) out.put(spacing);
+    out.put(static_cast<std::uint64_t>(sizes_.size()));
+    for (const int size : sizes_) out.put(size);
+    out.put(static_cast<std::uint64_t>(bins_.size()));
+    for (const Bin& bin : bins_) {
+        for (const std::uint64_t points : bin.histogram) out.put(points);
+        out.put(bin.bytes);
+        out.put(static_cast<std::uint64_t>(bin.lists.size()));
+        for (const List& list : bin.lists) {
+            out.put(list.size);
+            out.put(list.offset);
+            out.put(list.count);
+        }
+    }
+}
+
+template <class Coord>
+void LevelSampler<Coord>::load(ByteReader& in)
+{
+    const auto check = [&](bool holds) {
+        if (!holds) throw Error(ErrorCode::corrupt, file_.path(), "the levels of an interrupted build do not fit its points");
+    };
+    end_ = in.get<std::uint64_t>();
+    check(end_ <= file_.size());
+    const auto spacings = in.get<std::uint64_t>();
+    check(spacings <= 255);
+    for (std::uint64_t i = 0; i < spacings; ++i) spacings_.push_back(in.get<double>());
+    const auto sizes = in.get<std::uint64_t>();
+    check(sizes <= spacings && sizes > 0);
+    for (std::uint64_t i = 0; i < sizes; ++i) sizes_.push_back(in.get<int>());
+    check(in.get<std::uint64_t>() == bins_.size());
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+        Bin& bin = bins_[b];
+        for (std::uint64_t i = 0; i < spacings; ++i) bin.histogram.push_back(in.get<std::uint64_t>());
+        bin.bytes = in.get<std::uint64_t>();
+        check(bin.bytes == no_bytes || (bin.bytes <= end_ && points_.box(b).points <= end_ - bin.bytes));
+        const auto lists = in.get<std::uint64_t>();
+        for (std::uint64_t i = 0; i < lists; ++i) {
+            List list{};
+            list.size = in.get<int>();
+            list.offset = in.get<std::uint64_t>();
+            list.count = in.get<std::uint32_t>();
+            check(sampling_ == Sampling::grid || (list.offset <= end_ && list.count <= (end_ - list.offset) / sizeof(std::uint32_t)));
+            bin.lists.push_back(list);
+        }
+    }
 }
 
 template class LevelSampler<std::uint32_t>;

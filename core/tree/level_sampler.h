@@ -40,9 +40,10 @@ struct GivenLevels {
 template <class Coord>
 class LevelSampler {
 public:
-    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes.
+    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes; a new one is removed
+    // in the end, one that is opened in another way stays.
     LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
-                 const std::filesystem::path& scratch);
+                 const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
     ~LevelSampler();
 
     // Before run(): the points are added to these. Error(invalid_argument) for spacings that are not of the lattice.
@@ -51,6 +52,10 @@ public:
     // `progress(fraction)` is called now and then on the calling thread and may throw.
     void run(unsigned threads, const std::function<void(double)>& progress);
 
+    // What run() found, and the reverse, in place of it (the file must be the same). load() throws Error(corrupt).
+    void save(ByteWriter& out) const;
+    void load(ByteReader& in);
+    void sync() { file_.sync(); }
     // Of the sampler's notes on disk.
     std::uint64_t bytes() const { return end_; }
     // Of each level; 0 for the rest. Of a given cloud its own, and the rest where it had none and is needed now.
@@ -100,6 +105,7 @@ private:
     GivenLevels<Coord> given_;
     Vec3d squared_scale_;
     File file_;
+    const bool remove_;
     std::mutex mutex_;
     std::uint64_t end_ = 0;
     std::vector<Bin> bins_;

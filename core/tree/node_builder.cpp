@@ -33,22 +33,36 @@ template <class Coord>
 auto NodeBuilder<Coord>::build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above,
                                Output& output) -> Region
 {
-    const std::size_t row_bytes = options_.layout.bytes;
     if (points.levels.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorCode::unsupported, {}, "more than 4294967295 points share one position or are too close to part");
+    Indices own;
+    own.reserve(points.levels.size());
+    Region region = divide(points, above, &own);
+    if (!own.empty()) region.draft = build_range(points, own, above.empty() ? 0 : above.back().last, path, output);
+    return region;
+}
+
+template <class Coord>
+auto NodeBuilder<Coord>::hand_up(const LeveledRows& points, const std::vector<LevelRange>& above) const -> Region
+{
+    return divide(points, above, nullptr);
+}
+
+// Points of the levels that nodes above take go up; `own` gets the others.
+template <class Coord>
+auto NodeBuilder<Coord>::divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const -> Region
+{
+    const std::size_t row_bytes = options_.layout.bytes;
     const std::size_t first = above.empty() ? 0 : above.back().last;
     std::vector<std::size_t> taker(first);  // the depth of the node that takes a level
     for (std::size_t depth = 0; depth < above.size(); ++depth)
         for (std::size_t level = above[depth].first; level < above[depth].last; ++level) taker[level] = depth;
-
     Region region;
     region.above.resize(above.size());
-    Indices own;
-    own.reserve(points.levels.size());
     for (std::size_t i = 0; i < points.levels.size(); ++i) {
         const std::uint8_t level = points.levels[i];
         if (level >= first) {
-            own.push_back(static_cast<std::uint32_t>(i));
+            if (own) own->push_back(static_cast<std::uint32_t>(i));
             continue;
         }
         LeveledRows& to = region.above[taker[level]];
@@ -56,7 +70,20 @@ auto NodeBuilder<Coord>::build(const LeveledRows& points, const NodePath& path, 
         to.rows.insert(to.rows.end(), row, row + row_bytes);
         to.levels.push_back(level);
     }
-    if (!own.empty()) region.draft = build_range(points, own, first, path, output);
+    return region;
+}
+
+template <class Coord>
+auto NodeBuilder<Coord>::join(Region left, Region right) -> Region
+{
+    Region region;
+    region.above = std::move(left.above);
+    for (std::size_t depth = 0; depth < right.above.size(); ++depth) {
+        LeveledRows &to = region.above[depth], &from = right.above[depth];
+        to.rows.insert(to.rows.end(), from.rows.begin(), from.rows.end());
+        to.levels.insert(to.levels.end(), from.levels.begin(), from.levels.end());
+        from = LeveledRows();
+    }
     return region;
 }
 
@@ -107,23 +134,17 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
 template <class Coord>
 auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output) -> Region
 {
-    Region region;
-    region.above = std::move(left.above);
-    for (std::size_t depth = 0; depth < right.above.size(); ++depth) {
-        LeveledRows &to = region.above[depth], &from = right.above[depth];
-        to.rows.insert(to.rows.end(), from.rows.begin(), from.rows.end());
-        to.levels.insert(to.levels.end(), from.levels.begin(), from.levels.end());
-        from = LeveledRows();
-    }
+    const std::array<Draft*, 2> children{left.draft, right.draft};
+    Region region = join(std::move(left), std::move(right));
     const LeveledRows mine = std::move(region.above.back());
     region.above.pop_back();
-    if (mine.levels.empty() && !left.draft && !right.draft) return region;
+    if (mine.levels.empty() && !children[0] && !children[1]) return region;
 
     const Indices indices =
         morton_order<Coord>(mine.rows.data(), mine.levels.size(), options_.layout, options_.lattice.finer);
     region.draft = drafts_.add(path);
-    region.draft->children = {left.draft, right.draft};
-    if (left.draft || right.draft) region.draft->spacing = spacing_after(own);
+    region.draft->children = children;
+    if (children[0] || children[1]) region.draft->spacing = spacing_after(own);
     emit(mine, indices, *region.draft, output);
     return region;
 }

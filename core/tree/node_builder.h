@@ -95,11 +95,16 @@ public:
     // All points of a region at `path`. `above` says which levels the nodes above take: one range a depth, consecutive from
     // level 0.
     Region build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above, Output& output);
+    // The same without making any node: what a region that was built before handed up.
+    Region hand_up(const LeveledRows& points, const std::vector<LevelRange>& above) const;
+    // Two regions' handed-up points as those of the region that both are parts of.
+    static Region join(Region left, Region right);
     // Two siblings under a new node at `path`, whose chunk takes the levels of `own`.
     Region merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output);
 
 private:
     using Indices = std::vector<std::uint32_t>;
+    Region divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const;
     Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path, Output& output);
     double spacing_after(const LevelRange& own) const;
     // Gives a node its chunk: the points at `indices`, which are in Morton order, by level.

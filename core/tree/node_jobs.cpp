@@ -1,10 +1,79 @@
 #include "tree/node_jobs.h"
 
+#include "bpc/byte_order.h"
+#include "cloud/error.h"
 #include "tree/crew.h"
 
 #include <map>
 
 namespace pcm {
+namespace {
+
+constexpr std::uint64_t checkpoint_bytes = std::uint64_t(64) << 20;  // of chunks: that many are worth a checkpoint
+
+void put_draft(ByteWriter& out, const Draft& draft)
+{
+    out.put(draft.path.depth);
+    for (const std::uint64_t bits : draft.path.bits) out.put(bits);
+    for (const std::int64_t c : draft.box.min) out.put(c);
+    for (const std::int64_t c : draft.box.max) out.put(c);
+    out.put(draft.points);
+    out.put(draft.first_level);
+    out.put(static_cast<std::uint32_t>(draft.level_points.size()));
+    for (const std::uint32_t points : draft.level_points) out.put(points);
+    out.put(draft.spacing);
+    out.put(draft.extent.file);
+    out.put(draft.extent.offset);
+    out.put(draft.extent.bytes);
+    out.put(draft.extent.header_bytes);
+    for (const Draft* child : draft.children) out.put(static_cast<std::uint8_t>(child != nullptr));
+}
+
+// Which children it has is told by `has_child`.
+Draft* get_draft(ByteReader& in, DraftStore& drafts, std::array<bool, 2>& has_child)
+{
+    NodePath path;
+    path.depth = in.get<std::uint16_t>();
+    for (std::uint64_t& bits : path.bits) bits = in.get<std::uint64_t>();
+    Draft* draft = drafts.add(path);
+    for (std::int64_t& c : draft->box.min) c = in.get<std::int64_t>();
+    for (std::int64_t& c : draft->box.max) c = in.get<std::int64_t>();
+    draft->points = in.get<std::uint32_t>();
+    draft->first_level = in.get<std::uint16_t>();
+    const auto levels = in.get<std::uint32_t>();
+    for (std::uint32_t i = 0; i < levels; ++i) draft->level_points.push_back(in.get<std::uint32_t>());
+    draft->spacing = in.get<double>();
+    draft->extent.file = in.get<std::uint32_t>();
+    draft->extent.offset = in.get<std::uint64_t>();
+    draft->extent.bytes = in.get<std::uint64_t>();
+    draft->extent.header_bytes = in.get<std::uint32_t>();
+    for (bool& has : has_child) has = in.get<std::uint8_t>() != 0;
+    return draft;
+}
+
+void put_subtree(ByteWriter& out, const Draft& draft)
+{
+    put_draft(out, draft);
+    for (const Draft* child : draft.children)
+        if (child) put_subtree(out, *child);
+}
+
+Draft* get_subtree(ByteReader& in, DraftStore& drafts, DataFiles& files)
+{
+    std::array<bool, 2> has_child{};
+    Draft* draft = get_draft(in, drafts, has_child);
+    files.written(*draft);
+    if (draft->path.depth > NodePath::max_depth) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    for (std::size_t side = 0; side < 2; ++side)
+        if (has_child[side]) {
+            draft->children[side] = get_subtree(in, drafts, files);
+            if (draft->children[side]->path.depth != draft->path.depth + 1)
+                throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+        }
+    return draft;
+}
+
+}  // namespace
 
 template <class Coord>
 NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
@@ -72,13 +141,96 @@ auto NodeJobs<Coord>::build(Builder& builder, Job& job, typename Builder::Region
 }
 
 template <class Coord>
-Draft* NodeJobs<Coord>::run(unsigned threads, const std::function<void(std::uint64_t)>& progress)
+void NodeJobs<Coord>::save(std::size_t first, std::size_t last, ByteWriter& out) const
+{
+    out.put(static_cast<std::uint64_t>(first));
+    out.put(static_cast<std::uint64_t>(last));
+    for (std::size_t j = first; j < last; ++j) {
+        const Draft* draft = jobs_[j].region.draft;
+        out.put(static_cast<std::uint8_t>(draft != nullptr));
+        if (!draft) continue;
+        if (jobs_[j].bin)
+            put_subtree(out, *draft);
+        else
+            put_draft(out, *draft);  // its children are of earlier jobs
+    }
+    files_.save(out);
+}
+
+template <class Coord>
+void NodeJobs<Coord>::load(std::size_t number, ByteReader& in)
+{
+    Job& job = jobs_[number];
+    job.claimed = job.done = true;
+    if (!in.get<std::uint8_t>()) return;
+    if (job.bin) {
+        job.region.draft = get_subtree(in, drafts_, files_);
+    } else {
+        std::array<bool, 2> has_child{};
+        job.region.draft = get_draft(in, drafts_, has_child);
+        files_.written(*job.region.draft);
+        for (std::size_t side = 0; side < 2; ++side) {
+            Draft* child = jobs_[job.inputs[side]].region.draft;
+            if (has_child[side] != (child != nullptr)) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+            job.region.draft->children[side] = child;
+        }
+    }
+    if (!(job.region.draft->path == job.path)) throw Error(ErrorCode::corrupt, {}, "a checkpoint is of other nodes");
+}
+
+template <class Coord>
+void NodeJobs<Coord>::go_on(const std::vector<const std::vector<std::byte>*>& records)
+{
+    std::size_t next = 0;
+    for (std::size_t r = 0; r < records.size(); ++r) {
+        ByteReader in(records[r]->data(), records[r]->size(), {});
+        const auto first = in.get<std::uint64_t>(), last = in.get<std::uint64_t>();
+        if (first != next || last < first || last > jobs_.size())
+            throw Error(ErrorCode::corrupt, {}, "a checkpoint is of other nodes");
+        for (; next < last; ++next) load(next, in);
+        if (r + 1 == records.size()) files_.load(in);
+    }
+    restored_ = checkpointed_ = next;
+}
+
+// The region of a job that was committed before this run.
+template <class Coord>
+auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> typename Builder::Region
+{
+    const Job& job = jobs_[number];
+    typename Builder::Region region;
+    if (job.bin) {
+        region = builder.hand_up({bins_.read(*job.bin), levels_.levels(*job.bin)}, job.above);
+    } else {
+        region = Builder::join(regained(builder, job.inputs[0]), regained(builder, job.inputs[1]));
+        region.above.pop_back();
+    }
+    region.draft = job.region.draft;
+    return region;
+}
+
+// All that was committed and is in no checkpoint yet. By the one thread that commits.
+template <class Coord>
+void NodeJobs<Coord>::checkpoint(Checkpoints& checkpoints, std::size_t committed)
+{
+    if (!checkpoints.on() || !(checkpoints.due() || files_.appended() - bytes_checkpointed_ >= checkpoint_bytes)) return;
+    ByteWriter record;
+    save(checkpointed_, committed, record);
+    checkpoints.post(files_.syncer(), Checkpoints::committed, std::move(record.bytes()));
+    checkpointed_ = committed;
+    bytes_checkpointed_ = files_.appended();
+}
+
+template <class Coord>
+Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const std::function<void(std::uint64_t)>& progress)
 {
     if (jobs_.empty()) return nullptr;
     Signal signal;
     std::map<std::size_t, typename Builder::Output> waiting;  // finished ahead of their turn
-    std::size_t next_commit = 0;
+    std::size_t next_commit = restored_;
     std::uint64_t points_done = 0;
+    for (std::size_t j = 0; j < restored_; ++j)
+        if (jobs_[j].bin) points_done += bins_.rows(*jobs_[j].bin);
     bool committing = false;
 
     const auto ready = [&](const Job& job) {
@@ -105,11 +257,17 @@ Draft* NodeJobs<Coord>::run(unsigned threads, const std::function<void(std::uint
             Job& job = jobs_[*mine];
             job.claimed = true;
             typename Builder::Region left, right;
-            if (!job.bin) {
-                left = std::move(jobs_[job.inputs[0]].region);
-                right = std::move(jobs_[job.inputs[1]].region);
-            }
+            const auto take = [&](bool restored) {
+                if (job.bin) return;
+                for (auto* side : {&left, &right}) {
+                    const std::size_t input = job.inputs[side == &right];
+                    if ((input < restored_) != restored) continue;
+                    *side = restored ? regained(builder, input) : std::move(jobs_[input].region);
+                }
+            };
+            take(false);
             lock.unlock();
+            take(true);
             typename Builder::Output output;
             typename Builder::Region region = build(builder, job, std::move(left), std::move(right), output);
             lock.lock();
@@ -124,6 +282,7 @@ Draft* NodeJobs<Coord>::run(unsigned threads, const std::function<void(std::uint
                 waiting.erase(waiting.begin());
                 lock.unlock();
                 for (const auto& piece : next.pieces) files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
+                checkpoint(checkpoints, next_commit + 1);
                 lock.lock();
                 committing = false;
                 ++next_commit;

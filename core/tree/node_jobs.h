@@ -1,6 +1,7 @@
 // The nodes of a whole cloud, built bin by bin on several threads.
 #pragma once
 
+#include "tree/checkpoints.h"
 #include "tree/data_files.h"
 #include "tree/level_sampler.h"
 #include "tree/node_builder.h"
@@ -24,8 +25,14 @@ public:
     NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
              const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files);
 
+    // Before run(): what was committed until the checkpoints in `records` were made is taken from them, and run() does the rest.
+    // Throws Error(corrupt | truncated | not_found) when they do not go together with the files; all is to be made anew then.
+    void go_on(const std::vector<const std::vector<std::byte>*>& records);
+    std::size_t restored() const { return restored_; }
+    std::size_t size() const { return jobs_.size(); }
+
     // Returns the root; null for a cloud without points. `progress(points done)` is called on this thread and may throw.
-    Draft* run(unsigned threads, const std::function<void(std::uint64_t)>& progress);
+    Draft* run(unsigned threads, Checkpoints& checkpoints, const std::function<void(std::uint64_t)>& progress);
 
 private:
     using Builder = NodeBuilder<Coord>;
@@ -41,6 +48,10 @@ private:
         typename Builder::Region region;
     };
 
+    typename Builder::Region regained(Builder& builder, std::size_t job) const;
+    void save(std::size_t first, std::size_t last, ByteWriter& out) const;
+    void load(std::size_t job, ByteReader& in);
+    void checkpoint(Checkpoints& checkpoints, std::size_t committed);
     std::optional<std::size_t> list(std::uint32_t node, const NodePath& path);
     std::uint64_t rows(std::uint32_t node) const;
     void plan();
@@ -54,6 +65,9 @@ private:
     DraftStore& drafts_;
     DataFiles& files_;
     std::vector<Job> jobs_;
+    std::size_t restored_ = 0;      // jobs that go_on() has found done
+    std::size_t checkpointed_ = 0;  // jobs that are in a checkpoint
+    std::uint64_t bytes_checkpointed_ = 0;
 };
 
 extern template class NodeJobs<std::uint32_t>;

@@ -84,10 +84,10 @@ private:
         crew.join([&] { state_.watch.report("Reading points", share); });
     }
 
-    std::unique_ptr<Scratch> make_scratch(std::size_t bins) const
+    std::shared_ptr<Scratch> make_scratch(std::size_t bins) const
     {
         auto scratch =
-            std::make_unique<Scratch>(state_.folder / scratch_file_name, nodes_.layout, nodes_.schema, state_.space);
+            std::make_shared<Scratch>(state_.folder / scratch_file_name, nodes_.layout, nodes_.schema, state_.space);
         scratch->add_bins(bins);
         return scratch;
     }

@@ -22,8 +22,6 @@ struct BlockHeader {
 
 std::uint64_t pages(std::uint64_t bytes) { return (bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page; }
 
-std::uint64_t next_u64(ByteReader& in) { return in.get<std::uint64_t>(); }
-
 // Neighbours in space together, roughly: rows by the cells of a grid of 8 x 8 x 8 over their box. Packed blocks of neighbours are
 // smaller, and the sort that follows jumps about less.
 template <class Coord>
@@ -64,7 +62,7 @@ Scratch::Scratch(const std::filesystem::path& path, const RowLayout& layout, con
 
 Scratch::Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
                  ByteReader& in)
-    : file_{path, space, next_u64(in), next_u64(in)},
+    : file_(path, space, true),
       row_bytes_(layout.bytes),
       coordinate_bytes_(layout.coordinate_bytes),
       packing_(layout, schema, true)
@@ -87,8 +85,6 @@ Scratch::Scratch(const std::filesystem::path& path, const RowLayout& layout, con
 
 void Scratch::save(ByteWriter& out) const
 {
-    out.put(file_.bytes());
-    out.put(file_.on_disk());
     out.put(static_cast<std::uint64_t>(bins_.size()));
     for (const Bin& bin : bins_) {
         out.put(bin.rows);
@@ -193,6 +189,13 @@ void Scratch::give_back(std::size_t bin, std::size_t number)
 void Scratch::give_back(std::size_t bin)
 {
     for (std::size_t extent = 0; extent < extents(bin); ++extent) give_back(bin, extent);
+}
+
+bool Scratch::can_hold(std::size_t bin) const
+{
+    for (const Extent& extent : bins_[bin].extents)
+        if (extent.used > extent.room || extent.offset > file_.bytes() || extent.used > file_.bytes() - extent.offset) return false;
+    return true;
 }
 
 void Scratch::forget(std::size_t bin)

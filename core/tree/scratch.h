@@ -21,7 +21,7 @@ class ByteWriter;
 class Scratch {
 public:
     Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space);
-    // The file as it was when save() wrote `in`. Throws Error(truncated | corrupt) where they do not go together.
+    // The file as it was when save() wrote `in`.
     Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
             ByteReader& in);
     void save(ByteWriter& out) const;
@@ -69,7 +69,9 @@ public:
     void forget(std::size_t bin);
 
     void sync() { file_.sync(); }
-    void remove() { file_.remove(); }
+    // Whether the file is long enough to hold the bin.
+    bool can_hold(std::size_t bin) const;
+    void clear() { file_.clear(); }  // no bin is needed any more; the file stays, empty
 
 private:
     struct Extent {

@@ -3,23 +3,19 @@
 #include "cloud/error.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 
 namespace pcm {
 
-ScratchFile::ScratchFile(const std::filesystem::path& path, ScratchSpace& space)
-    : file_(path, File::Mode::create_new), space_(space)
+ScratchFile::ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool go_on)
+    : file_(path, go_on ? File::Mode::change : File::Mode::create_or_truncate), space_(space), end_(file_.size())
 {
-}
-
-ScratchFile::ScratchFile(const std::filesystem::path& path, ScratchSpace& space, std::uint64_t bytes, std::uint64_t on_disk)
-    : file_(path, File::Mode::change), space_(space), end_(bytes)
-{
-    if (file_.size() < bytes)
-        throw Error(ErrorCode::truncated, path,
-                    "the file has " + std::to_string(file_.size()) + " bytes, " + std::to_string(bytes) + " were expected");
-    take(on_disk);
+    struct stat status {};
+    if (::fstat(file_.descriptor(), &status) != 0) throw Error::from_errno(errno, path, "asking for the size");
+    take(static_cast<std::uint64_t>(status.st_blocks) * 512);
 }
 
 ScratchFile::~ScratchFile() { space_.give_back(on_disk_); }
@@ -37,12 +33,15 @@ void ScratchFile::give_back(std::uint64_t offset, std::uint64_t length, std::uin
     do result = ::fallocate(file_.descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
                             static_cast<off_t>(length));
     while (result != 0 && errno == EINTR);
-    if (result != 0) {
-        if (errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL) return;
-        throw Error::from_errno(errno, file_.path(), "giving space back");
-    }
+    if (result != 0) return;  // a file system that cannot, or will not: nothing is lost but space
     on_disk_ -= bytes;
     space_.give_back(bytes);
+}
+
+void ScratchFile::clear()
+{
+    if (::ftruncate(file_.descriptor(), 0) != 0) return;  // it only takes space
+    space_.give_back(on_disk_.exchange(0));
 }
 
 void ScratchFile::remove()

@@ -31,10 +31,8 @@ class ScratchFile {
 public:
     static constexpr std::uint64_t page = 4096;  // space is taken and given back in pages
 
-    ScratchFile() = default;
-    // A new file, or one that has `bytes` bytes already, of which `on_disk` are not holes.
-    ScratchFile(const std::filesystem::path& path, ScratchSpace& space);
-    ScratchFile(const std::filesystem::path& path, ScratchSpace& space, std::uint64_t bytes, std::uint64_t on_disk);
+    // A new file, in place of one that is there; or, to go on with, one that is there: what follows is appended.
+    ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool go_on = false);
     ScratchFile(ScratchFile&&) = delete;
     ~ScratchFile();
 
@@ -42,7 +40,6 @@ public:
     // The end of the file, which moves `bytes` on.
     std::uint64_t reserve(std::uint64_t bytes) { return end_.fetch_add(bytes); }
     std::uint64_t bytes() const { return end_; }
-    std::uint64_t on_disk() const { return on_disk_; }
     // Tells that so much more, or less, of what was reserved lies on disk.
     void take(std::uint64_t bytes);
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset) { file_.write_at(from, bytes, offset); }
@@ -50,6 +47,7 @@ public:
     void sync() { file_.sync(); }
     // Makes a hole; `bytes` of its pages are on disk. Where the file system knows no holes they stay there, and are counted.
     void give_back(std::uint64_t offset, std::uint64_t length, std::uint64_t bytes);
+    void clear();   // nothing in it is needed
     void remove();
 
 private:

@@ -1,6 +1,7 @@
 #include "tree/sorted_bins.h"
 
 #include "bpc/bpc.h"
+#include "bpc/byte_order.h"
 #include "cloud/error.h"
 
 #include <cstring>
@@ -9,10 +10,42 @@ namespace pcm {
 
 template <class Coord>
 SortedBins<Coord>::SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema,
-                              ScratchSpace& space)
-    : layout_(layout), packing_(layout, schema, false), space_(space), points_(folder / "points.tmp"),
-      file_(folder / "attributes.tmp", space)
+                              ScratchSpace& space, bool go_on)
+    : layout_(layout),
+      packing_(layout, schema, false),
+      space_(space),
+      points_(folder / "points.tmp", go_on ? File::Mode::change : File::Mode::create_or_truncate),
+      file_(folder / "attributes.tmp", space, go_on)
 {
+    space_.take(points_.bytes());
+}
+
+template <class Coord>
+void SortedBins<Coord>::save(std::size_t bin, ByteWriter& out) const
+{
+    points_.save(bin, out);
+    out.put(attributes_[bin].offset);
+    out.put(attributes_[bin].bytes);
+    out.put(attributes_[bin].checksum);
+}
+
+template <class Coord>
+void SortedBins<Coord>::load(std::size_t bin, ByteReader& in)
+{
+    points_.load(bin, in);
+    Attributes& to = attributes_[bin];
+    to.offset = in.get<std::uint64_t>();
+    to.bytes = in.get<std::uint64_t>();
+    to.checksum = in.get<std::uint64_t>();
+    if (to.offset > file_.bytes() || to.bytes > file_.bytes() - to.offset)
+        throw Error(ErrorCode::corrupt, file_.path(), "a bin's attributes lie outside the file");
+}
+
+template <class Coord>
+void SortedBins<Coord>::sync()
+{
+    points_.sync();
+    file_.sync();
 }
 
 template <class Coord>

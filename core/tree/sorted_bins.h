@@ -14,11 +14,15 @@ namespace pcm {
 template <class Coord>
 class SortedBins {
 public:
-    // Two files in `folder`.
-    SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema, ScratchSpace& space);
-    ~SortedBins() { file_.remove(); }
+    // Two files in `folder`, which stay; `go_on`: they are there, and load() says what they hold.
+    SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
+               bool go_on);
 
     void resize(std::size_t bins);
+    // Where a bin lies, and the reverse. load() throws Error(corrupt) when it does not lie within the files.
+    void save(std::size_t bin, ByteWriter& out) const;
+    void load(std::size_t bin, ByteReader& in);
+    void sync();
     const SortedPoints<Coord>& points() const { return points_; }
     std::uint64_t rows(std::size_t bin) const { return points_.box(bin).points; }
 

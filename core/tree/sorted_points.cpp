@@ -1,21 +1,65 @@
 #include "tree/sorted_points.h"
 
+#include "bpc/byte_order.h"
 #include "bpc/column_codec.h"
+#include "cloud/error.h"
 
 #include <algorithm>
 
 namespace pcm {
 
 template <class Coord>
-SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path) : file_(path, File::Mode::create_new)
+SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path) : file_(path, File::Mode::create_new), remove_(true)
 {
+}
+
+template <class Coord>
+SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path, File::Mode mode) : file_(path, mode), remove_(false), end_(file_.size())
+{
+}
+
+template <class Coord>
+void SortedPoints<Coord>::save(std::size_t number, ByteWriter& out) const
+{
+    const Bin& bin = bins_[number];
+    out.put(bin.box.points);
+    for (const Point<Coord>* p : {&bin.box.low, &bin.box.high})
+        for (const Coord c : *p) out.put(c);
+    out.put(static_cast<std::uint64_t>(bin.blocks.size()));
+    for (const Block& block : bin.blocks) {
+        out.put(block.offset);
+        out.put(block.bytes);
+        for (const Coord c : block.first) out.put(c);
+    }
+}
+
+template <class Coord>
+void SortedPoints<Coord>::load(std::size_t number, ByteReader& in)
+{
+    Bin bin;
+    bin.box.points = in.get<std::uint64_t>();
+    for (Point<Coord>* p : {&bin.box.low, &bin.box.high})
+        for (Coord& c : *p) c = in.get<Coord>();
+    const auto blocks = in.get<std::uint64_t>();
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+        Block block{};
+        block.offset = in.get<std::uint64_t>();
+        block.bytes = in.get<std::uint32_t>();
+        for (Coord& c : block.first) c = in.get<Coord>();
+        if (block.offset > end_ || block.bytes > end_ - block.offset)
+            throw Error(ErrorCode::corrupt, file_.path(), "a bin's positions lie outside the file");
+        bin.blocks.push_back(block);
+    }
+    if (blocks != (bin.box.points + sorted_block - 1) / sorted_block)
+        throw Error(ErrorCode::corrupt, file_.path(), "a bin's positions are not as many as its points");
+    bins_[number] = std::move(bin);
 }
 
 template <class Coord>
 SortedPoints<Coord>::~SortedPoints()
 {
     std::error_code ignored;
-    std::filesystem::remove(file_.path(), ignored);
+    if (remove_) std::filesystem::remove(file_.path(), ignored);
 }
 
 template <class Coord>

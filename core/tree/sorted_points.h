@@ -12,6 +12,9 @@
 
 namespace pcm {
 
+class ByteReader;
+class ByteWriter;
+
 inline constexpr std::size_t sorted_block = 1024;  // points that are packed together, and read together
 
 template <class Coord>
@@ -19,6 +22,8 @@ class SortedPoints {
 public:
     explicit SortedPoints(const std::filesystem::path& path);
     ~SortedPoints();  // removes the file
+    // A file that stays; one that is there already is gone on with, when it is opened so: load() says what it holds.
+    SortedPoints(const std::filesystem::path& path, File::Mode mode);
 
     struct Box {
         Point<Coord> low{}, high{};
@@ -33,6 +38,10 @@ public:
 
     // Any thread, each bin once. `points` in Morton order, at least one. Returns the bytes they take on disk.
     std::uint64_t put(std::size_t bin, const std::vector<Point<Coord>>& points);
+    // Where a bin lies, and the reverse. load() throws Error(corrupt) when it does not lie within the file.
+    void save(std::size_t bin, ByteWriter& out) const;
+    void load(std::size_t bin, ByteReader& in);
+    void sync() { file_.sync(); }
 
     // A bin's points, block by block as they are asked for. Belongs to one thread.
     class Reader {
@@ -76,6 +85,7 @@ private:
         std::vector<Block> blocks;
     };
     File file_;
+    const bool remove_;
     std::vector<Bin> bins_;
     std::mutex mutex_;
     std::uint64_t end_ = 0;

@@ -15,7 +15,7 @@ Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataF
     Scratch& scratch = *bins.scratch;
     NodeBuilderOptions& nodes = state.nodes;
     const unsigned threads = state.bin_threads();
-    SortedBins<Coord> sorted(state.folder, nodes.layout, nodes.schema, state.space);
+    SortedBins<Coord> sorted(state.folder, nodes.layout, nodes.schema, state.space, false);
     sorted.resize(scratch.bins());
     in_turn(
         scratch.bins(), threads,
@@ -31,7 +31,7 @@ Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataF
         [&](std::size_t done) {
             state.watch.report("Sorting points", 0.4 + 0.1 * static_cast<double>(done) / static_cast<double>(scratch.bins()));
         });
-    scratch.remove();
+    scratch.clear();
 
     LevelSampler<Coord> levels(sorted.points(), nodes.lattice, state.options.sampling, state.folder / "levels.tmp");
     if (given) levels.add_to(std::move(*given));
@@ -41,7 +41,8 @@ Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataF
     nodes.chunk_points = state.options.chunk_points;
     NodeJobs<Coord> jobs(bins.top, sorted, levels, nodes, drafts, files);
     const auto all = static_cast<double>(state.observed.points);
-    return jobs.run(threads, [&](std::uint64_t done) {
+    Checkpoints none;  // an update that is cut off is made anew
+    return jobs.run(threads, none, [&](std::uint64_t done) {
         state.watch.report("Building chunks", 0.7 + 0.28 * static_cast<double>(done) / all);
     });
 }
