@@ -70,23 +70,25 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(outpu
     if (!fs::is_directory(parent, error))
         throw Error(ErrorCode::not_found, parent, "no such folder to put the tree in");
     if (is_there(part_)) {
-        take();
-        left_over_ = true;
+        lock();
+        settle();
     }
     if (is_there(output_)) {
-        if (!overwrite)
+        const bool is_a_tree = is_tree(output_);
+        if (!overwrite || !is_a_tree) {
+            if (lock_.is_open() && !left_over_) remove_quietly();
+            if (overwrite)
+                throw Error(ErrorCode::exists, output_, "this is not a point cloud tree, so it is not overwritten");
             throw Error(ErrorCode::exists, output_, "there is something of this name already",
-                        is_tree(output_) ? "choose another name or overwrite it" : "choose another name");
-        if (!is_tree(output_))
-            throw Error(ErrorCode::exists, output_, "this is not a point cloud tree, so it is not overwritten");
+                        is_a_tree ? "choose another name or overwrite it" : "choose another name");
+        }
     }
-    if (!is_there(part_)) {
-        left_over_ = false;
-        if (!fs::create_directory(part_, error)) throw Error::from_errno(error.value(), part_, "creating the folder");
+    if (!lock_.is_open()) {
+        if (!fs::create_directory(part_, error) && error) throw Error::from_errno(error.value(), part_, "creating the folder");
+        lock();
     }
     try {
-        if (!lock_.is_open()) take();
-        if (!fs::is_directory(tree(), error)) clear();
+        if (!left_over_) clear();
     } catch (...) {
         remove_quietly();
         throw;
@@ -94,8 +96,7 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(outpu
     owned_ = true;
 }
 
-// Locks what is there, puts back a tree that was being replaced, and removes what a finished build has left.
-void BuildFolder::take()
+void BuildFolder::lock()
 {
     std::error_code error;
     for (;;) {
@@ -113,17 +114,28 @@ void BuildFolder::take()
         if (!is_there(part_) && !fs::create_directory(part_, error))
             throw Error::from_errno(error.value(), part_, "creating the folder");
     }
+}
+
+// Puts back a tree that was being replaced, and removes what a finished build has left.
+void BuildFolder::settle()
+{
     if (is_there(part_ / old_name) && !is_there(output_)) {
         rename(part_ / old_name, output_, "putting back the tree that was being replaced");
         sync_folder(parent_of(output_));
     }
-    if (!is_there(part_ / publishing_name)) return;
-    std::uint64_t published = 0;
-    {
+    if (is_there(part_ / publishing_name)) {
+        std::uint64_t published = 0;
         const File file(part_ / publishing_name, File::Mode::read);
-        if (file.read_some_at(&published, sizeof published, 0) != sizeof published) return;
+        if (file.read_some_at(&published, sizeof published, 0) == sizeof published &&
+            checksum_of_file(output_ / index_file_name) == published)
+            remove_all_but_marker();
     }
-    if (checksum_of_file(output_ / index_file_name) == published) remove();
+    left_over_ = std::distance(fs::directory_iterator(part_), fs::directory_iterator()) > 1;
+    std::error_code error;
+    if (left_over_ && !fs::is_directory(tree(), error)) {
+        remove_all_but_marker();
+        left_over_ = false;
+    }
 }
 
 BuildFolder::~BuildFolder()
@@ -145,7 +157,9 @@ void BuildFolder::remove_quietly()
 void BuildFolder::remove_all_but_marker()
 {
     for (const auto& entry : fs::directory_iterator(part_))
-        if (entry.path().filename() != build_marker_name) fs::remove_all(entry.path());
+        if (entry.path().filename() != build_marker_name && entry.path().filename() != publishing_name)
+            fs::remove_all(entry.path());
+    fs::remove(part_ / publishing_name);  // last: it tells that the rest is not needed
 }
 
 // The marker last: without it, what is left would be nobody's.

@@ -37,7 +37,8 @@ public:
     void publish();
 
 private:
-    void take();
+    void lock();
+    void settle();
     void remove_all_but_marker();
     void remove();
     void remove_quietly();

@@ -179,7 +179,7 @@ private:
             } catch (const Error&) {
                 throw Unfit();
             }
-            state().watch.report("Going on with an interrupted build", 0.4);
+            state().watch.report("Going on with an interrupted build", 0.4, true);
         }
         std::vector<std::size_t> todo;
         std::uint64_t rows_todo = 0;

@@ -23,12 +23,12 @@ public:
 
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
-    // On the calling thread only; throws Error(cancelled).
-    void report(std::string_view stage, double fraction)
+    // On the calling thread only; throws Error(cancelled). `at_once`: however little time has passed.
+    void report(std::string_view stage, double fraction, bool at_once = false)
     {
         if (!progress_) return;
         const auto now = std::chrono::steady_clock::now();
-        if (fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
+        if (!at_once && fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
         last_ = now;
         fraction_ = std::clamp(fraction, fraction_, 1.0);
         ProgressUpdate update;

@@ -1,5 +1,6 @@
 #include "tree/level_sampler.h"
 
+#include "bpc/bpc.h"
 #include "bpc/byte_order.h"
 #include "cloud/error.h"
 
@@ -185,6 +186,10 @@ std::vector<std::uint32_t> LevelSampler<Coord>::read(const List& list) const
 {
     std::vector<std::uint32_t> indices(list.count);
     file_.read_at(indices.data(), indices.size() * sizeof indices[0], list.offset);
+    if (checksum(indices.data(), indices.size() * sizeof indices[0]) != list.checksum)
+        throw Error(ErrorCode::corrupt, file_.path(),
+                    "what was written at byte " + std::to_string(list.offset) + " is not what is there now",
+                    "the disk may be failing; build again");
     return indices;
 }
 
@@ -240,7 +245,7 @@ void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
             before = p;
         }
         for (int size = top; size >= 0; --size)
-            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count});
+            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count, 0});
     });
 }
 
@@ -287,7 +292,7 @@ void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
         levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
         ++counts[levels[i]];
     }
-    for (std::size_t level = 0; level < counts.size(); ++level) bin.lists.push_back({sizes_[level], 0, counts[level]});
+    for (std::size_t level = 0; level < counts.size(); ++level) bin.lists.push_back({sizes_[level], 0, counts[level], 0});
     bin.bytes = write(levels.data(), levels.size());
 }
 
@@ -458,7 +463,8 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, own, others).run(barred);
     if (!found.empty()) {
         const std::uint64_t offset = write(found.data(), found.size() * sizeof found[0]);
-        bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size())});
+        bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size()),
+                             checksum(found.data(), found.size() * sizeof found[0])});
         bin.chosen += found.size();
     }
     // Neighbours only get fewer with smaller spacings: what is far from all of them now will not be asked for again.
@@ -505,6 +511,7 @@ void LevelSampler<Coord>::save(ByteWriter& out) const
             out.put(list.size);
             out.put(list.offset);
             out.put(list.count);
+            out.put(list.checksum);
         }
     }
 }
@@ -535,6 +542,7 @@ void LevelSampler<Coord>::load(ByteReader& in)
             list.size = in.get<int>();
             list.offset = in.get<std::uint64_t>();
             list.count = in.get<std::uint32_t>();
+            list.checksum = in.get<std::uint64_t>();
             check(sampling_ == Sampling::grid || (list.offset <= end_ && list.count <= (end_ - list.offset) / sizeof(std::uint32_t)));
             bin.lists.push_back(list);
         }

@@ -70,6 +70,7 @@ private:
         int size;
         std::uint64_t offset;
         std::uint32_t count;
+        std::uint64_t checksum;
     };
     struct Bin {
         std::vector<List> lists;

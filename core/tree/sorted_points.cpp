@@ -1,5 +1,6 @@
 #include "tree/sorted_points.h"
 
+#include "bpc/bpc.h"
 #include "bpc/byte_order.h"
 #include "bpc/column_codec.h"
 #include "cloud/error.h"
@@ -29,6 +30,7 @@ void SortedPoints<Coord>::save(std::size_t number, ByteWriter& out) const
     for (const Block& block : bin.blocks) {
         out.put(block.offset);
         out.put(block.bytes);
+        out.put(block.check);
         for (const Coord c : block.first) out.put(c);
     }
 }
@@ -45,6 +47,7 @@ void SortedPoints<Coord>::load(std::size_t number, ByteReader& in)
         Block block{};
         block.offset = in.get<std::uint64_t>();
         block.bytes = in.get<std::uint32_t>();
+        block.check = in.get<std::uint32_t>();
         for (Coord& c : block.first) c = in.get<Coord>();
         if (block.offset > end_ || block.bytes > end_ - block.offset)
             throw Error(ErrorCode::corrupt, file_.path(), "a bin's positions lie outside the file");
@@ -83,7 +86,8 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
             }
             pack(words.data(), count, bytes);
         }
-        to.blocks.push_back({start, static_cast<std::uint32_t>(bytes.size() - start), points[from]});
+        to.blocks.push_back({start, static_cast<std::uint32_t>(bytes.size() - start),
+                             static_cast<std::uint32_t>(checksum(bytes.data() + start, bytes.size() - start)), points[from]});
     }
     std::uint64_t offset;
     {
@@ -108,6 +112,10 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
     const Block& block = store_.bins_[bin_].blocks[number];
     bytes_.resize(block.bytes + codec_slack);
     store_.file_.read_at(bytes_.data(), block.bytes, block.offset);
+    if (static_cast<std::uint32_t>(checksum(bytes_.data(), block.bytes)) != block.check)
+        throw Error(ErrorCode::corrupt, store_.file_.path(),
+                    "what was written at byte " + std::to_string(block.offset) + " is not what is there now",
+                    "the disk may be failing; build again");
     const std::size_t first = number * sorted_block;
     const std::size_t count = std::min(sorted_block, size_ - first);
     words_.resize(count);

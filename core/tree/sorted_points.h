@@ -78,6 +78,7 @@ private:
     struct Block {
         std::uint64_t offset;
         std::uint32_t bytes;
+        std::uint32_t check;  // low bits of the checksum
         Point<Coord> first;
     };
     struct Bin {

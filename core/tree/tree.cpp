@@ -2,6 +2,7 @@
 
 #include "bpc/bpc.h"
 #include "cloud/error.h"
+#include "tree/build_folder.h"
 #include "tree/data_file_pool.h"
 #include "tree/tree_index.h"
 
@@ -43,6 +44,9 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
     if (status.type() == fs::file_type::not_found) {
+        if (was_being_replaced(folder))
+            throw Error(ErrorCode::interrupted_build, folder, "a build was about to replace this tree when it was interrupted",
+                        "build it again, or put the tree back with 'pcm repair'");
         fs::path part = folder;
         part += ".part";
         throw Error(ErrorCode::not_found, folder, "no such tree",

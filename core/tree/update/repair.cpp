@@ -3,6 +3,7 @@
 #include "cloud/error.h"
 #include "cloud/text.h"
 #include "tree/about.h"
+#include "tree/build_folder.h"
 #include "tree/observed.h"
 #include "tree/row.h"
 #include "tree/update/chunk_scan.h"
@@ -58,6 +59,7 @@ public:
         : folder_(folder), options_(options), threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
           watch_(options.progress)
     {
+        if (!options_.check_only) put_back_replaced(folder_);
         if (fs::exists(folder_ / build_marker_name))
             throw Error(ErrorCode::interrupted_build, folder_, "the build of this tree was interrupted or is still running", "build it again");
         if (!fs::is_directory(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
