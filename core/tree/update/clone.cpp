@@ -45,15 +45,16 @@ void clone_tree(const fs::path& tree, const fs::path& output)
     const std::vector<std::byte> index = read_file(folder / index_file_name);
     const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
     BuildFolder made(output, false);
+    if (made.left_over()) made.clear();
     for (std::size_t number = 0; number < data_files.size(); ++number) {
         if (data_files[number].bytes == 0) continue;
         const std::string name = data_file_name(static_cast<std::uint32_t>(number));
         std::error_code no_links;
-        fs::create_hard_link(folder / name, made.path() / name, no_links);
-        if (no_links) copy_synced(folder / name, made.path() / name);
+        fs::create_hard_link(folder / name, made.tree() / name, no_links);
+        if (no_links) copy_synced(folder / name, made.tree() / name);
     }
-    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, made.path() / about_file_name);
-    replace_file(made.path() / index_file_name, index.data(), index.size());
+    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, made.tree() / about_file_name);
+    replace_file(made.tree() / index_file_name, index.data(), index.size());
     made.publish();
 }
 
