@@ -93,6 +93,9 @@ int tree_info(const Arguments& arguments)
         json["position_type"] = name_of(info.position_type);
         json["position_error"] = info.position_error;
         json["attributes"] = attributes_of(info.schema);
+        json["generation"] = info.generation;
+        json["parts"] = tree->part_roots().size();
+        json["coverage_kept"] = info.coverage_kept;
         json["levels"] = info.levels;
         json["level"] = Json::array();
         for (const LevelSummary& level : levels)
@@ -123,6 +126,10 @@ int tree_info(const Arguments& arguments)
     print_metadata(info.metadata);
     std::printf("size        %s, %.2f bytes a point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
+    if (info.generation > 1)
+        std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree->part_roots().size(),
+                    tree->part_roots().size() == 1 ? "part" : "parts");
+    if (!info.coverage_kept) std::printf("levels      have gaps where points were deleted; 'pcm compact' closes them\n");
     if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {

@@ -102,7 +102,7 @@ struct TreeInfo {
     bool coverage_kept = true;            // false after a deletion: a point's neighbour of a coarser level may be gone, up to compaction
     std::uint16_t levels = 0;
     std::vector<double> spacings;         // of each level, falling; source units; 0 for a last level that holds all the rest
-    std::uint64_t bytes = 0;              // of the whole folder's live data
+    std::uint64_t bytes = 0;              // of the index and the data files, with what updates have left unused in them
     std::vector<Metadata> metadata;
     std::vector<std::string> sources;     // file names the tree was built from
     Box3d bounds() const { return grid.to_source(box); }

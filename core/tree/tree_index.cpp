@@ -229,7 +229,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
         for (std::uint32_t& points : node.level_points) points = in.get<std::uint32_t>();
     if (in.left() != 8) throw Error(ErrorCode::corrupt, path, "the index does not end where it says");
     index.info.bytes = bytes.size();
-    for (const Node& node : index.nodes) index.info.bytes += node.extent.bytes;
+    for (const DataFile& file : index.data_files) index.info.bytes += file.bytes;
     check(index, path);
     find_parts(index, path);
     return index;

@@ -45,6 +45,11 @@ TEST_F(UpdateCliTest, AppendDeleteCompactRepair)
     EXPECT_EQ(done["points"], 50000 - deleted);
     EXPECT_EQ(points(), 50000 - deleted);
     expect_whole();
+    const Json info = json("info --json " + path("scene.pct"));
+    EXPECT_EQ(info["generation"], 3);
+    EXPECT_EQ(info["parts"], 2);
+    EXPECT_EQ(info["coverage_kept"], false);
+    EXPECT_NE(pcm("info " + path("scene.pct")).out.find("pcm compact"), std::string::npos);
 
     fs::remove(folder_ / "scene.pct" / "index.pct");
     EXPECT_EQ(json("repair --check --json " + path("scene.pct"), 1)["index_written"], false);
@@ -56,6 +61,7 @@ TEST_F(UpdateCliTest, AppendDeleteCompactRepair)
     EXPECT_EQ(compacted["points"], 50000 - deleted);
     EXPECT_LT(compacted["bytes"], compacted["bytes_before"]);
     expect_whole();
+    EXPECT_EQ(json("info --json " + path("scene.pct"))["coverage_kept"], true);
 }
 
 TEST_F(UpdateCliTest, SaysWhatItDoesAndWhyItDoesNot)
