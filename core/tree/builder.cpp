@@ -58,7 +58,13 @@ public:
                 note = "went on with an interrupted build: " + went_on_;
             } catch (const Unfit&) {
                 bins.reset();
+            } catch (const Error& error) {
+                // What was left does not hold what the journal says: found late, but there is nothing to lose.
+                const bool damaged = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated;
+                if (!damaged || error.path().parent_path() != state().folder) throw;
+                bins.reset();
             }
+            if (!bins) note = "an interrupted build was begun afresh: what it had left was damaged";
         }
         if (!bins) {
             if (folder_.left_over()) begin_afresh();

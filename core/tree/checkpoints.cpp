@@ -57,7 +57,9 @@ bool Checkpoints::due() const
 
 void Checkpoints::push(std::function<void()> task)
 {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    // What waits for a slow disk keeps space from being given back: not much of it.
+    wake_.wait(lock, [&] { return error_ || tasks_.size() < 2; });
     if (error_) std::rethrow_exception(error_);
     tasks_.push_back(std::move(task));
     last_ = std::chrono::steady_clock::now();

@@ -48,7 +48,8 @@ public:
 
     // It is time for the next one, where there is no other reason for it. Any thread.
     bool due() const;
-    // Syncs, writes the record, does `then`; soon. Any thread. Throws what an earlier one has thrown.
+    // Syncs, writes the record, does `then`; soon: it waits while two others wait. Any thread. Throws what an earlier one has
+    // thrown.
     void post(std::function<void()> sync, Kind kind, std::vector<std::byte> record, std::function<void()> then = {});
     // The same without a record: `work` is done when all before it is.
     void post(std::function<void()> work);
