@@ -15,17 +15,6 @@ constexpr std::uint32_t version = 3;  // the index's: both hold the same block
 constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
 constexpr std::uint8_t coverage_kept = 1;
 
-void put_vec(ByteWriter& out, const Vec3i& v)
-{
-    for (const std::int64_t c : v) out.put(c);
-}
-Vec3i get_vec(ByteReader& in)
-{
-    Vec3i v;
-    for (std::int64_t& c : v) c = in.get<std::int64_t>();
-    return v;
-}
-
 }  // namespace
 
 void put_tree_info(ByteWriter& out, const TreeInfo& info)

@@ -10,6 +10,17 @@ namespace pcm {
 
 inline constexpr const char* about_file_name = "about.pct";
 
+inline void put_vec(ByteWriter& out, const Vec3i& v)
+{
+    for (const std::int64_t c : v) out.put(c);
+}
+inline Vec3i get_vec(ByteReader& in)
+{
+    Vec3i v;
+    for (std::int64_t& c : v) c = in.get<std::int64_t>();
+    return v;
+}
+
 // All of the info but `bytes`, which the nodes' extents tell.
 void put_tree_info(ByteWriter& out, const TreeInfo& info);
 // Throws Error(corrupt) for what no tree has.

@@ -16,17 +16,6 @@ constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
 constexpr std::uint32_t version = 3;
 constexpr std::size_t node_bytes = 112;
 
-void put_vec(ByteWriter& out, const Vec3i& v)
-{
-    for (const std::int64_t c : v) out.put(c);
-}
-Vec3i get_vec(ByteReader& in)
-{
-    Vec3i v;
-    for (std::int64_t& c : v) c = in.get<std::int64_t>();
-    return v;
-}
-
 // Every promise that tree.h makes about nodes; a tree that passes can be walked without further checks.
 void check(const TreeIndex& index, const std::filesystem::path& path)
 {
