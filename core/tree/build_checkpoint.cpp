@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // One more whenever the same files and options would make another tree, or scratch files are laid out in another way.
-constexpr std::uint32_t build_version = 1;
+constexpr std::uint32_t build_version = 2;
 
 template <class T>
 void put_all(ByteWriter& out, const T& values)

@@ -109,20 +109,22 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
     } else {
         const auto cut = choose_cut<Coord>(rest.size(), options_.lattice.finer,
                                            [&](std::size_t i, std::size_t axis) { return point(rest[i])[axis]; });
-        if (!cut) {  // a pile of points in one place
-            emit(points, indices, *draft, output);
-            return draft;
-        }
         Indices().swap(indices);
         Indices high;
-        std::size_t kept = 0;
-        for (const std::uint32_t i : rest) {
-            if (point(i)[cut->axis] < cut->value)
-                rest[kept++] = i;
-            else
-                high.push_back(i);
+        if (cut) {
+            std::size_t kept = 0;
+            for (const std::uint32_t i : rest) {
+                if (point(i)[cut->axis] < cut->value)
+                    rest[kept++] = i;
+                else
+                    high.push_back(i);
+            }
+            rest.resize(kept);
+        } else {  // a pile of points in one place
+            const std::size_t half = rest.size() / 2;
+            high.assign(rest.begin() + static_cast<std::ptrdiff_t>(half), rest.end());
+            rest.resize(half);
         }
-        rest.resize(kept);
         draft->children[0] = build_range(points, rest, own.last, path.child(0), output);
         draft->children[1] = build_range(points, high, own.last, path.child(1), output);
     }

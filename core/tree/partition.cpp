@@ -301,6 +301,7 @@ private:
         Scratch& scratch = *of.scratch;
         const std::size_t row_bytes = scratch.row_bytes();
         const std::uint64_t limit = per_bin + per_bin / 2;
+        std::vector<unsigned> piles;
         for (std::uint32_t n = 0; n < top.nodes.size(); ++n) {
             if (top.nodes[n].children[0]) continue;
             const std::size_t bin = top.nodes[n].bin;
@@ -319,11 +320,12 @@ private:
             }
             const std::size_t first = scratch.bins();
             const std::size_t bins = planner.plan(n, chosen, scratch.rows(bin), first);
-            scratch.add_bins(bins);
             if (bins == 1) {
-                top.nodes[n].bin = bin;  // it cannot be divided: a pile of points in one place
+                top.nodes[n].bin = bin;
+                divide_pile(of, n, per_bin, piles);
                 continue;
             }
+            scratch.add_bins(bins);
             distribute(
                 scratch.extents(bin), [&](std::size_t e, std::vector<std::byte>& to) { scratch.read(bin, e, to); },
                 [&](std::size_t e) { scratch.give_back(bin, e); }, row_bytes, scratch, first, bins,
@@ -331,6 +333,60 @@ private:
                     writer.add(top.bin_of(coordinates_of<Coord>(row), n), row);
                 });
             scratch.forget(bin);
+        }
+    }
+
+    // Divides the bin of node `n`, most of whose points lie in one place, into bins that overlap: by the rows' hashes, or, where
+    // all rows are the same, in turn. `rounds` counts, for each node, how often that was done above it.
+    template <class Coord>
+    void divide_pile(Bins<Coord>& of, std::uint32_t n, std::uint64_t per_bin, std::vector<unsigned>& rounds)
+    {
+        constexpr unsigned most_rounds = 16;  // each leaves few rows beside those that are often the same
+        auto& nodes = of.top.nodes;
+        Scratch& scratch = *of.scratch;
+        const std::size_t row_bytes = scratch.row_bytes(), bin = nodes[n].bin;
+        rounds.resize(nodes.size());
+        const unsigned round = rounds[n] + 1;
+        if (round > most_rounds) return;
+        int bits = 1;
+        while (scratch.rows(bin) >> bits > per_bin) ++bits;
+
+        std::vector<std::byte> rows, model;
+        bool same = true;
+        for (std::size_t e = 0; same && e < scratch.extents(bin); ++e) {
+            rows.clear();
+            scratch.read(bin, e, rows);
+            if (model.empty()) model.assign(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(row_bytes));
+            for (std::size_t at = 0; same && at < rows.size(); at += row_bytes)
+                same = std::memcmp(rows.data() + at, model.data(), row_bytes) == 0;
+        }
+        const std::size_t bins = std::size_t(1) << bits, first = scratch.add_bins(bins);
+        std::atomic<std::uint64_t> turn{0};
+        distribute(
+            scratch.extents(bin), [&](std::size_t e, std::vector<std::byte>& to) { scratch.read(bin, e, to); },
+            [&](std::size_t e) { scratch.give_back(bin, e); }, row_bytes, scratch, first, bins,
+            [&](unsigned, const std::byte* row, Scratch::Writer& writer) {
+                // Odd multiples, another one each round: what one leaves together the next one parts.
+                const std::uint64_t hash = checksum(row, row_bytes) * (0x9e3779b97f4a7c15u + 2 * std::uint64_t(round));
+                writer.add(first + (same ? turn++ % bins : hash >> (64 - bits)), row);
+            });
+        scratch.forget(bin);
+
+        std::vector<std::uint32_t> leaves{n};
+        while (leaves.size() < bins) {
+            std::vector<std::uint32_t> below;
+            for (const std::uint32_t parent : leaves) {
+                const auto child = static_cast<std::uint32_t>(nodes.size());
+                nodes.resize(nodes.size() + 2);
+                nodes[parent].children = {child, child + 1};
+                below.insert(below.end(), {child, child + 1});
+            }
+            leaves = std::move(below);
+        }
+        rounds.resize(nodes.size());
+        for (std::size_t k = 0; k < bins; ++k) {
+            nodes[leaves[k]].bin = first + k;
+            rounds[leaves[k]] = round;
         }
     }
 

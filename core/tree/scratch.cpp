@@ -12,6 +12,7 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t extent_bytes = 1u << 18;
+constexpr std::size_t most_unpacked = 16 * std::size_t(extent_bytes);  // of an extent's rows: those that are all the same pack to nothing
 
 // Before each packed block.
 struct BlockHeader {
@@ -131,7 +132,8 @@ void Scratch::append(std::size_t bin, const std::byte* rows, std::size_t count, 
     {
         const std::lock_guard lock(mutex_);
         Bin& to = bins_[bin];
-        if (to.extents.empty() || to.extents.back().room - to.extents.back().used < bytes) {
+        if (to.extents.empty() || to.extents.back().room - to.extents.back().used < bytes ||
+            (to.extents.back().rows + count) * row_bytes_ > most_unpacked) {
             // The end of an extent that is not used is a hole in the file.
             const auto room = static_cast<std::uint32_t>(std::max<std::uint64_t>(extent_bytes, pages(bytes)));
             to.extents.push_back({file_.reserve(room), room, 0, 0});

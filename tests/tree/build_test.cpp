@@ -303,6 +303,38 @@ TEST(Build, ADenseSpotThatTheSampleMissed)
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
 }
 
+// More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different, or two of
+// three points the same; beside a few points elsewhere.
+TEST(Build, PilesLargerThanABin)
+{
+    const TemporaryFolder folder;
+    const auto few = records(Shape::surface, 1000, 18);
+    for (const int kinds : {1, 3, 1000000}) {
+        std::vector<LasRecord> points(400000, few[0]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::size_t kind = kinds == 3 ? (i % 3 == 0 ? i / 3 : 0) : i % static_cast<std::size_t>(kinds);
+            points[i].intensity = static_cast<std::uint16_t>(kind);
+            points[i].source = static_cast<std::uint16_t>(kind >> 16);
+        }
+        points.insert(points.end(), few.begin(), few.end());
+        write_las(folder / "in.las", points, {});
+        BuildOptions options = small_chunks(20000);
+        options.overwrite = true;
+        std::map<std::string, std::string> one;
+        for (const unsigned threads : {1u, 2u, 7u}) {
+            options.threads = threads;
+            build_tree({folder / "in.las"}, folder / "out.pct", options);
+            if (threads == 1) one = contents(folder / "out.pct");
+            EXPECT_TRUE(contents(folder / "out.pct") == one) << threads << " threads";
+        }
+        const auto tree = Tree::open(folder / "out.pct");
+        expect_same_points(*tree, points);
+        for (const Node& node : tree->nodes()) EXPECT_LE(node.points, 20000u);
+        EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+        EXPECT_TRUE(verify_levels(*tree, 2).faults.empty());
+    }
+}
+
 TEST(Build, SeveralFilesAndFoldersAreOneCloud)
 {
     const TemporaryFolder folder;
