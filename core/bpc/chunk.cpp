@@ -19,4 +19,15 @@ ColumnSet Chunk::columns() const
     return set;
 }
 
+void add_missing_columns(Chunk& chunk, const Schema& schema, const ColumnSet& asked)
+{
+    for (std::size_t k = chunk.attributes.size(); k < schema.size(); ++k) {
+        chunk.attributes.emplace_back();
+        if (!asked.attributes.test(k)) continue;
+        const auto column = std::make_shared<Column>(schema[k]);
+        column->resize(chunk.points);
+        chunk.attributes.back() = column;
+    }
+}
+
 }  // namespace pcm

@@ -44,4 +44,8 @@ struct Chunk {
     ColumnSet columns() const;     // which are present
 };
 
+// Gives a chunk that was written before its cloud got the last attributes of `schema` a slot for each, and zeros in those of them that are asked
+// for.
+void add_missing_columns(Chunk& chunk, const Schema& schema, const ColumnSet& asked);
+
 }  // namespace pcm

@@ -1,218 +1,33 @@
 #include "cache/l2_cache.h"
 
+#include "cache/l2_state.h"
 #include "cloud/error.h"
 
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
-#include <deque>
-#include <list>
-#include <mutex>
-#include <thread>
-#include <unordered_map>
+#include <utility>
 
 namespace pcm {
 
-namespace {
-
-// Runs a function when the last copy of a handle dies.
-struct Pin {
-    std::function<void()> release;
-    ~Pin() { release(); }
-};
-
-}  // namespace
-
-// One node's place in the cache. Lives in State::entries; all members are guarded by State::mutex.
-//
-// Invariants: charged == chunk ? chunk->bytes() : 0, and the sum of all `charged` is State::charged. An entry is in the LRU list exactly
-// when it holds a chunk and nobody pins it. `loading` is set while one thread reads; others wait for it on State::loaded.
-struct L2Cache::Entry {
-    std::shared_ptr<const Chunk> chunk;
-    std::uint64_t charged = 0;
-    std::size_t pins = 0;
-    bool loading = false;
-    ColumnSet columns;          // of `chunk`
-    ColumnSet once_loaded;      // ever since the cache was made; tells compulsory from capacity misses
-    bool ever_loaded = false;
-    std::optional<std::list<NodeId>::iterator> place;  // in the LRU list
-    std::optional<std::string> error;
-};
-
-struct L2Cache::State {
-    std::shared_ptr<const Tree> tree;
-    mutable std::mutex mutex;
-    std::condition_variable work;    // for loader threads: there is something in the list, or the end has come
-    std::condition_variable loaded;  // for get() and wait_idle(): a load has finished
-    std::unordered_map<NodeId, Entry> entries;
-    std::list<NodeId> lru;  // least recently used first
-    std::deque<ChunkRequest> wanted;
-    std::deque<ChunkRequest> soon;  // of prefetch(); goes before `wanted`
-    std::shared_ptr<const std::function<void(NodeId)>> on_loaded;
-    std::size_t active_loads = 0;  // of loader threads
-    std::uint64_t capacity = 0;
-    std::uint64_t charged = 0;
-    bool closing = false;
-    L2Statistics statistics;
-    std::vector<std::thread> threads;
-
-    // Below: with the mutex held, unless said otherwise.
-    void unlist(Entry& entry)
-    {
-        if (entry.place) lru.erase(*entry.place);
-        entry.place.reset();
-    }
-    void list_as_newest(NodeId node, Entry& entry)
-    {
-        unlist(entry);
-        if (entry.chunk && entry.pins == 0) entry.place = lru.insert(lru.end(), node);
-    }
-    void drop(Entry& entry)
-    {
-        unlist(entry);
-        charged -= entry.charged;
-        entry.charged = 0;
-        entry.chunk.reset();
-        entry.columns = ColumnSet();
-        entry.columns.positions = false;
-        --statistics.resident_chunks;
-        ++statistics.evictions;
-    }
-    void shrink()
-    {
-        while (charged > capacity && !lru.empty()) drop(entries[lru.front()]);
-    }
-    void count_miss(const Entry& entry, const ColumnSet& columns)
-    {
-        if (entry.ever_loaded && entry.once_loaded.contains(columns))
-            ++statistics.capacity_misses;
-        else
-            ++statistics.compulsory_misses;
-    }
-
-    static std::shared_ptr<void> pin(const std::shared_ptr<State>& state, NodeId node)
-    {
-        auto& entry = state->entries[node];
-        ++entry.pins;
-        state->unlist(entry);
-        auto pin = std::make_shared<Pin>();
-        pin->release = [weak = std::weak_ptr<State>(state), node] {
-            const auto alive = weak.lock();
-            if (!alive) return;
-            const std::lock_guard lock(alive->mutex);
-            auto& released = alive->entries[node];
-            if (--released.pins == 0) {
-                alive->list_as_newest(node, released);
-                alive->shrink();
-            }
-        };
-        return pin;
-    }
-
-    // Reads the columns the entry lacks; `lock` is held before and after, not while reading. The caller has set `loading`.
-    static void load(const std::shared_ptr<State>& state, NodeId node, const ColumnSet& columns,
-                     std::unique_lock<std::mutex>& lock)
-    {
-        const std::shared_ptr<const Chunk> present = state->entries[node].chunk;
-        ColumnSet missing = columns;
-        if (present) {
-            missing.positions = columns.positions && !present->positions;
-            missing.attributes &= ~present->columns().attributes;
-        }
-        lock.unlock();
-        const auto start = std::chrono::steady_clock::now();
-        std::shared_ptr<Chunk> chunk;
-        std::exception_ptr failure;
-        std::string message;
-        try {
-            chunk = std::make_shared<Chunk>(state->tree->read_chunk(node, missing));
-            if (present) {
-                if (!chunk->positions) chunk->positions = present->positions;
-                for (std::size_t i = 0; i < chunk->attributes.size(); ++i)
-                    if (!chunk->attributes[i]) chunk->attributes[i] = present->attributes[i];
-            }
-        } catch (const std::exception& error) {
-            failure = std::current_exception();
-            message = error.what();
-        }
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        lock.lock();
-        auto& entry = state->entries[node];
-        entry.loading = false;
-        state->statistics.load_seconds += seconds;
-        if (failure) {
-            ++state->statistics.failed_loads;
-            entry.error = message;
-            state->loaded.notify_all();
-            std::rethrow_exception(failure);
-        }
-        entry.error.reset();
-        // Nobody else changes the chunk of an entry that is loading, but it may have been dropped meanwhile.
-        if (!entry.chunk) ++state->statistics.resident_chunks;
-        const std::uint64_t bytes = chunk->bytes();
-        state->statistics.loaded_bytes += bytes - (present ? present->bytes() : 0);
-        state->charged += bytes - entry.charged;
-        entry.charged = bytes;
-        entry.chunk = std::move(chunk);
-        entry.columns = entry.chunk->columns();
-        entry.once_loaded |= entry.columns;
-        if (!entry.ever_loaded) entry.once_loaded = entry.columns;
-        entry.ever_loaded = true;
-        state->list_as_newest(node, entry);
-        state->loaded.notify_all();
-    }
-
-    // A loader thread's life; called without the mutex.
-    static void loader(const std::shared_ptr<State>& state)
-    {
-        std::unique_lock lock(state->mutex);
-        for (;;) {
-            state->work.wait(lock, [&] { return state->closing || !state->wanted.empty() || !state->soon.empty(); });
-            if (state->closing) return;
-            const bool is_prefetch = !state->soon.empty();
-            std::deque<ChunkRequest>& queue = is_prefetch ? state->soon : state->wanted;
-            const ChunkRequest request = queue.front();
-            queue.pop_front();
-            const auto on_loaded = is_prefetch ? nullptr : state->on_loaded;
-            ++state->active_loads;
-            auto& entry = state->entries[request.node];
-            // Another client may be loading it: what comes is looked at then.
-            state->loaded.wait(lock, [&] { return state->closing || !entry.loading; });
-            if (state->closing) return;
-            if (!entry.chunk || !entry.columns.contains(request.columns)) {
-                state->count_miss(entry, request.columns);
-                entry.loading = true;
-                try {
-                    load(state, request.node, request.columns, lock);
-                    state->shrink();
-                } catch (const std::exception&) {
-                    // Kept in the entry for error_of(), and counted.
-                }
-            }
-            if (on_loaded && *on_loaded) {
-                lock.unlock();
-                (*on_loaded)(request.node);
-                lock.lock();
-            }
-            --state->active_loads;
-            state->loaded.notify_all();
-        }
-    }
-};
-
-L2Cache::L2Cache(std::shared_ptr<const Tree> tree, const L2Options& options) : state_(std::make_shared<State>())
+L2Cache::L2Cache(std::shared_ptr<const Tree> tree, const L2Options& options)
+    : L2Cache(std::make_shared<TreeStore>(std::move(tree)), options)
 {
-    state_->tree = std::move(tree);
+}
+
+L2Cache::L2Cache(std::shared_ptr<ChunkStore> store, const L2Options& options) : state_(std::make_shared<State>())
+{
+    state_->store = std::move(store);
+    state_->trees.push_back(state_->store->tree());
+    state_->tree = state_->trees.back().get();
     state_->capacity = options.capacity_bytes;
     for (unsigned t = 0; t < std::max(1u, options.threads); ++t)
-        state_->threads.emplace_back([state = state_] { State::loader(state); });
+        state_->threads.emplace_back([state = state_.get()] { state->loader(); });
 }
 
 L2Cache::~L2Cache()
 {
     {
         const std::lock_guard lock(state_->mutex);
-        state_->closing = true;
+        state_->closing = state_->closed = true;
         state_->wanted.clear();
         state_->soon.clear();
     }
@@ -223,33 +38,16 @@ L2Cache::~L2Cache()
 
 L2Cache::Handle L2Cache::get(NodeId node, const ColumnSet& columns)
 {
-    if (node >= state_->tree->nodes().size())
-        throw Error(ErrorCode::invalid_argument, {}, "no node " + std::to_string(node) + " in this tree");
     std::unique_lock lock(state_->mutex);
-    bool missed = false;
-    for (;;) {
-        Entry& entry = state_->entries[node];
-        if (entry.chunk && entry.columns.contains(columns)) {
-            if (!missed) ++state_->statistics.hits;
-            Handle handle;
-            handle.chunk_ = entry.chunk;
-            handle.pin_ = State::pin(state_, node);
-            state_->shrink();
-            return handle;
-        }
-        if (!missed) {
-            state_->count_miss(entry, columns);
-            ++state_->statistics.forced_misses;
-            missed = true;
-        }
-        if (entry.loading) {
-            state_->loaded.wait(lock);
-            continue;
-        }
-        entry.loading = true;
-        // Ask for what is there already too, so that a drop in between costs nothing but the reading.
-        State::load(state_, node, columns, lock);
-    }
+    state_->check_open(node);
+    Entry& entry = state_->get(node, columns, lock);
+    Handle handle;
+    handle.chunk_ = entry.chunk;
+    handle.state_ = state_;
+    handle.entry_ = &entry;
+    state_->pin(entry);
+    state_->make_room(lock);
+    return handle;
 }
 
 L2Cache::Handle L2Cache::find(NodeId node, const ColumnSet& columns)
@@ -257,21 +55,62 @@ L2Cache::Handle L2Cache::find(NodeId node, const ColumnSet& columns)
     const std::lock_guard lock(state_->mutex);
     const auto found = state_->entries.find(node);
     Handle handle;
-    if (found == state_->entries.end() || !found->second.chunk || !found->second.columns.contains(columns)) return handle;
+    if (state_->closed || found == state_->entries.end() || !found->second.has(columns)) return handle;
     ++state_->statistics.hits;
     handle.chunk_ = found->second.chunk;
-    handle.pin_ = State::pin(state_, node);
+    handle.state_ = state_;
+    handle.entry_ = &found->second;
+    state_->pin(found->second);
     return handle;
+}
+
+L2Cache::Handle::Handle(const Handle& other) : chunk_(other.chunk_), state_(other.state_), entry_(other.entry_)
+{
+    if (!state_) return;
+    const std::lock_guard lock(state_->mutex);
+    state_->pin(*entry_);
+}
+
+L2Cache::Handle::Handle(Handle&& other) noexcept
+    : chunk_(std::move(other.chunk_)), state_(std::move(other.state_)), entry_(std::exchange(other.entry_, nullptr))
+{
+}
+
+L2Cache::Handle& L2Cache::Handle::operator=(Handle other) noexcept
+{
+    std::swap(chunk_, other.chunk_);
+    std::swap(state_, other.state_);
+    std::swap(entry_, other.entry_);
+    return *this;
+}
+
+L2Cache::Handle::~Handle()
+{
+    if (!state_) return;
+    const std::lock_guard lock(state_->mutex);
+    state_->unpin(*entry_);
+}
+
+std::optional<ChunkPart> L2Cache::read_part(NodeId node, const ColumnSet& columns,
+                                            const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted)
+{
+    {
+        const std::lock_guard lock(state_->mutex);
+        state_->check_open(node);
+        const auto found = state_->entries.find(node);
+        if (found != state_->entries.end() && found->second.dirty.any()) return std::nullopt;
+    }
+    return state_->store->read_part(node, columns, wanted);
 }
 
 void L2Cache::request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded)
 {
     {
         const std::lock_guard lock(state_->mutex);
-        const std::size_t nodes = state_->tree->nodes().size();
+        const std::size_t nodes = state_->tree.load()->nodes().size();
         state_->wanted.clear();
         for (ChunkRequest& request : list)
-            if (request.node < nodes) state_->wanted.push_back(std::move(request));
+            if (request.node < nodes && !state_->closed) state_->wanted.push_back(std::move(request));
         state_->on_loaded = std::make_shared<const std::function<void(NodeId)>>(std::move(on_loaded));
     }
     state_->work.notify_all();
@@ -281,9 +120,9 @@ void L2Cache::request(std::vector<ChunkRequest> list, std::function<void(NodeId)
 void L2Cache::prefetch(const ChunkRequest& request)
 {
     constexpr std::size_t most = 16;  // older hints than that are of no use to anybody
-    if (request.node >= state_->tree->nodes().size()) return;
     {
         const std::lock_guard lock(state_->mutex);
+        if (request.node >= state_->tree.load()->nodes().size() || state_->closed) return;
         if (state_->soon.size() == most) state_->soon.pop_front();
         state_->soon.push_back(request);
     }
@@ -297,6 +136,165 @@ std::optional<std::string> L2Cache::error_of(NodeId node) const
     return found == state_->entries.end() ? std::nullopt : found->second.error;
 }
 
+struct L2Cache::Edit::Inner {
+    Handle handle;
+    NodeId node = no_node;
+    std::vector<std::shared_ptr<Column>> changed;  // by attribute
+    std::bitset<max_attributes> asked;
+    int exceptions = std::uncaught_exceptions();
+
+    bool any() const
+    {
+        return std::any_of(changed.begin(), changed.end(), [](const auto& column) { return column != nullptr; });
+    }
+};
+
+L2Cache::Edit::Edit(std::unique_ptr<Inner> inner) : inner_(std::move(inner)) {}
+L2Cache::Edit::Edit(Edit&&) noexcept = default;
+L2Cache::Edit& L2Cache::Edit::operator=(Edit&& other) noexcept
+{
+    std::swap(inner_, other.inner_);
+    return *this;
+}
+
+L2Cache::Edit::~Edit()
+{
+    if (!inner_) return;
+    State& state = *inner_->handle.state_;
+    {
+        const std::lock_guard lock(state.mutex);
+        inner_->handle.entry_->editing = false;
+        if (inner_->any() && std::uncaught_exceptions() <= inner_->exceptions && !state.unmarked) state.unmarked = inner_->node;
+    }
+    state.loaded.notify_all();
+}
+
+const Chunk& L2Cache::Edit::chunk() const { return *inner_->handle; }
+
+Column& L2Cache::Edit::column(std::size_t attribute)
+{
+    if (attribute >= inner_->changed.size() || !inner_->asked.test(attribute))
+        throw Error(ErrorCode::invalid_argument, inner_->handle.state_->store->tree()->folder(),
+                    "attribute number " + std::to_string(attribute) + " was to be changed, which was not asked for");
+    std::shared_ptr<Column>& column = inner_->changed[attribute];
+    if (!column) column = std::make_shared<Column>(*inner_->handle->attributes[attribute]);
+    return *column;
+}
+
+void L2Cache::Edit::discard()
+{
+    for (auto& column : inner_->changed) column.reset();
+}
+
+void L2Cache::Edit::mark_written()
+{
+    if (!inner_->any()) return;
+    State& state = *inner_->handle.state_;
+    for (const auto& column : inner_->changed)
+        if (column && column->size() != inner_->handle->points)
+            throw Error(ErrorCode::invalid_argument, state.store->tree()->folder(),
+                        "a changed column of node " + std::to_string(inner_->node) + " has " + std::to_string(column->size()) + " points, not " +
+                            std::to_string(inner_->handle->points));
+    std::unique_lock lock(state.mutex);
+    state.check_open(inner_->node);
+    Entry& entry = *inner_->handle.entry_;
+    // Others may have had more columns loaded meanwhile.
+    auto chunk = std::make_shared<Chunk>(*entry.chunk);
+    const std::uint64_t dirty_before = entry.dirty_bytes();
+    for (std::size_t k = 0; k < inner_->changed.size(); ++k)
+        if (inner_->changed[k]) {
+            chunk->attributes[k] = std::move(inner_->changed[k]);
+            inner_->changed[k].reset();
+            entry.dirty.set(k);
+        }
+    entry.chunk = chunk;
+    ++entry.version;
+    state.statistics.dirty_bytes += entry.dirty_bytes() - dirty_before;
+    inner_->handle.chunk_ = entry.chunk;
+    state.make_room(lock);
+}
+
+L2Cache::Edit L2Cache::edit(NodeId node, const ColumnSet& columns)
+{
+    std::unique_lock lock(state_->mutex);
+    state_->check_open(node);
+    if (!state_->store->writable())
+        throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(), "this point cloud was opened for reading only",
+                    "open it for writing");
+    if (state_->write_failure && state_->charged > state_->capacity) std::rethrow_exception(state_->write_failure);
+    state_->loaded.wait(lock, [&] { return !state_->entry_of(node).editing; });
+    state_->check_open(node);
+    state_->entry_of(node).editing = true;
+    try {
+        Entry& entry = state_->get(node, columns, lock);
+        auto inner = std::make_unique<Edit::Inner>();
+        inner->handle.chunk_ = entry.chunk;
+        inner->handle.state_ = state_;
+        inner->handle.entry_ = &entry;
+        state_->pin(entry);
+        inner->node = node;
+        inner->asked = columns.attributes;
+        inner->changed.resize(entry.chunk->attributes.size());
+        state_->make_room(lock);
+        return Edit(std::move(inner));
+    } catch (...) {
+        state_->entry_of(node).editing = false;
+        state_->loaded.notify_all();
+        throw;
+    }
+}
+
+void L2Cache::flush()
+{
+    std::unique_lock lock(state_->mutex);
+    if (state_->unmarked) {
+        const NodeId node = *state_->unmarked;
+        state_->unmarked.reset();
+        throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(),
+                    "points of node " + std::to_string(node) + " were changed and not marked as written; the change is dropped",
+                    "mark them with mark_written() before going on");
+    }
+    std::vector<NodeId> dirty;
+    for (const auto& [node, entry] : state_->entries)
+        if (entry.dirty.any() || entry.writing) dirty.push_back(node);
+    std::sort(dirty.begin(), dirty.end());
+    for (const NodeId node : dirty) {
+        Entry& entry = state_->entry_of(node);
+        state_->loaded.wait(lock, [&] { return !entry.writing; });
+        if (entry.dirty.none()) continue;
+        if (const std::exception_ptr failure = state_->write_back(entry, lock)) std::rethrow_exception(failure);
+    }
+    state_->write_failure = nullptr;
+    lock.unlock();
+    state_->store->commit();
+}
+
+void L2Cache::close()
+{
+    flush();
+    abandon();
+}
+
+void L2Cache::abandon()
+{
+    {
+        const std::lock_guard lock(state_->mutex);
+        state_->closed = true;
+        state_->wanted.clear();
+        state_->soon.clear();
+    }
+    state_->loaded.notify_all();
+}
+
+void L2Cache::take_schema()
+{
+    const std::shared_ptr<const Tree> tree = state_->store->tree();
+    const std::lock_guard lock(state_->mutex);
+    if (tree->info().schema.size() == state_->trees.back()->info().schema.size()) return;
+    state_->trees.push_back(tree);
+    state_->tree = tree.get();
+}
+
 void L2Cache::wait_idle()
 {
     std::unique_lock lock(state_->mutex);
@@ -306,14 +304,18 @@ void L2Cache::wait_idle()
 void L2Cache::clear()
 {
     const std::lock_guard lock(state_->mutex);
-    while (!state_->lru.empty()) state_->drop(state_->entries[state_->lru.front()]);
+    for (Entry* entry = state_->oldest; entry;) {
+        Entry* const next = entry->newer;
+        if (entry->dirty.none()) state_->drop(*entry);
+        entry = next;
+    }
 }
 
 void L2Cache::set_capacity(std::uint64_t bytes)
 {
-    const std::lock_guard lock(state_->mutex);
+    std::unique_lock lock(state_->mutex);
     state_->capacity = bytes;
-    state_->shrink();
+    state_->make_room(lock);
 }
 
 L2Statistics L2Cache::statistics() const
@@ -324,6 +326,6 @@ L2Statistics L2Cache::statistics() const
     return statistics;
 }
 
-const Tree& L2Cache::tree() const { return *state_->tree; }
+const Tree& L2Cache::tree() const { return *state_->tree.load(); }
 
 }  // namespace pcm

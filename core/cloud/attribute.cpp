@@ -2,6 +2,8 @@
 
 #include "cloud/error.h"
 
+#include <algorithm>
+
 namespace pcm {
 
 bool is_valid(ScalarType type) { return type >= ScalarType::i8 && type <= ScalarType::f64; }
@@ -54,6 +56,11 @@ std::optional<std::size_t> Schema::find(std::string_view name) const
     for (std::size_t i = 0; i < attributes_.size(); ++i)
         if (attributes_[i].name == name) return i;
     return std::nullopt;
+}
+
+bool Schema::is_beginning_of(const Schema& other) const
+{
+    return size() <= other.size() && std::equal(attributes_.begin(), attributes_.end(), other.attributes_.begin());
 }
 
 std::size_t Schema::point_bytes() const

@@ -58,6 +58,8 @@ public:
     // Bytes of all attributes of one point, without its position.
     std::size_t point_bytes() const;
     bool operator==(const Schema& other) const { return attributes_ == other.attributes_; }
+    // Whether its attributes are those of `other`, or the first of them.
+    bool is_beginning_of(const Schema& other) const;
 
 private:
     std::vector<Attribute> attributes_;

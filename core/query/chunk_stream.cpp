@@ -138,23 +138,27 @@ try {
         result.pin = cache_.get(node.node, columns_);
         result.chunk = *result.pin;
         result.points = node.points;
-    } else {
-        ChunkPart part = tree.read_chunk_part(node.node, columns_, [&](const Box3i& box, std::uint16_t level) {
-            if (level_ && level > *level_) return false;
-            const BoxRelation relation = node.relation == BoxRelation::inside ? node.relation : selector_.relation(tree.info().grid.to_source(box));
-            if (relation == BoxRelation::outside) return false;
-            relations.push_back(relation);
-            return true;
-        });
-        result.chunk = std::move(part.chunk);
+    } else if (auto part = cache_.read_part(node.node, columns_, [&](const Box3i& box, std::uint16_t level) {
+                   if (level_ && level > *level_) return false;
+                   const BoxRelation relation =
+                       node.relation == BoxRelation::inside ? node.relation : selector_.relation(tree.info().grid.to_source(box));
+                   if (relation == BoxRelation::outside) return false;
+                   relations.push_back(relation);
+                   return true;
+               })) {
+        result.chunk = std::move(part->chunk);
         result.points = result.chunk.points;
-        result.first = std::move(part.first);
+        result.first = std::move(part->first);
         std::uint32_t begin = 0;
-        for (const std::uint32_t count : part.count) {
+        for (const std::uint32_t count : part->count) {
             result.begins.push_back(begin);
             begin += count;
         }
-        job.bytes = part.bytes_read;
+        job.bytes = part->bytes_read;
+    } else {
+        result.pin = cache_.get(node.node, columns_);
+        result.chunk = *result.pin;
+        result.points = node.points;
     }
     select(job, relations);
     if (!job.cached) {

@@ -137,7 +137,7 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
 void Tree::check(NodeId id, const BpcHeader& header) const
 {
     const Node& node = nodes_[id];
-    if (!header.identity || !(*header.identity == identity(id)) || !(header.schema == info_.schema) || !(header.grid == info_.grid) ||
+    if (!header.identity || !(*header.identity == identity(id)) || !header.schema.is_beginning_of(info_.schema) || !(header.grid == info_.grid) ||
         !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
         throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
@@ -152,6 +152,7 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     const std::shared_ptr<const File> file = files_->get(extent.file);
     DecodedChunk decoded = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
     check(id, decoded.header);
+    add_missing_columns(decoded.chunk, info_.schema, columns);
     return std::move(decoded.chunk);
 }
 
@@ -174,8 +175,18 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
         part.count.push_back(decoded.header.segments[s].count);
     }
     part.chunk = std::move(decoded.chunk);
+    add_missing_columns(part.chunk, info_.schema, columns);
     part.bytes_read = decoded.bytes_read;
     return part;
+}
+
+std::shared_ptr<const Tree> Tree::with_schema(const Schema& longer) const
+{
+    if (!info_.schema.is_beginning_of(longer))
+        throw Error(ErrorCode::invalid_argument, folder_, "attributes can be added to those that a tree has, not put in their place");
+    std::shared_ptr<Tree> tree(new Tree(*this));
+    tree->info_.schema = longer;
+    return tree;
 }
 
 std::vector<LevelSummary> Tree::level_summaries() const

@@ -147,6 +147,10 @@ public:
     // What the header of the node's chunk says. For a node without a chunk the generation is the tree's.
     ChunkIdentity identity(NodeId id) const;
     const std::vector<DataFile>& data_files() const { return data_files_; }
+    // The same tree with attributes added at the end of its schema, whose values are zero. On disk it stays as it is.
+    std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
+    // Throws Error(corrupt) when a header is not that of the node's chunk.
+    void check(NodeId id, const BpcHeader& header) const;
 
     // Nodes of levels 0..level whose boxes touch `box` (source coordinates), parents first; absent means all.
     std::vector<NodeId> nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const;
@@ -169,7 +173,6 @@ public:
 private:
     Tree() = default;
     Chunk empty_chunk(const ColumnSet& columns) const;
-    void check(NodeId id, const BpcHeader& header) const;
     std::filesystem::path folder_;
     TreeInfo info_;
     std::vector<Node> nodes_;

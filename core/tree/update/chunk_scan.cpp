@@ -106,7 +106,9 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
                 bytes = header.total_bytes;
                 if (!header.identity) throw Error(ErrorCode::corrupt, {}, "it is not of a tree");
                 if (!expected) expected = ChunkKind{header.schema, header.grid};
-                if (!(expected->schema == header.schema) || !(expected->grid == header.grid))
+                // Later chunks may have more attributes than earlier ones.
+                if (expected->schema.is_beginning_of(header.schema)) expected->schema = header.schema;
+                if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
                     throw Error(ErrorCode::corrupt, {}, "it is of another tree");
                 const ChunkIdentity& identity = *header.identity;
                 check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1, found.number);

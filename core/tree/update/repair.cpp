@@ -204,9 +204,13 @@ private:
         Checked checked;
         if (node.points == 0) return checked;
         try {
-            const Chunk chunk = read_chunk(files[node.extent.file], node.extent.offset, node.extent.bytes, node.extent.header_bytes,
-                                           ColumnSet::all(kind_->schema))
-                                    .chunk;
+            const ColumnSet all = ColumnSet::all(info_.schema);
+            DecodedChunk decoded =
+                read_chunk(files[node.extent.file], node.extent.offset, node.extent.bytes, node.extent.header_bytes, all);
+            if (!decoded.header.schema.is_beginning_of(info_.schema))
+                throw Error(ErrorCode::corrupt, files[node.extent.file].path(), "a chunk has attributes that the tree has not");
+            Chunk chunk = std::move(decoded.chunk);
+            add_missing_columns(chunk, info_.schema, all);
             Box3i box;
             for (std::uint32_t i = 0; i < chunk.points; ++i) {
                 const Vec3i p = chunk.positions->grid(i);

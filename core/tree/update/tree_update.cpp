@@ -182,4 +182,13 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     sync_folder(folder());
 }
 
+void TreeUpdate::go_on()
+{
+    tree_ = Tree::open(folder());
+    generation_ = tree_->info().generation + 1;
+    files_.clear();
+    bytes_written_ = 0;
+    committed_ = about_ahead_ = false;
+}
+
 }  // namespace pcm

@@ -45,6 +45,10 @@ public:
     // The tree is from now on what `info` (but its generation) and `joined` say, whose nodes lie in the old data files and the new ones.
     // When the new index is in place but may not outlast a loss of power, it throws, and the tree is the new one.
     void commit(TreeInfo info, NodeVector joined);
+    // Whether the tree on disk is the new one.
+    bool committed() const { return committed_; }
+    // After a commit: another change, of the tree as it is now, under the same lock.
+    void go_on();
     std::uint64_t bytes_written() const { return bytes_written_; }
 
 private:

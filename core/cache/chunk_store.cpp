@@ -1,0 +1,12 @@
+#include "cache/chunk_store.h"
+
+#include "cloud/error.h"
+
+namespace pcm {
+
+void ChunkStore::write(NodeId, const Chunk&, const ColumnSet&)
+{
+    throw Error(ErrorCode::invalid_argument, tree()->folder(), "this point cloud was opened for reading only", "open it for writing");
+}
+
+}  // namespace pcm

@@ -1,0 +1,287 @@
+#include "cache/l2_state.h"
+
+#include "cloud/error.h"
+
+#include <chrono>
+
+namespace pcm {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The columns of `chunk`, and of `more` those that it lacks.
+std::shared_ptr<const Chunk> join(std::shared_ptr<const Chunk> chunk, Chunk more)
+{
+    if (!chunk) return std::make_shared<const Chunk>(std::move(more));
+    auto joined = std::make_shared<Chunk>(*chunk);
+    if (!joined->positions) joined->positions = std::move(more.positions);
+    if (joined->attributes.size() < more.attributes.size()) joined->attributes.resize(more.attributes.size());
+    for (std::size_t k = 0; k < more.attributes.size(); ++k)
+        if (!joined->attributes[k]) joined->attributes[k] = std::move(more.attributes[k]);
+    return joined;
+}
+
+ColumnSet missing(const std::shared_ptr<const Chunk>& chunk, const ColumnSet& columns)
+{
+    if (!chunk) return columns;
+    const ColumnSet present = chunk->columns();
+    ColumnSet missing = columns;
+    missing.positions = columns.positions && !present.positions;
+    missing.attributes &= ~present.attributes;
+    return missing;
+}
+
+}  // namespace
+
+std::uint64_t L2Cache::Entry::dirty_bytes() const
+{
+    std::uint64_t bytes = 0;
+    for (std::size_t k = 0; k < chunk->attributes.size(); ++k)
+        if (dirty.test(k)) bytes += chunk->attributes[k]->bytes();
+    return bytes;
+}
+
+void L2Cache::State::check_open(NodeId node) const
+{
+    if (closed) throw Error(ErrorCode::invalid_argument, trees.back()->folder(), "this point cloud was closed", "open it again");
+    if (node >= trees.back()->nodes().size())
+        throw Error(ErrorCode::invalid_argument, trees.back()->folder(), "no node " + std::to_string(node) + " in this tree");
+}
+
+L2Cache::Entry& L2Cache::State::entry_of(NodeId node)
+{
+    Entry& entry = entries[node];
+    entry.node = node;
+    return entry;
+}
+
+void L2Cache::State::unlist(Entry& entry)
+{
+    if (!entry.listed) return;
+    (entry.older ? entry.older->newer : oldest) = entry.newer;
+    (entry.newer ? entry.newer->older : newest) = entry.older;
+    entry.older = entry.newer = nullptr;
+    entry.listed = false;
+}
+
+void L2Cache::State::list_as_newest(Entry& entry)
+{
+    unlist(entry);
+    if (!entry.chunk || entry.pins > 0 || entry.stuck) return;
+    entry.older = newest;
+    (newest ? newest->newer : oldest) = &entry;
+    newest = &entry;
+    entry.listed = true;
+}
+
+void L2Cache::State::list_as_oldest(Entry& entry)
+{
+    unlist(entry);
+    if (!entry.chunk || entry.pins > 0 || entry.stuck) return;
+    entry.newer = oldest;
+    (oldest ? oldest->older : newest) = &entry;
+    oldest = &entry;
+    entry.listed = true;
+}
+
+void L2Cache::State::pin(Entry& entry)
+{
+    ++entry.pins;
+    unlist(entry);
+}
+
+void L2Cache::State::unpin(Entry& entry)
+{
+    if (--entry.pins > 0) return;
+    list_as_newest(entry);
+    while (charged > capacity && oldest && oldest->dirty.none()) drop(*oldest);
+    if (charged > capacity && oldest && !closing) {
+        // Not by whoever lets go of a chunk: that must be quick, and cannot fail.
+        room_wanted = true;
+        work.notify_one();
+    }
+}
+
+void L2Cache::State::drop(Entry& entry)
+{
+    unlist(entry);
+    charged -= entry.charged;
+    entry.charged = 0;
+    entry.chunk.reset();
+    entry.columns = ColumnSet();
+    entry.columns.positions = false;
+    --statistics.resident_chunks;
+    ++statistics.evictions;
+}
+
+void L2Cache::State::make_room(std::unique_lock<std::mutex>& lock)
+{
+    while (charged > capacity && oldest) {
+        if (oldest->dirty.none())
+            drop(*oldest);
+        else
+            write_back(*oldest, lock);
+    }
+}
+
+std::exception_ptr L2Cache::State::write_back(Entry& entry, std::unique_lock<std::mutex>& lock)
+{
+    entry.writing = true;
+    pin(entry);
+    const std::shared_ptr<const Chunk> chunk = entry.chunk;
+    ColumnSet changed;
+    changed.positions = false;
+    changed.attributes = entry.dirty;
+    const std::uint64_t version = entry.version, bytes = entry.dirty_bytes();
+    lock.unlock();
+    const auto start = std::chrono::steady_clock::now();
+    std::exception_ptr failure;
+    try {
+        const ColumnSet others = missing(chunk, ColumnSet::all(store->tree()->info().schema));
+        const bool whole = !others.positions && others.attributes.none();
+        store->write(entry.node, whole ? *chunk : *join(chunk, store->read(entry.node, others)), changed);
+    } catch (...) {
+        failure = std::current_exception();
+    }
+    const double seconds = seconds_since(start);
+    lock.lock();
+    entry.writing = false;
+    statistics.write_seconds += seconds;
+    if (failure) {
+        ++statistics.failed_writes;
+        write_failure = failure;
+        entry.stuck = true;
+    } else {
+        ++statistics.written_chunks;
+        statistics.written_bytes += bytes;
+        entry.stuck = false;
+        if (entry.version == version) {
+            entry.dirty.reset();
+            statistics.dirty_bytes -= bytes;
+        }
+    }
+    if (--entry.pins == 0) entry.dirty.any() ? list_as_newest(entry) : list_as_oldest(entry);
+    loaded.notify_all();
+    return failure;
+}
+
+void L2Cache::State::count_miss(const Entry& entry, const ColumnSet& columns)
+{
+    if (entry.ever_loaded && entry.once_loaded.contains(columns))
+        ++statistics.capacity_misses;
+    else
+        ++statistics.compulsory_misses;
+}
+
+L2Cache::Entry& L2Cache::State::get(NodeId node, const ColumnSet& columns, std::unique_lock<std::mutex>& lock)
+{
+    Entry& entry = entry_of(node);
+    for (bool missed = false;;) {
+        if (entry.has(columns)) {
+            if (!missed) ++statistics.hits;
+            return entry;
+        }
+        if (!missed) {
+            count_miss(entry, columns);
+            ++statistics.forced_misses;
+            missed = true;
+        }
+        if (entry.loading) {
+            loaded.wait(lock);
+            continue;
+        }
+        load(entry, columns, lock);
+    }
+}
+
+// Reads the columns that the entry lacks.
+void L2Cache::State::load(Entry& entry, const ColumnSet& columns, std::unique_lock<std::mutex>& lock)
+{
+    entry.loading = true;
+    pin(entry);  // so that what it has, and is changed, is there when the rest has come
+    const ColumnSet lacking = missing(entry.chunk, columns);
+    lock.unlock();
+    const auto start = std::chrono::steady_clock::now();
+    Chunk read;
+    std::exception_ptr failure;
+    std::string message;
+    try {
+        read = store->read(entry.node, lacking);
+    } catch (const std::exception& error) {
+        failure = std::current_exception();
+        message = error.what();
+    }
+    const double seconds = seconds_since(start);
+    lock.lock();
+    entry.loading = false;
+    --entry.pins;
+    statistics.load_seconds += seconds;
+    if (failure) {
+        ++statistics.failed_loads;
+        entry.error = message;
+        list_as_newest(entry);
+        loaded.notify_all();
+        std::rethrow_exception(failure);
+    }
+    statistics.load_times.add(seconds);
+    entry.error.reset();
+    if (!entry.chunk) ++statistics.resident_chunks;
+    entry.chunk = join(std::move(entry.chunk), std::move(read));
+    const std::uint64_t bytes = entry.chunk->bytes();
+    statistics.loaded_bytes += bytes - entry.charged;
+    charged += bytes - entry.charged;
+    entry.charged = bytes;
+    entry.columns = entry.chunk->columns();
+    if (entry.ever_loaded)
+        entry.once_loaded |= entry.columns;
+    else
+        entry.once_loaded = entry.columns;
+    entry.ever_loaded = true;
+    list_as_newest(entry);
+    loaded.notify_all();
+}
+
+void L2Cache::State::loader()
+{
+    std::unique_lock lock(mutex);
+    for (;;) {
+        work.wait(lock, [&] { return closing || room_wanted || !wanted.empty() || !soon.empty(); });
+        if (closing) return;
+        if (room_wanted) {
+            room_wanted = false;
+            make_room(lock);
+            continue;
+        }
+        const bool is_prefetch = !soon.empty();
+        std::deque<ChunkRequest>& queue = is_prefetch ? soon : wanted;
+        const ChunkRequest request = queue.front();
+        queue.pop_front();
+        const auto on_each = is_prefetch ? nullptr : on_loaded;
+        ++active_loads;
+        Entry& entry = entry_of(request.node);
+        // Another client may be loading it: what comes is looked at then.
+        loaded.wait(lock, [&] { return closing || !entry.loading; });
+        if (closing) return;
+        if (!entry.has(request.columns)) {
+            count_miss(entry, request.columns);
+            try {
+                load(entry, request.columns, lock);
+                make_room(lock);
+            } catch (const std::exception&) {
+                // Kept in the entry for error_of(), and counted.
+            }
+        }
+        if (on_each && *on_each) {
+            lock.unlock();
+            (*on_each)(request.node);
+            lock.lock();
+        }
+        --active_loads;
+        loaded.notify_all();
+    }
+}
+
+}  // namespace pcm
