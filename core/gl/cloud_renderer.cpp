@@ -239,28 +239,17 @@ struct CloudRenderer::Impl {
     }
     bool asked_last = false;
 
-    struct Uploads {
-        bool refused = false;  // video memory is full of what other clouds show
-        bool ready_left = false;
-    };
-
-    Uploads upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
+    Served upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
     {
-        Uploads uploads;
-        const auto start = Clock::now();
-        bool any = false;
-        for (const NodeId node : window) {
+        const auto supply = [&](NodeId node) {
             const auto found = arrivals.find(node);
-            const L2Cache::Handle chunk = found == arrivals.end() ? L2Cache::Handle() : found->second.chunk;
-            if (!chunk) {
-                // The coarsest chunk sets the scale for all, so it must come first.
-                if (colour != VertexColour::none && !scales.count(colour) && !has_failed(node)) break;
-                continue;
-            }
-            if (any && milliseconds_since(start) >= budget_ms) {
-                uploads.ready_left = true;
-                break;
-            }
+            if (found != arrivals.end() && found->second.chunk) return Supply::ready;
+            // The coarsest chunk sets the scale for all, so it must come first.
+            return colour != VertexColour::none && !scales.count(colour) && !has_failed(node) ? Supply::stop : Supply::absent;
+        };
+        return l1->request(window, budget_ms, supply, [&](NodeId node) {
+            const auto found = arrivals.find(node);
+            const L2Cache::Handle chunk = found->second.chunk;
             const std::uint8_t* colours = nullptr;
             if (colour != VertexColour::none) {
                 const Column& column = *chunk->attributes[*cloud->info().schema.find(attribute_of(colour))];
@@ -268,14 +257,10 @@ struct CloudRenderer::Impl {
                 make_colours(column, scales[colour], rgba);
                 colours = rgba.data();
             }
-            if (!l1->upload(owner, node, *chunk->positions, cloud->info().grid.scale, colour, colours)) {
-                uploads.refused = true;
-                break;
-            }
-            any = true;
+            if (!l1->upload(owner, node, *chunk->positions, cloud->info().grid.scale, colour, colours)) return false;
             arrivals.erase(found);
-        }
-        return uploads;
+            return true;
+        });
     }
 
     // --- drawing
@@ -462,7 +447,7 @@ struct CloudRenderer::Impl {
 
         const GlStateGuard state;
         build_programs(state.compatibility());
-        const Uploads uploads = upload(window, colour, options.upload_budget_ms);
+        const Served uploads = upload(window, colour, options.upload_budget_ms);
 
         const DrawSet set =
             choose_drawable(selection, [&](const DetailNode& node) { return l1->find(owner, node.node) != nullptr; });
@@ -496,7 +481,7 @@ struct CloudRenderer::Impl {
                                   budget.can_grow(rest_ms, options.point_budget);
         // Also when the window is through and the next one has not been asked for. When video memory refuses, waiting
         // helps nothing: it is full of what is on the screen.
-        report.repaint = uploads.ready_left || budget_grows || (more_to_come && !asked);
+        report.repaint = uploads.out_of_time || budget_grows || (more_to_come && !asked);
         report.refining = report.repaint || more_to_come;
         if (selection.wanted.empty() && selection.budget_reached)
             report.error = "the point budget or the video memory is too small for the first chunk of " +

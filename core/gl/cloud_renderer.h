@@ -34,7 +34,7 @@ struct RenderOptions {
     double frame_budget_ms = 33;              // of a moving view; fewer points are drawn when they would take longer
     double rest_budget_ms = 250;              // of a view that rests: how long a still picture may take
     std::uint64_t point_budget = 20'000'000;  // never draw more than this
-    double upload_budget_ms = 3;              // of a frame; one chunk is uploaded whatever it takes
+    double upload_budget_ms = L1Cache::default_milliseconds;  // of a frame; one chunk is uploaded whatever it takes
 };
 
 struct Camera {

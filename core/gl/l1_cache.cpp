@@ -9,10 +9,16 @@
 #include <chrono>
 #include <cstring>
 #include <string>
+#include <utility>
+#include <variant>
 
 namespace pcm {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Vertices of `count` points from `first` on. The product is made in double: a relative grid position may exceed what
 // float holds exactly, and must be rounded once only.
@@ -38,7 +44,99 @@ double largest(const std::vector<T>& values)
     return static_cast<double>(most);
 }
 
+// How many points of a column go into a page.
+std::size_t points_per_column_page(std::uint32_t stride) { return L1Cache::page_bytes / stride / 256 * 256; }
+
+std::size_t pages_of_column(std::uint32_t stride, std::size_t points)
+{
+    const std::size_t per_page = points_per_column_page(stride);
+    return (points + per_page - 1) / per_page;
+}
+
+std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
+{
+    if (capacity < block_bytes)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a video memory cache of " + std::to_string(capacity) + " bytes does not hold one block of " +
+                        std::to_string(block_bytes));
+    return capacity / block_bytes;
+}
+
+class ReadBack final : public ChangedColumns {
+public:
+    explicit ReadBack(const ColumnEntry& entry) : entry_(entry)
+    {
+        for (std::size_t k = 0; k < entry.written.size(); ++k)
+            if (entry.written[k]) columns_.push_back(k);
+    }
+    std::uint32_t points() const override { return entry_.points; }
+    const std::vector<std::size_t>& columns() const override { return columns_; }
+    void read(std::size_t column, std::byte* to) const override
+    {
+        drain_gl_errors();
+        for (const ColumnPiece& piece : entry_.pieces) {
+            const BufferRange& range = piece.columns[column];
+            glBindBuffer(GL_COPY_WRITE_BUFFER, range.buffer);
+            glGetBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(range.offset),
+                               static_cast<GLsizeiptr>(range.bytes), to);
+            to += range.bytes;
+        }
+        const std::string errors = drain_gl_errors();
+        if (!errors.empty())
+            throw Error(ErrorCode::io, {}, "reading changed points out of video memory failed: OpenGL error " + errors,
+                        "a context of the share group that made the cache must be current");
+    }
+    std::uint64_t bytes() const
+    {
+        std::uint64_t sum = 0;
+        for (const std::size_t k : columns_) sum += std::uint64_t(entry_.points) * entry_.strides[k];
+        return sum;
+    }
+
+private:
+    const ColumnEntry& entry_;
+    std::vector<std::size_t> columns_;
+};
+
 }  // namespace
+
+struct L1Cache::Payload {
+    VertexEntry vertices;
+    std::unique_ptr<ColumnEntry> columns;     // in place of them
+    std::shared_ptr<L1WriteBack> write_back;  // while something is marked
+};
+
+// The table with the container that was chosen at run time.
+class L1Cache::Table {
+public:
+    explicit Table(const L1Options& options)
+    {
+        if (options.container == L1Container::hash_map)
+            tables_.emplace<1>(options.policy);
+        else
+            tables_.emplace<2>(options.policy);
+    }
+    template <class Use>
+    decltype(auto) operator()(Use&& use)
+    {
+        if (auto* const table = std::get_if<1>(&tables_)) return use(*table);
+        return use(*std::get_if<2>(&tables_));
+    }
+
+private:
+    std::variant<std::monostate, L1Table<Payload, L1Container::hash_map>, L1Table<Payload, L1Container::ordered_map>>
+        tables_;
+};
+
+struct L1Cache::Hooks {
+    L1Cache& cache;
+    std::uint32_t grow() { return cache.add_block() ? cache.pages_per_block_ : 0; }
+    template <class Entry>
+    bool write_back(Entry& entry)
+    {
+        return cache.write_back(entry.key().node, entry.payload);
+    }
+};
 
 L1Cache::L1Cache(const L1Options& options) : options_(options)
 {
@@ -47,66 +145,53 @@ L1Cache::L1Cache(const L1Options& options) : options_(options)
         throw Error(ErrorCode::invalid_argument, {},
                     "a block of video memory of " + std::to_string(options.block_bytes) +
                         " bytes; between 1 and 4 MiB were expected");
-    if (options.capacity_bytes < options.block_bytes)
-        throw Error(ErrorCode::invalid_argument, {},
-                    "a video memory cache of " + std::to_string(options.capacity_bytes) +
-                        " bytes does not hold one block of " + std::to_string(options.block_bytes));
     pages_per_block_ = options.block_bytes / page_bytes;
-    max_blocks_ = options.capacity_bytes / options.block_bytes;
+    max_blocks_ = blocks_of(options.capacity_bytes, options.block_bytes);
+    table_ = std::make_unique<Table>(options);
 }
 
 L1Cache::~L1Cache() = default;
 
-L1Cache::Owner L1Cache::add_owner()
+L1Cache::Owner L1Cache::add_owner(std::shared_ptr<L1WriteBack> write_back)
 {
-    latest_frame_[next_owner_] = 0;
-    return next_owner_++;
+    const Owner owner = (*table_)([](auto& table) { return table.add_owner(); });
+    write_backs_[owner] = std::move(write_back);
+    return owner;
 }
 
 void L1Cache::remove_owner(Owner owner)
 {
-    for (auto slot = order_.begin(); slot != order_.end();) {
-        const auto next = std::next(slot);
-        if (slot->key.owner == owner) drop(slot);
-        slot = next;
-    }
-    for (auto seen = seen_.begin(); seen != seen_.end();)
-        seen = seen->first.owner == owner ? seen_.erase(seen) : std::next(seen);
-    latest_frame_.erase(owner);
+    (*table_)([&](auto& table) { table.remove_owner(owner); });
+    write_backs_.erase(owner);
 }
 
-void L1Cache::begin_frame(Owner owner) { latest_frame_[owner] = ++frame_; }
+void L1Cache::begin_frame(Owner owner)
+{
+    (*table_)([&](auto& table) { table.begin_frame(owner); });
+}
 
 const VertexEntry* L1Cache::use(Owner owner, NodeId node)
 {
-    const auto found = slots_.find({owner, node});
-    if (found == slots_.end()) return nullptr;
-    found->second->last_frame = latest_frame_[owner];
-    order_.splice(order_.begin(), order_, found->second);
-    ++statistics_.hits;
-    return &found->second->entry;
+    return (*table_)([&](auto& table) -> const VertexEntry* {
+        const auto* const entry = table.use(owner, node);
+        return entry ? &entry->payload.vertices : nullptr;
+    });
 }
 
 const VertexEntry* L1Cache::find(Owner owner, NodeId node) const
 {
-    const auto found = slots_.find({owner, node});
-    return found == slots_.end() ? nullptr : &found->second->entry;
+    return (*table_)([&](auto& table) -> const VertexEntry* {
+        const auto* const entry = table.find(owner, node);
+        return entry ? &entry->payload.vertices : nullptr;
+    });
 }
 
-bool L1Cache::is_protected(const Slot& slot) const
+const ColumnEntry* L1Cache::use_columns(Owner owner, NodeId node)
 {
-    const auto latest = latest_frame_.find(slot.key.owner);
-    return latest != latest_frame_.end() && slot.last_frame == latest->second &&
-           frame_ - slot.last_frame < frames_protected;
-}
-
-void L1Cache::drop(Order::iterator slot)
-{
-    free_pages_.insert(slot->pages.begin(), slot->pages.end());
-    statistics_.resident_bytes -= std::uint64_t(slot->pages.size()) * page_bytes;
-    --statistics_.resident_chunks;
-    slots_.erase(slot->key);
-    order_.erase(slot);
+    return (*table_)([&](auto& table) -> const ColumnEntry* {
+        const auto* const entry = table.use(owner, node);
+        return entry ? entry->payload.columns.get() : nullptr;
+    });
 }
 
 bool L1Cache::add_block()
@@ -123,48 +208,24 @@ bool L1Cache::add_block()
         max_blocks_ = blocks_.size();
         return false;
     }
-    const auto first = static_cast<std::uint32_t>(blocks_.size()) * pages_per_block_;
-    for (std::uint32_t p = 0; p < pages_per_block_; ++p) free_pages_.insert(free_pages_.end(), first + p);
     blocks_.push_back(buffer);
-    statistics_.allocated_bytes += options_.block_bytes;
+    (*table_)([&](auto& table) { table.add_pages(pages_per_block_); });
     return true;
 }
 
-// Frees pages until `pages` are free, counting those of the entry that is about to be replaced (end(): none).
-bool L1Cache::make_room(std::size_t pages, Order::iterator replaced)
+void L1Cache::transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions,
+                       const Vec3d& scale, const std::uint8_t* rgba)
 {
-    std::size_t present = free_pages_.size() + (replaced == order_.end() ? 0 : replaced->pages.size());
-    while (present < pages && add_block()) present += pages_per_block_;
-    if (present >= pages) return true;
-
-    // Look before dropping anything: a refusal must not cost others their pages.
-    std::size_t evictable = 0;
-    for (auto slot = order_.begin(); slot != order_.end(); ++slot)
-        if (slot != replaced && !is_protected(*slot)) evictable += slot->pages.size();
-    if (present + evictable < pages) return false;
-    for (auto slot = order_.end(); present < pages;) {
-        --slot;
-        if (slot == replaced || is_protected(*slot)) continue;
-        const auto victim = slot++;
-        present += victim->pages.size();
-        drop(victim);
-        ++statistics_.evictions;
-    }
-    return true;
-}
-
-void L1Cache::transfer(Slot& slot, const ChunkPositions& positions, const Vec3d& scale, const std::uint8_t* rgba)
-{
-    const std::size_t stride = slot.entry.stride();
-    const std::size_t per_page = points_per_page(slot.entry.colour);
+    const std::size_t stride = entry.stride();
+    const std::size_t per_page = points_per_page(entry.colour);
     staging_.resize(page_bytes);
     std::size_t first = 0;
-    for (const std::uint32_t page : slot.pages) {
+    for (const std::uint32_t page : pages) {
         // One page at a time: what was just written is still in the processor's cache when the driver copies it.
         const std::size_t count = std::min(per_page, positions.size() - first);
         positions.wide ? write_vertices(staging_.data(), positions.wide_xyz, scale, rgba, first, count)
                        : write_vertices(staging_.data(), positions.narrow_xyz, scale, rgba, first, count);
-        const std::uint32_t buffer = blocks_[page / pages_per_block_];
+        const std::uint32_t buffer = buffer_of(page);
         const std::uint32_t place = page % pages_per_block_;
         glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
         glBufferSubData(GL_COPY_WRITE_BUFFER, GLintptr(place) * page_bytes, static_cast<GLsizeiptr>(count * stride),
@@ -172,7 +233,7 @@ void L1Cache::transfer(Slot& slot, const ChunkPositions& positions, const Vec3d&
         first += count;
 
         const auto vertex = static_cast<std::int32_t>(place * per_page);
-        auto& ranges = slot.entry.ranges;
+        auto& ranges = entry.ranges;
         if (!ranges.empty() && ranges.back().buffer == buffer && ranges.back().first + ranges.back().count == vertex)
             ranges.back().count += static_cast<std::int32_t>(count);
         else
@@ -181,65 +242,259 @@ void L1Cache::transfer(Slot& slot, const ChunkPositions& positions, const Vec3d&
     statistics_.uploaded_bytes += std::uint64_t(positions.size()) * stride;
 }
 
+void L1Cache::transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages,
+                       const std::vector<ColumnSource>& columns)
+{
+    staging_.resize(page_bytes);
+    struct Run {
+        std::size_t first, end;  // points
+        std::uint32_t buffer;
+        std::uint64_t offset;
+    };
+    std::vector<std::vector<Run>> runs(columns.size());  // of each column, contiguous in a buffer
+    std::vector<std::size_t> borders{0, entry.points};
+    auto page = pages.begin();
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        const std::uint32_t stride = columns[k].stride;
+        const std::size_t per_page = points_per_column_page(stride);
+        for (std::size_t first = 0; first < entry.points; ++page) {
+            const std::size_t end = std::min<std::size_t>(first + per_page, entry.points);
+            columns[k].copy(staging_.data(), first, end - first);
+            const std::uint32_t buffer = buffer_of(*page);
+            const std::uint64_t offset = std::uint64_t(*page % pages_per_block_) * page_bytes;
+            glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
+            glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset),
+                            static_cast<GLsizeiptr>((end - first) * stride), staging_.data());
+            Run* const last = runs[k].empty() ? nullptr : &runs[k].back();
+            if (last && last->buffer == buffer && last->offset + (last->end - last->first) * stride == offset)
+                last->end = end;
+            else
+                runs[k].push_back({first, end, buffer, offset});
+            if (runs[k].back().first == first) borders.push_back(first);
+            first = end;
+        }
+        statistics_.uploaded_bytes += std::uint64_t(entry.points) * stride;
+    }
+    std::sort(borders.begin(), borders.end());
+    borders.erase(std::unique(borders.begin(), borders.end()), borders.end());
+
+    std::vector<std::size_t> at(columns.size(), 0);
+    for (std::size_t b = 0; b + 1 < borders.size(); ++b) {
+        ColumnPiece piece;
+        piece.first = static_cast<std::uint32_t>(borders[b]);
+        piece.count = static_cast<std::uint32_t>(borders[b + 1] - borders[b]);
+        for (std::size_t k = 0; k < columns.size(); ++k) {
+            if (runs[k][at[k]].end <= piece.first) ++at[k];
+            const Run& run = runs[k][at[k]];
+            const std::uint32_t stride = columns[k].stride;
+            piece.columns.push_back(
+                {run.buffer, run.offset + (piece.first - run.first) * stride, std::uint64_t(piece.count) * stride});
+        }
+        entry.pieces.push_back(std::move(piece));
+    }
+}
+
 bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
                      const std::uint8_t* rgba)
 {
-    const auto start = std::chrono::steady_clock::now();
-    const Key key{owner, node};
-    const auto found = slots_.find(key);
-    const auto replaced = found == slots_.end() ? order_.end() : found->second;
+    const auto start = Clock::now();
     const std::size_t per_page = points_per_page(colour);
     const std::size_t pages = (positions.size() + per_page - 1) / per_page;
-    if (!make_room(pages, replaced)) {
-        ++statistics_.refused;
-        return false;
-    }
-    if (replaced != order_.end()) drop(replaced);
-
-    order_.emplace_front();
-    Slot& slot = order_.front();
-    slot.key = key;
-    slot.last_frame = latest_frame_[owner];
-    slot.entry.colour = colour;
-    slot.entry.points = static_cast<std::uint32_t>(positions.size());
-    slot.entry.origin = positions.origin;
-    for (std::size_t a = 0; a < 3; ++a)
-        slot.entry.extent[a] =
-            scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
-    slot.pages.assign(free_pages_.begin(), std::next(free_pages_.begin(), static_cast<std::ptrdiff_t>(pages)));
-    free_pages_.erase(free_pages_.begin(), std::next(free_pages_.begin(), static_cast<std::ptrdiff_t>(pages)));
-    slots_[key] = order_.begin();
-    transfer(slot, positions, scale, colour == VertexColour::none ? nullptr : rgba);
-
-    std::uint8_t& seen = seen_[key];
-    const auto bit = static_cast<std::uint8_t>(1u << static_cast<unsigned>(colour));
-    ++(seen & bit ? statistics_.capacity_misses : statistics_.compulsory_misses);
-    seen = static_cast<std::uint8_t>(seen | bit);
-    statistics_.resident_bytes += std::uint64_t(pages) * page_bytes;
-    ++statistics_.resident_chunks;
-    statistics_.upload_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_back_error_ = nullptr;
+    const bool done = (*table_)([&](auto& table) {
+        if (!table.has_owner(owner))
+            throw Error(ErrorCode::invalid_argument, {}, "no owner " + std::to_string(owner) + " in this L1");
+        auto* const slot = table.insert(owner, node, pages, static_cast<unsigned>(colour), false, Hooks{*this});
+        if (!slot) return false;
+        VertexEntry& entry = slot->payload.vertices;
+        entry.colour = colour;
+        entry.points = static_cast<std::uint32_t>(positions.size());
+        entry.origin = positions.origin;
+        for (std::size_t a = 0; a < 3; ++a)
+            entry.extent[a] =
+                scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
+        transfer(entry, slot->pages(), positions, scale, colour == VertexColour::none ? nullptr : rgba);
+        return true;
+    });
+    if (!done) return false;
+    const double seconds = seconds_since(start);
+    statistics_.upload_seconds += seconds;
+    statistics_.upload_times.add(seconds);
     return true;
 }
 
+const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32_t points,
+                                           const std::vector<ColumnSource>& columns, bool forced)
+{
+    const auto start = Clock::now();
+    std::size_t pages = 0;
+    for (const ColumnSource& column : columns) {
+        if (column.stride == 0 || column.stride > max_stride)
+            throw Error(ErrorCode::unsupported, {},
+                        "a column of " + std::to_string(column.stride) +
+                            " bytes a point does not go into video memory; 1 to " + std::to_string(max_stride) +
+                            " were expected");
+        pages += pages_of_column(column.stride, points);
+    }
+    write_back_error_ = nullptr;
+    const ColumnEntry* const done = (*table_)([&](auto& table) -> const ColumnEntry* {
+        if (!table.has_owner(owner))
+            throw Error(ErrorCode::invalid_argument, {}, "no owner " + std::to_string(owner) + " in this L1");
+        auto* const slot = table.insert(owner, node, pages, 0, forced, Hooks{*this});
+        if (!slot) return nullptr;
+        slot->payload.columns = std::make_unique<ColumnEntry>();
+        ColumnEntry& entry = *slot->payload.columns;
+        entry.points = points;
+        for (const ColumnSource& column : columns) entry.strides.push_back(column.stride);
+        entry.written.resize(columns.size());
+        transfer(entry, slot->pages(), columns);
+        return &entry;
+    });
+    if (!done) return nullptr;
+    const double seconds = seconds_since(start);
+    statistics_.upload_seconds += seconds;
+    statistics_.upload_times.add(seconds);
+    return done;
+}
+
+Served L1Cache::request(const std::vector<NodeId>& nodes, std::optional<double> milliseconds,
+                        const std::function<Supply(NodeId)>& supply, const std::function<bool(NodeId)>& upload)
+{
+    const auto start = Clock::now();
+    Served served;
+    for (const NodeId node : nodes) {
+        const Supply state = supply(node);
+        if (state == Supply::stop) break;
+        if (state == Supply::absent) continue;
+        served.out_of_time = milliseconds && served.uploaded > 0 && seconds_since(start) * 1e3 >= *milliseconds;
+        if (served.out_of_time) break;
+        served.refused = !upload(node);
+        if (served.refused) break;
+        ++served.uploaded;
+    }
+    return served;
+}
+
+void L1Cache::pin(Owner owner, NodeId node)
+{
+    (*table_)([&](auto& table) {
+        if (auto* const entry = table.find(owner, node)) table.pin(*entry);
+    });
+}
+
+void L1Cache::unpin(Owner owner, NodeId node)
+{
+    (*table_)([&](auto& table) {
+        if (auto* const entry = table.find(owner, node)) table.unpin(*entry);
+    });
+}
+
+void L1Cache::mark_written(Owner owner, NodeId node, std::size_t column)
+{
+    const auto write_back = write_backs_.find(owner);
+    (*table_)([&](auto& table) {
+        auto* const entry = table.find(owner, node);
+        ColumnEntry* const columns = entry ? entry->payload.columns.get() : nullptr;
+        if (!columns || column >= columns->written.size() || write_back == write_backs_.end() || !write_back->second)
+            throw Error(ErrorCode::invalid_argument, {},
+                        "column " + std::to_string(column) + " of node " + std::to_string(node) +
+                            " cannot be marked as written: " +
+                            (!columns                              ? "it is not in video memory"
+                             : column >= columns->written.size() ? "there are " + std::to_string(columns->written.size()) + " columns"
+                                                                   : "nobody writes it back"));
+        columns->written[column] = true;
+        entry->payload.write_back = write_back->second;
+        table.mark_written(*entry);
+    });
+}
+
+bool L1Cache::write_back(NodeId node, Payload& payload)
+{
+    const auto start = Clock::now();
+    const ReadBack changed(*payload.columns);
+    try {
+        // What shaders have written is seen by glGetBufferSubData from here on.
+        if (glMemoryBarrier) glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        payload.write_back->write(node, changed);
+    } catch (...) {
+        if (!write_back_error_) write_back_error_ = std::current_exception();
+        ++statistics_.failed_write_backs;
+        return false;
+    }
+    payload.columns->written.assign(payload.columns->written.size(), false);
+    payload.write_back = nullptr;
+    const double seconds = seconds_since(start);
+    ++statistics_.written_back_chunks;
+    statistics_.written_back_bytes += changed.bytes();
+    statistics_.write_back_seconds += seconds;
+    statistics_.write_back_times.add(seconds);
+    return true;
+}
+
+void L1Cache::flush_owner(const Owner* owner)
+{
+    write_back_error_ = nullptr;
+    const std::size_t failed = (*table_)([&](auto& table) { return table.flush(owner, Hooks{*this}); });
+    if (failed > 0) std::rethrow_exception(write_back_error_);
+}
+
+void L1Cache::flush(Owner owner) { flush_owner(&owner); }
+void L1Cache::flush() { flush_owner(nullptr); }
+
 std::uint64_t L1Cache::pages_available(Owner owner) const
 {
-    std::uint64_t pages = max_blocks_ * pages_per_block_;
-    for (const Slot& slot : order_)
-        if (slot.key.owner != owner && is_protected(slot)) pages -= slot.pages.size();
-    return pages;
+    const std::uint64_t others = (*table_)([&](auto& table) { return table.pages_protected_by_others(owner); });
+    return max_blocks_ * pages_per_block_ - others;
+}
+
+void L1Cache::set_capacity(std::uint64_t bytes)
+{
+    const std::uint64_t blocks = blocks_of(bytes, options_.block_bytes);
+    if (blocks_.size() > blocks) {
+        write_back_error_ = nullptr;
+        const auto first = static_cast<std::uint32_t>(blocks * pages_per_block_);
+        if (!(*table_)([&](auto& table) { return table.retire_pages(first, Hooks{*this}); })) {
+            if (write_back_error_) std::rethrow_exception(write_back_error_);
+            throw Error(ErrorCode::invalid_argument, {},
+                        "video memory cannot be taken from chunks that somebody holds", "let go of the views of them first");
+        }
+        glDeleteBuffers(static_cast<GLsizei>(blocks_.size() - blocks), blocks_.data() + blocks);
+        blocks_.resize(blocks);
+    }
+    options_.capacity_bytes = bytes;
+    max_blocks_ = blocks;
 }
 
 void L1Cache::release()
 {
+    const std::size_t pinned = (*table_)([](auto& table) { return table.pinned(); });
+    if (pinned > 0)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "video memory cannot be freed while " + std::to_string(pinned) + " chunks in it are held",
+                    "let go of the views of them first");
+    flush();
     if (!blocks_.empty()) glDeleteBuffers(static_cast<GLsizei>(blocks_.size()), blocks_.data());
     blocks_.clear();
-    free_pages_.clear();
-    order_.clear();
-    slots_.clear();
+    (*table_)([](auto& table) { table.clear(); });
     max_blocks_ = options_.capacity_bytes / options_.block_bytes;
-    statistics_.resident_bytes = statistics_.resident_chunks = statistics_.allocated_bytes = 0;
 }
 
-L1Statistics L1Cache::statistics() const { return statistics_; }
+L1Statistics L1Cache::statistics() const
+{
+    L1Statistics statistics = statistics_;
+    (*table_)([&](auto& table) {
+        const L1Counts& counts = table.counts();
+        statistics.hits = counts.hits;
+        statistics.compulsory_misses = counts.compulsory_misses;
+        statistics.capacity_misses = counts.capacity_misses;
+        statistics.forced_misses = counts.forced_misses;
+        statistics.evictions = counts.evictions;
+        statistics.refused = counts.refused;
+        statistics.resident_bytes = table.pages_in_use() * page_bytes;
+        statistics.resident_chunks = table.size();
+    });
+    statistics.allocated_bytes = std::uint64_t(blocks_.size()) * options_.block_bytes;
+    return statistics;
+}
 
 }  // namespace pcm

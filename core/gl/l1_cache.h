@@ -1,23 +1,29 @@
-// L1: points as vertices in video memory, between L2 and the renderer.
+// L1: chunks in video memory, between L2 and those who draw them or compute on them.
 //
-// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they
-// are free, so a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is
-// free, the entries that were drawn longest ago are dropped.
+// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they are free, so
+// a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is free, the replacement policy
+// chooses entries to drop.
 //
-// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics()
-// and the constructor wants a context of that group current. No GL object is made before the first upload.
+// An entry holds a chunk either as vertices to be drawn (upload()) or as columns to compute on (upload_columns()). Columns that were
+// changed there are marked as written; before such an entry is dropped, and on flush() and release(), they are read back and given
+// to the owner's L1WriteBack. When that refuses, the entry stays as it is.
+//
+// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics() and the
+// constructor wants a context of that group current, except those that say so. No GL object is made before the first upload.
 #pragma once
 
 #include "bpc/chunk.h"
+#include "cache/l1_table.h"
+#include "cache/load_times.h"
 #include "cloud/geometry.h"
 #include "tree/tree.h"
 
 #include <cstdint>
-#include <list>
+#include <exception>
+#include <functional>
 #include <map>
 #include <memory>
-#include <set>
-#include <unordered_map>
+#include <optional>
 #include <vector>
 
 namespace pcm {
@@ -25,18 +31,27 @@ namespace pcm {
 struct L1Options {
     std::uint64_t capacity_bytes = std::uint64_t(512) << 20;  // hard limit of all blocks together; at least one block
     std::uint32_t block_bytes = std::uint32_t(2) << 20;       // of one VBO; 1 to 4 MiB
+    L1Policy policy = L1Policy::lru;
+    L1Container container = L1Container::hash_map;
 };
 
-// A miss is counted at upload: compulsory when these vertices were never uploaded before, capacity when they had been
-// and were dropped. A hit is a chunk that was drawn from the cache.
+// A miss is counted at upload: compulsory when this was never uploaded before, capacity when it had been and was dropped; forced,
+// beside either, when a computation had to wait for it. A hit is a chunk that was drawn or computed on from the cache.
 struct L1Statistics {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
     std::uint64_t capacity_misses = 0;
+    std::uint64_t forced_misses = 0;
     std::uint64_t evictions = 0;
     std::uint64_t refused = 0;  // uploads for which no room could be made
     std::uint64_t uploaded_bytes = 0;
-    double upload_seconds = 0;         // conversion and transfer, on the GL thread
+    double upload_seconds = 0;  // conversion and transfer, on the GL thread
+    LoadTimes upload_times;     // of a chunk
+    std::uint64_t written_back_chunks = 0;
+    std::uint64_t written_back_bytes = 0;
+    std::uint64_t failed_write_backs = 0;
+    double write_back_seconds = 0;  // reading out of video memory and handing over
+    LoadTimes write_back_times;     // of a chunk
     std::uint64_t resident_bytes = 0;  // of the pages in use
     std::uint64_t resident_chunks = 0;
     std::uint64_t allocated_bytes = 0;  // of the blocks; never above the capacity
@@ -62,89 +77,168 @@ struct VertexEntry {
     std::uint32_t stride() const { return colour == VertexColour::none ? 12u : 16u; }
 };
 
+// Bytes of a buffer object.
+struct BufferRange {
+    std::uint32_t buffer = 0;  // GL name
+    std::uint64_t offset = 0;  // a multiple of 256, as bindings of shader storage want it
+    std::uint64_t bytes = 0;
+};
+
+// Consecutive points, each of whose columns lies in one range, `bytes` of the column's stride a point.
+struct ColumnPiece {
+    std::uint32_t first = 0;  // point; a multiple of 256
+    std::uint32_t count = 0;
+    std::vector<BufferRange> columns;
+};
+
+struct ColumnEntry {
+    std::uint32_t points = 0;
+    std::vector<std::uint32_t> strides;  // of each column, bytes a point
+    std::vector<bool> written;           // which columns are marked
+    std::vector<ColumnPiece> pieces;     // all points, in order
+};
+
+// One column to upload: `copy` writes the bytes of `count` points from `first` on.
+struct ColumnSource {
+    std::uint32_t stride = 0;
+    std::function<void(std::byte* to, std::size_t first, std::size_t count)> copy;
+};
+
+// The columns of one chunk that were changed in video memory.
+class ChangedColumns {
+public:
+    virtual ~ChangedColumns() = default;
+    virtual std::uint32_t points() const = 0;
+    virtual const std::vector<std::size_t>& columns() const = 0;  // numbers in the entry, ascending
+    // Reads one of them: points() * stride bytes. Throws Error(io) when OpenGL does not give them.
+    virtual void read(std::size_t column, std::byte* to) const = 0;
+};
+
+// Where an owner's changed columns go. Throws when it cannot take them; they are kept, and offered again.
+class L1WriteBack {
+public:
+    virtual ~L1WriteBack() = default;
+    virtual void write(NodeId node, const ChangedColumns& changed) = 0;
+};
+
+// Whether a client can upload a node that it asked for.
+enum class Supply : std::uint8_t {
+    ready,
+    absent,  // not here yet, or not wanted any more: go on with the next one
+    stop,    // no use in going on
+};
+struct Served {
+    std::size_t uploaded = 0;
+    bool out_of_time = false;  // there is a node that is ready and was not uploaded
+    bool refused = false;      // there was no room for one, which ended the request
+};
+
 class L1Cache {
 public:
     using Owner = std::uint64_t;
 
-    // A page holds 5460 vertices without or 4095 with colour.
-    static constexpr std::uint32_t page_bytes = 65520;
+    // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds 5120 vertices
+    // without or 3840 with colour; a block of 1, 2 or 4 MiB has 17 pages a MiB.
+    static constexpr std::uint32_t page_bytes = 61440;
     static std::uint32_t points_per_page(VertexColour colour)
     {
         return page_bytes / (colour == VertexColour::none ? 12u : 16u);
     }
+    static constexpr std::uint32_t max_stride = page_bytes / 256;  // of a column
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
     explicit L1Cache(const L1Options& options = {});
-    ~L1Cache();  // touches no OpenGL: what release() has not freed is left to the context's end
+    // Touches no OpenGL: what release() has not freed is left to the context's end, and what was marked as written and neither
+    // flush() nor release() has written back is lost.
+    ~L1Cache();
     L1Cache(const L1Cache&) = delete;
     L1Cache& operator=(const L1Cache&) = delete;
 
-    Owner add_owner();
-    // Drops the owner's entries; the pages stay for others.
+    // `write_back` may be null for an owner that marks nothing. Needs no context.
+    Owner add_owner(std::shared_ptr<L1WriteBack> write_back = nullptr);
+    // Drops the owner's entries; the pages stay for others. Entries that are marked as written stay, with the write-back, until they
+    // have been written back, pinned ones until they are let go of. Needs no context.
     void remove_owner(Owner owner);
 
-    // A new frame of this owner: what it drew in its last frame may be evicted from now on. What the others drew in
+    // A new frame of this owner: what it used in its last frame may be evicted from now on. What the others used in
     // their latest frames may not, unless they have drawn nothing for a while (frames_protected frames of all owners).
     void begin_frame(Owner owner);
     static constexpr std::uint64_t frames_protected = 16;
 
     // The entry if it is resident, whatever its colour; use() also marks it as used in this frame and counts a hit. The
-    // pointer is valid until the next upload, remove_owner or release.
+    // pointer is valid until the next upload, remove_owner, set_capacity or release.
     const VertexEntry* use(Owner owner, NodeId node);
     const VertexEntry* find(Owner owner, NodeId node) const;
+    const ColumnEntry* use_columns(Owner owner, NodeId node);
 
     // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
-    // `rgba` (4 bytes a point) is read unless `colour` is none. Evicts as needed, least recently used first, never what
+    // `rgba` (4 bytes a point) is read unless `colour` is none. Evicts as needed, as the policy says, never what
     // is protected. False when that does not make room enough (an entry of the same node is kept then), as when the
-    // driver is out of memory. Leaves the binding of GL_COPY_WRITE_BUFFER changed.
+    // driver is out of memory, or when write-backs failed: see write_back_error(). Leaves the binding of GL_COPY_WRITE_BUFFER
+    // changed. Throws Error(invalid_argument) for an owner that is not there.
     bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
                 const std::uint8_t* rgba);
+
+    // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
+    // Error(unsupported) for a column of more than max_stride bytes a point.
+    const ColumnEntry* upload_columns(Owner owner, NodeId node, std::uint32_t points, const std::vector<ColumnSource>& columns,
+                                      bool forced);
+
+    // Requests restricted by time: uploads one node after the other, as far as `supply` has them ready, until `milliseconds` are
+    // spent; one is uploaded whatever it takes. Without a time, all are, as computations want it that need all nodes to a level.
+    // `upload` uploads a node; false when that was refused. Throws what these two throw.
+    Served request(const std::vector<NodeId>& nodes, std::optional<double> milliseconds,
+                   const std::function<Supply(NodeId)>& supply, const std::function<bool(NodeId)>& upload);
+    static constexpr double default_milliseconds = 3;
+
+    // Keeps an entry where it is until it is unpinned as often. Needs no context.
+    void pin(Owner owner, NodeId node);
+    void unpin(Owner owner, NodeId node);
+
+    // The column has been changed in video memory by what was sent to OpenGL before; the owner has a write-back. Throws
+    // Error(invalid_argument) for what is not there.
+    void mark_written(Owner owner, NodeId node, std::size_t column);
+    // Writes back what is marked, of one owner or of all. Throws the first error after having tried all; what failed stays marked.
+    void flush(Owner owner);
+    void flush();
+    // Why the latest upload could write back nothing more; null if it did not fail so.
+    std::exception_ptr write_back_error() const { return write_back_error_; }
 
     // Pages that the owner can count on: all, less those that others' latest frames protect.
     std::uint64_t pages_available(Owner owner) const;
 
-    // Frees all GL objects; the cache is empty and usable afterwards.
+    // Takes effect at once: the blocks above it are freed, and what lies in them is evicted, protected or not. Throws
+    // Error(invalid_argument), and nothing is changed, below one block or when pinned entries lie there, and what a write-back threw.
+    void set_capacity(std::uint64_t bytes);
+
+    // Frees all GL objects; the cache is empty and usable afterwards. Throws, and nothing is freed, what flush() throws, and
+    // Error(invalid_argument) while entries are pinned.
     void release();
 
     L1Statistics statistics() const;
     const L1Options& options() const { return options_; }
 
 private:
-    struct Key {
-        Owner owner;
-        NodeId node;
-        bool operator==(const Key& o) const { return owner == o.owner && node == o.node; }
-    };
-    struct KeyHash {
-        std::size_t operator()(const Key& k) const { return std::hash<std::uint64_t>()((k.owner << 32) ^ k.node); }
-    };
-    struct Slot {
-        Key key{};
-        VertexEntry entry;
-        std::vector<std::uint32_t> pages;
-        std::uint64_t last_frame = 0;
-    };
-    using Order = std::list<Slot>;  // most recently used first
-
-    bool is_protected(const Slot& slot) const;
-    void drop(Order::iterator slot);
-    bool make_room(std::size_t pages, Order::iterator replaced);
+    class Table;
+    struct Hooks;
+    struct Payload;
     bool add_block();
-    void transfer(Slot& slot, const ChunkPositions& positions, const Vec3d& scale, const std::uint8_t* rgba);
+    std::uint32_t buffer_of(std::uint32_t page) const { return blocks_[page / pages_per_block_]; }
+    void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions, const Vec3d& scale,
+                  const std::uint8_t* rgba);
+    void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages, const std::vector<ColumnSource>& columns);
+    bool write_back(NodeId node, Payload& payload);
+    void flush_owner(const Owner* owner);
 
     L1Options options_;
     std::uint32_t pages_per_block_ = 0;
     std::uint64_t max_blocks_ = 0;
-    std::vector<std::uint32_t> blocks_;   // GL names; page p lies in block p / pages_per_block_
-    std::set<std::uint32_t> free_pages_;  // ordered, so that a chunk gets neighbouring pages where it can
-    Order order_;
-    std::unordered_map<Key, Order::iterator, KeyHash> slots_;
-    std::unordered_map<Key, std::uint8_t, KeyHash> seen_;  // colours ever uploaded, a bit each
-    std::map<Owner, std::uint64_t> latest_frame_;
-    std::uint64_t frame_ = 0;
-    Owner next_owner_ = 1;
+    std::vector<std::uint32_t> blocks_;  // GL names; page p lies in block p / pages_per_block_
+    std::unique_ptr<Table> table_;
+    std::map<Owner, std::shared_ptr<L1WriteBack>> write_backs_;
+    std::exception_ptr write_back_error_;
     std::vector<std::byte> staging_;
-    L1Statistics statistics_;
+    L1Statistics statistics_;  // less what the table counts
 };
 
 }  // namespace pcm

@@ -146,7 +146,7 @@ TEST(L1Cache, RandomOperationsAgreeWithANaiveModel)
     std::vector<L1Cache::Owner> owners{cache.add_owner(), cache.add_owner(), cache.add_owner()};
     for (const auto owner : owners) model.latest[owner] = 0;
 
-    const std::vector<std::uint32_t> sizes{1, 4095, 4096, 5460, 5461, 12000, 100, 0, 70000};
+    const std::vector<std::uint32_t> sizes{1, 3840, 3841, 5120, 5121, 12000, 100, 0, 70000};
     std::vector<ChunkPositions> chunks;
     for (std::size_t i = 0; i < sizes.size(); ++i) chunks.push_back(chunk_of(sizes[i], i % 2 == 1, i));
     const std::vector<std::uint8_t> rgba(4 * 70000, 200);
@@ -233,7 +233,7 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
     cache.begin_frame(owner);
     const Vec3d scale{0.001, 0.01, 1e-6};
     for (const bool wide : {false, true})
-        for (const std::uint32_t points : {1u, 4095u, 5461u, 200000u})
+        for (const std::uint32_t points : {1u, 3840u, 5121u, 200000u})
             for (const auto colour : {VertexColour::none, VertexColour::rgb}) {
                 const ChunkPositions positions = chunk_of(points, wide, points);
                 std::vector<std::uint8_t> rgba(4 * points);
