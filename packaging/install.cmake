@@ -16,10 +16,10 @@ set(public_headers
   tree/update/append.h tree/update/compact.h tree/update/erase.h tree/update/repair.h
   query/estimate.h query/nearest.h query/point_blocks.h query/query.h query/read_pool.h query/read_rates.h
   convert/convert.h
-  cache/l2_cache.h)
+  cache/chunk_store.h cache/l2_cache.h cache/load_times.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
-set(gl_headers gl/cloud_renderer.h gl/l1_cache.h)
+set(gl_headers gl/cloud_renderer.h gl/l1_cache.h cache/l1_table.h)
 
 function(install_public_headers)
   foreach(header ${ARGN})
