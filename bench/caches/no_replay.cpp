@@ -1,0 +1,19 @@
+// In builds without OpenGL.
+#include "modes.h"
+
+#include <stdexcept>
+
+namespace pcm::bench {
+namespace {
+constexpr const char* reason = "this program was built without OpenGL (PCM_WITH_GL) or EGL";
+}
+
+std::string gl_renderer(std::string& why)
+{
+    why = reason;
+    return {};
+}
+
+void measure_replay(const Settings&, Row&) { throw std::runtime_error(reason); }
+
+}  // namespace pcm::bench

@@ -1,0 +1,264 @@
+// A camera path, drawn offscreen: what both caches do for a viewer.
+#include "camera_path.h"
+#include "modes.h"
+#include "offscreen.h"
+#include "storage.h"
+
+#include "gl/cloud_renderer.h"
+
+#include <GL/glew.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+namespace pcm::bench {
+namespace {
+
+Vec3d unit(const Vec3d& v)
+{
+    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+Vec3d cross(const Vec3d& a, const Vec3d& b)
+{
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// With the whole box between the near and the far plane, or from 1/20000 of the far one on.
+Camera camera_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
+{
+    Vec3d eye{}, ahead{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        eye[a] = frame.eye[a] - origin[a];
+        ahead[a] = frame.target[a] - frame.eye[a];
+    }
+    const Vec3d back = unit({-ahead[0], -ahead[1], -ahead[2]});
+    const Vec3d right = unit(cross(frame.up, back));
+    const Vec3d up = cross(back, right);
+    Camera camera{};
+    const Vec3d* const rows[3] = {&right, &up, &back};
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) camera.modelview[c * 4 + r] = (*rows[r])[c];
+        camera.modelview[12 + r] = -dot(*rows[r], eye);
+    }
+    camera.modelview[15] = 1;
+
+    double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3d from_eye{};
+        for (std::size_t a = 0; a < 3; ++a) from_eye[a] = (corner >> a & 1u ? box.max[a] : box.min[a]) - frame.eye[a];
+        const double depth = -dot(back, from_eye);
+        nearest = std::min(nearest, depth);
+        farthest = std::max(farthest, depth);
+    }
+    const double aspect = static_cast<double>(width) / height;
+    if (frame.angle) {
+        const double far = std::max(1.01 * farthest, 1e-3), near = std::max(0.99 * nearest, far / 20000);
+        const double f = 1 / std::tan(*frame.angle * 3.14159265358979323846 / 360);
+        camera.projection[0] = f / aspect;
+        camera.projection[5] = f;
+        camera.projection[10] = (far + near) / (near - far);
+        camera.projection[11] = -1;
+        camera.projection[14] = 2 * far * near / (near - far);
+    } else {
+        const double margin = std::max(farthest - nearest, 1e-3), near = nearest - 0.01 * margin, far = farthest + 0.01 * margin;
+        camera.projection[0] = 2 / (frame.height * aspect);
+        camera.projection[5] = 2 / frame.height;
+        camera.projection[10] = 2 / (near - far);
+        camera.projection[14] = (far + near) / (near - far);
+        camera.projection[15] = 1;
+    }
+    camera.viewport[2] = width;
+    camera.viewport[3] = height;
+    return camera;
+}
+
+template <class Enum>
+[[maybe_unused]] Enum named(const std::string& text, const std::vector<std::pair<const char*, Enum>>& names)
+{
+    for (const auto& [name, value] : names)
+        if (text == name) return value;
+    throw std::runtime_error("there is no '" + text + "' here");
+}
+
+L1Options l1_options(const Settings& settings)
+{
+    L1Options options;
+    options.capacity_bytes = settings.l1_bytes;
+    options.block_bytes = settings.block_bytes;
+#if __has_include("cache/l1_table.h")
+    options.policy = named<L1Policy>(settings.policy, {{"lru", L1Policy::lru}, {"naive", L1Policy::naive}});
+    options.container = named<L1Container>(settings.container, {{"hash", L1Container::hash_map}, {"ordered", L1Container::ordered_map}});
+#endif
+    return options;
+}
+
+struct Drawn {
+    std::vector<double> frame_ms, draw_ms, points, error_px, rest_ms;
+    double wanted = 0, missing = 0;
+    unsigned given_up = 0;
+};
+
+class Player {
+public:
+    Player(const Settings& settings, std::shared_ptr<PointCloud> cloud, const Offscreen& screen)
+        : settings_(settings), screen_(screen), renderer_(cloud, l1_options(settings)), box_(cloud->info().bounds()), origin_(cloud->info().grid.offset)
+    {
+        // What to draw depends on the view alone and not on how quick the machine is.
+        options_.frame_budget_ms = options_.rest_budget_ms = 1e6;
+        options_.point_budget = settings.point_budget;
+        options_.target_spacing_px = settings.target_px;
+        options_.upload_budget_ms = settings.upload_ms;
+    }
+    ~Player() { renderer_.release(); }
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+
+    CloudRenderer& renderer() { return renderer_; }
+
+    // Shaders are built by the first frame that draws; it shows nothing of the cloud.
+    void warm_up()
+    {
+        CameraFrame away;
+        for (std::size_t a = 0; a < 3; ++a) {
+            away.eye[a] = box_.max[a] + 10 * (box_.extent(a) + 1);
+            away.target[a] = away.eye[a] + 1;
+        }
+        away.angle = 30;
+        for (int i = 0; i < 2; ++i) frame(away);
+    }
+
+    void play(const CameraPath& path, Drawn& drawn)
+    {
+        for (std::size_t i = 0; i < path.frames.size(); ++i) {
+            const auto start = Clock::now();
+            FrameReport report = frame(path.frames[i]);
+            drawn.frame_ms.push_back(1000 * seconds_since(start));
+            drawn.draw_ms.push_back(report.frame_ms);
+            drawn.points.push_back(static_cast<double>(report.points_drawn));
+            drawn.error_px.push_back(report.screen_error_px);
+            drawn.wanted += static_cast<double>(report.nodes_wanted);
+            drawn.missing += static_cast<double>(report.nodes_missing);
+            if (path.frames[i].rest || i + 1 == path.frames.size()) {
+                while (report.refining && seconds_since(start) < settings_.longest_rest_s) {
+                    if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                    report = frame(path.frames[i]);
+                }
+                drawn.rest_ms.push_back(1000 * seconds_since(start));
+                drawn.given_up += report.refining;
+            } else {
+                std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(settings_.pace_ms)));
+            }
+        }
+    }
+
+private:
+    FrameReport frame(const CameraFrame& at)
+    {
+        screen_.clear();
+        const FrameReport report = renderer_.draw(camera_of(at, origin_, box_, settings_.width, settings_.height), origin_, options_);
+        if (!report.error.empty()) throw std::runtime_error("a frame could not be drawn: " + report.error);
+        glFinish();
+        return report;
+    }
+
+    const Settings& settings_;
+    const Offscreen& screen_;
+    CloudRenderer renderer_;
+    Box3d box_;
+    Vec3d origin_;
+    RenderOptions options_;
+};
+
+void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, double wanted)
+{
+    const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+    // L1 is asked for each node that a frame wants. A miss is counted when the chunk comes, so a frame that waits for one asks in vain
+    // more often than misses are counted.
+    const double l1_misses = number(l1.compulsory_misses + l1.capacity_misses);
+    row["l1_hits"] = l1.hits;
+    row["l1_compulsory"] = l1.compulsory_misses;
+    row["l1_capacity"] = l1.capacity_misses;
+#if __has_include("cache/l1_table.h")
+    row["l1_forced"] = l1.forced_misses;
+    row["l1_forced_rate"] = ratio(number(l1.forced_misses), wanted);
+    put_load_times(row, "l1_load", l1.upload_times);
+#endif
+    row["l1_evictions"] = l1.evictions;
+    row["l1_refused"] = l1.refused;
+    row["l1_hit_rate"] = ratio(number(l1.hits), wanted);
+    row["l1_compulsory_rate"] = ratio(number(l1.compulsory_misses), wanted);
+    row["l1_capacity_rate"] = ratio(number(l1.capacity_misses), wanted);
+    row["l1_load_ms_mean"] = ratio(1000 * l1.upload_seconds, l1_misses);
+    row["l1_uploaded_mb"] = number(l1.uploaded_bytes) / 1e6;
+    row["l1_mb_s"] = ratio(number(l1.uploaded_bytes) / 1e6, l1.upload_seconds);
+    row["l1_allocated_mb"] = number(l1.allocated_bytes) / 1e6;
+    row["l1_page_use"] = ratio(number(l1.resident_bytes), number(l1.allocated_bytes));
+    // L2 is asked for what L1 lacks. A chunk that had to be loaded is found when it has come: found ones less loaded ones were there.
+    const double l2_misses = number(l2.compulsory_misses + l2.capacity_misses), asked = std::max(number(l2.hits), l2_misses);
+    row["l2_asked"] = asked;
+    row["l2_compulsory"] = l2.compulsory_misses;
+    row["l2_capacity"] = l2.capacity_misses;
+    row["l2_forced"] = l2.forced_misses;
+    row["l2_evictions"] = l2.evictions;
+    row["l2_hit_rate"] = asked > 0 ? 1 - l2_misses / asked : 0;
+    row["l2_compulsory_rate"] = ratio(number(l2.compulsory_misses), asked);
+    row["l2_capacity_rate"] = ratio(number(l2.capacity_misses), asked);
+    row["l2_forced_rate"] = ratio(number(l2.forced_misses), asked);
+    row["l2_load_ms_mean"] = ratio(1000 * l2.load_seconds, number(l2.load_times.count()));
+    row["l2_loaded_mb"] = number(l2.loaded_bytes) / 1e6;
+    row["l2_mb_s"] = ratio(number(l2.loaded_bytes) / 1e6, l2.load_seconds);
+    put_load_times(row, "l2_load", l2.load_times);
+}
+
+}  // namespace
+
+std::string gl_renderer(std::string& why)
+{
+    try {
+        return Offscreen(16, 16).renderer();
+    } catch (const std::exception& error) {
+        why = error.what();
+        return {};
+    }
+}
+
+void measure_replay(const Settings& settings, Row& row)
+{
+    const CameraPath read = CameraPath::read(settings.path);
+    const Offscreen screen(settings.width, settings.height);
+    prepare_storage(settings, row);
+    L2Options l2;
+    l2.capacity_bytes = settings.l2_bytes;
+    l2.threads = settings.l2_threads;
+    const auto cloud = PointCloud::open(settings.tree, l2);
+    const CameraPath path = read.placed(cloud->info().bounds());
+    Player player(settings, cloud, screen);
+    player.warm_up();
+
+    Drawn drawn;
+    const double cpu = processor_seconds();
+    const auto start = Clock::now();
+    for (unsigned pass = 0; pass < settings.passes; ++pass) player.play(path, drawn);
+    row["seconds"] = seconds_since(start);
+    row["cpu_seconds"] = processor_seconds() - cpu;
+    row["frames"] = drawn.frame_ms.size();
+    row["frame_ms_median"] = quantile(drawn.frame_ms, 0.5);
+    row["frame_ms_p99"] = quantile(drawn.frame_ms, 0.99);
+    row["draw_ms_median"] = quantile(drawn.draw_ms, 0.5);
+    row["points_drawn_median"] = quantile(drawn.points, 0.5);
+    row["screen_error_px_median"] = quantile(drawn.error_px, 0.5);
+    row["missing_rate"] = ratio(drawn.missing, drawn.wanted);
+    row["converged_ms_median"] = quantile(drawn.rest_ms, 0.5);
+    row["converged_ms_max"] = quantile(drawn.rest_ms, 1);
+    row["given_up"] = drawn.given_up;
+    put_caches(row, player.renderer().l1()->statistics(), cloud->cache().statistics(), drawn.wanted);
+    row["gl"] = screen.renderer();
+}
+
+}  // namespace pcm::bench
