@@ -3,6 +3,8 @@
 //   bench_caches about                                                        what it draws with
 #include "modes.h"
 
+#include "cache/l2_cache.h"
+#include "tree/builder.h"
 #include "tree/tree.h"
 
 #include <CLI/CLI.hpp>
@@ -32,6 +34,16 @@ struct Arguments {
         return settings;
     }
 };
+
+// What the library takes when nobody says otherwise.
+void put_defaults(Row& row)
+{
+    constexpr double megabyte = 1 << 20;
+    row["chunk_points"] = pcm::BuildOptions().chunk_points;
+    row["l2_mb"] = static_cast<double>(pcm::L2Options().capacity_bytes) / megabyte;
+    row["l2_threads"] = pcm::L2Options().threads;
+    put_l1_defaults(row);
+}
 
 void add_l2(CLI::App& app, Arguments& a)
 {
@@ -93,7 +105,7 @@ int main(int argc, char** argv)
     CLI::App* const replay = add("replay", "A camera path, drawn offscreen", measure_replay);
     add_l2(*replay, arguments);
     add_replay(*replay, arguments);
-    app.add_subcommand("about", "What replay draws with")->callback([&] { mode = "about"; });
+    app.add_subcommand("about", "What replay draws with, and the defaults of the library")->callback([&] { mode = "about"; });
     CLI11_PARSE(app, argc, argv);
     try {
         Row row;
@@ -101,6 +113,7 @@ int main(int argc, char** argv)
             std::string why;
             row["gl"] = gl_renderer(why);
             if (!why.empty()) row["why_not"] = why;
+            put_defaults(row);
         } else {
             const Settings settings = arguments.get();
             row["mode"] = mode;

@@ -16,4 +16,6 @@ std::string gl_renderer(std::string& why)
 
 void measure_replay(const Settings&, Row&) { throw std::runtime_error(reason); }
 
+void put_l1_defaults(Row&) {}
+
 }  // namespace pcm::bench

@@ -9,9 +9,14 @@
 #include <GL/glew.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace pcm::bench {
 namespace {
@@ -79,11 +84,25 @@ Camera camera_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box
 }
 
 template <class Enum>
-[[maybe_unused]] Enum named(const std::string& text, const std::vector<std::pair<const char*, Enum>>& names)
+using Names = std::array<std::pair<const char*, Enum>, 2>;
+
+constexpr Names<L1Policy> policies{{{"lru", L1Policy::lru}, {"naive", L1Policy::naive}}};
+constexpr Names<L1Container> containers{{{"hash", L1Container::hash_map}, {"ordered", L1Container::ordered_map}}};
+
+template <class Enum>
+Enum value_of(const std::string& text, const Names<Enum>& names)
 {
     for (const auto& [name, value] : names)
         if (text == name) return value;
     throw std::runtime_error("there is no '" + text + "' here");
+}
+
+template <class Enum>
+const char* name_of(Enum value, const Names<Enum>& names)
+{
+    for (const auto& [name, other] : names)
+        if (value == other) return name;
+    return "";
 }
 
 L1Options l1_options(const Settings& settings)
@@ -91,10 +110,8 @@ L1Options l1_options(const Settings& settings)
     L1Options options;
     options.capacity_bytes = settings.l1_bytes;
     options.block_bytes = settings.block_bytes;
-#if __has_include("cache/l1_table.h")
-    options.policy = named<L1Policy>(settings.policy, {{"lru", L1Policy::lru}, {"naive", L1Policy::naive}});
-    options.container = named<L1Container>(settings.container, {{"hash", L1Container::hash_map}, {"ordered", L1Container::ordered_map}});
-#endif
+    options.policy = value_of(settings.policy, policies);
+    options.container = value_of(settings.container, containers);
     return options;
 }
 
@@ -184,11 +201,9 @@ void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, double
     row["l1_hits"] = l1.hits;
     row["l1_compulsory"] = l1.compulsory_misses;
     row["l1_capacity"] = l1.capacity_misses;
-#if __has_include("cache/l1_table.h")
     row["l1_forced"] = l1.forced_misses;
     row["l1_forced_rate"] = ratio(number(l1.forced_misses), wanted);
     put_load_times(row, "l1_load", l1.upload_times);
-#endif
     row["l1_evictions"] = l1.evictions;
     row["l1_refused"] = l1.refused;
     row["l1_hit_rate"] = ratio(number(l1.hits), wanted);
@@ -226,6 +241,16 @@ std::string gl_renderer(std::string& why)
         why = error.what();
         return {};
     }
+}
+
+void put_l1_defaults(Row& row)
+{
+    const L1Options options;
+    row["l1_mb"] = static_cast<double>(options.capacity_bytes) / (1 << 20);
+    row["block_mb"] = static_cast<double>(options.block_bytes) / (1 << 20);
+    row["policy"] = name_of(options.policy, policies);
+    row["container"] = name_of(options.container, containers);
+    row["point_budget"] = RenderOptions().point_budget;
 }
 
 void measure_replay(const Settings& settings, Row& row)
