@@ -2,6 +2,8 @@
 
 #include "cloud/error.h"
 #include "query/chunk_stream.h"
+#include "tree/update/clone.h"
+#include "tree/update/tree_changes.h"
 
 namespace pcm {
 
@@ -47,12 +49,79 @@ CursorStatistics PointCursor::statistics() const
     return {stream.chunks(), stream.cached(), stream.points_read(), stream.bytes_read()};
 }
 
-std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, const L2Options& cache)
+std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, const L2Options& cache, Access access)
 {
     std::shared_ptr<PointCloud> cloud(new PointCloud);
-    cloud->tree_ = Tree::open(path);
-    cloud->cache_ = std::make_unique<L2Cache>(cloud->tree_, cache);
+    if (access == Access::write)
+        cloud->store_ = cloud->changes_ = std::make_shared<TreeChanges>(path);
+    else
+        cloud->store_ = std::make_shared<TreeStore>(Tree::open(path));
+    cloud->folder_ = cloud->store_->tree()->folder();
+    cloud->cache_ = std::make_unique<L2Cache>(cloud->store_, cache);
     return cloud;
+}
+
+std::shared_ptr<PointCloud> PointCloud::create(const std::filesystem::path& path, PointReader& points, const BuildOptions& build,
+                                               const L2Options& cache, Access access)
+{
+    build_tree(points, {}, path, build);
+    return open(path, cache, access);
+}
+
+PointCloud::~PointCloud()
+{
+    try {
+        if (changes_) close();
+    } catch (const std::exception&) {  // close() is there for those who want to know
+    }
+}
+
+TreeChanges& PointCloud::changes() const
+{
+    if (!changes_)
+        throw Error(ErrorCode::invalid_argument, folder_, "this point cloud was opened for reading only, or was closed",
+                    "open it for writing");
+    return *changes_;
+}
+
+std::size_t PointCloud::add_attribute(const Attribute& attribute)
+{
+    const std::lock_guard lock(changes_mutex_);
+    const std::size_t slot = changes().add_attribute(attribute);
+    cache_->take_schema();
+    return slot;
+}
+
+void PointCloud::flush() { cache_->flush(); }
+
+void PointCloud::close()
+{
+    if (changes_) cache_->flush();
+    abandon();
+}
+
+// The store goes on for readers that are under way, on the tree as it is on disk.
+void PointCloud::abandon()
+{
+    cache_->abandon();
+    const std::lock_guard lock(changes_mutex_);
+    if (changes_) changes_->end();
+    changes_.reset();
+}
+
+void PointCloud::save(const std::filesystem::path& path)
+{
+    flush();
+    clone_tree(folder_, path);
+}
+
+EditCursor PointCloud::edit(const Query& query)
+{
+    {
+        const std::lock_guard lock(changes_mutex_);
+        changes();
+    }
+    return EditCursor(shared_from_this(), query);
 }
 
 ColumnSet PointCloud::columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& slots) const
@@ -61,7 +130,7 @@ ColumnSet PointCloud::columns_of(const Query& query, const Selector& selector, s
     for (const std::string& name : query.attributes) {
         const auto slot = info().schema.find(name);
         if (!slot)
-            throw Error(ErrorCode::invalid_argument, tree_->folder(), "this cloud has no attribute '" + name + "'");
+            throw Error(ErrorCode::invalid_argument, folder_, "this cloud has no attribute '" + name + "'");
         slots.push_back(*slot);
         columns.attributes.set(*slot);
     }
@@ -104,7 +173,7 @@ HitResult PointCloud::first_hit(const Region& beam, const std::optional<std::uin
 std::vector<NodeId> PointCloud::nodes_of(const Query& query) const
 {
     std::vector<NodeId> ids;
-    for (const SelectedNode& node : selected_nodes(*tree_, Selector(query.selection(), info().schema), query.level)) ids.push_back(node.node);
+    for (const SelectedNode& node : selected_nodes(cache_->tree(), Selector(query.selection(), info().schema), query.level)) ids.push_back(node.node);
     return ids;
 }
 

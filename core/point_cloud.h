@@ -7,10 +7,23 @@
 //         for (std::size_t i = 0; i < view.size(); ++i) use(view.position(i));
 //     cloud->nearest({500123.4, 4800567.8, 120}, 8);       // points
 //
+// And to change what points have beside their positions, however large the cloud is:
+//
+//     auto cloud = pcm::PointCloud::open("city.pct", {}, pcm::Access::write);
+//     cloud->add_attribute({"height", pcm::ScalarType::f32});
+//     auto cursor = cloud->edit(query);                    // query.attributes names what is read or set
+//     pcm::EditView view;
+//     while (cursor.getNextData(view)) {
+//         for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, view.position(i)[2] - 92);
+//         view.mark_written();
+//     }
+//     cloud->close();                                      // all of it is in the tree now; before this, nothing
+//
 // A PointCloud may be shared between threads; a cursor belongs to one thread.
 #pragma once
 
 #include "cache/l2_cache.h"
+#include "edit_cursor.h"
 #include "io/selection.h"
 #include "query/estimate.h"
 #include "query/nearest.h"
@@ -18,6 +31,7 @@
 #include "query/query.h"
 #include "query/read_pool.h"
 #include "query/read_rates.h"
+#include "tree/builder.h"
 #include "tree/tree.h"
 
 #include <filesystem>
@@ -88,13 +102,27 @@ private:
     std::unique_ptr<State> state_;
 };
 
+enum class Access : std::uint8_t {
+    read,
+    write,  // the tree is locked against others who want to change it, not against readers
+};
+
+class TreeChanges;
+
 class PointCloud : public std::enable_shared_from_this<PointCloud> {
 public:
-    // Errors: those of Tree::open.
-    static std::shared_ptr<PointCloud> open(const std::filesystem::path& path, const L2Options& cache = {});
+    // Errors: those of Tree::open; with Access::write also Error(exists) when somebody else changes the tree.
+    static std::shared_ptr<PointCloud> open(const std::filesystem::path& path, const L2Options& cache = {}, Access access = Access::read);
+    // A new tree of all points of a reader, opened. Errors: those of build_tree() (tree/builder.h).
+    static std::shared_ptr<PointCloud> create(const std::filesystem::path& path, PointReader& points, const BuildOptions& build = {},
+                                              const L2Options& cache = {}, Access access = Access::write);
+    // As close(), but who wants to hear of errors calls that.
+    ~PointCloud();
 
-    const TreeInfo& info() const { return tree_->info(); }
-    const std::shared_ptr<const Tree>& tree() const { return tree_; }
+    // With the attributes that were added; `info` and references to it live as long as the cloud.
+    const TreeInfo& info() const { return cache_->tree().info(); }
+    // As it is on disk since the last flush(), and with the attributes that were added.
+    std::shared_ptr<const Tree> tree() const { return store_->tree(); }
     L2Cache& cache() { return *cache_; }
 
     // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute and what Selector
@@ -110,13 +138,33 @@ public:
     // The point inside of a Region::ray() or Region::cone() that is nearest along it: what a click on the screen picks.
     HitResult first_hit(const Region& beam, const std::optional<std::uint16_t>& level = {});
 
+    // The selected points chunk by chunk, to be changed. Throws what points() throws, and Error(invalid_argument) when the cloud was opened
+    // for reading.
+    EditCursor edit(const Query& query);
+    // A new attribute at the end of the schema; all its values are zero. Returns its place there. It is part of the tree on disk from the
+    // next flush() on. Throws Error(invalid_argument) for a name that is there or not possible, and when the cloud was opened for reading.
+    std::size_t add_attribute(const Attribute& attribute);
+    // What was changed becomes part of the tree on disk, all at one instant. Throws Error(no_space | io | ...); all is still there then, to be
+    // flushed again. Throws Error(invalid_argument) when points were changed and not marked as written.
+    void flush();
+    // flush(), and the lock is let go. Whatever is asked of the cloud and its cursors afterwards is Error(invalid_argument).
+    void close();
+    // close() without flush(): what was changed since the last one is dropped.
+    void abandon();
+    // The cloud as a tree of another name, in moments (tree/update/clone.h); what was changed is flushed first.
+    void save(const std::filesystem::path& path);
+
     // Nodes with points that a query may select, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;
 
 private:
     PointCloud() = default;
+    TreeChanges& changes() const;
     ColumnSet columns_of(const Query& query, const Selector& selector, std::vector<std::size_t>& places) const;
-    std::shared_ptr<const Tree> tree_;
+    std::filesystem::path folder_;
+    std::shared_ptr<ChunkStore> store_;
+    std::shared_ptr<TreeChanges> changes_;  // the store, of a cloud that is open for writing
+    std::mutex changes_mutex_;              // of add_attribute() and closing
     std::unique_ptr<L2Cache> cache_;
     ReadRates rates_;
     BlockCache blocks_;

@@ -107,7 +107,7 @@ private:
     }
 
     template <class Word>
-    std::size_t decode_axes(std::array<std::vector<Word>, 3>& axes, std::size_t kept, const std::byte* data, std::size_t size)
+    std::size_t decode_axes(std::array<PageVector<Word>, 3>& axes, std::size_t kept, const std::byte* data, std::size_t size)
     {
         const BpcSegment& segment = header_.segments[kept_[kept]];
         std::size_t used = 0;

@@ -3,6 +3,7 @@
 
 #include "cloud/attribute.h"
 #include "cloud/geometry.h"
+#include "cloud/page_allocator.h"
 #include "cloud/point_batch.h"
 
 #include <array>
@@ -17,8 +18,8 @@ namespace pcm {
 struct ChunkPositions {
     Vec3i origin{0, 0, 0};
     bool wide = false;
-    std::array<std::vector<std::uint32_t>, 3> narrow_xyz;  // when !wide
-    std::array<std::vector<std::uint64_t>, 3> wide_xyz;    // when wide
+    std::array<PageVector<std::uint32_t>, 3> narrow_xyz;  // when !wide
+    std::array<PageVector<std::uint64_t>, 3> wide_xyz;    // when wide
 
     std::size_t size() const { return wide ? wide_xyz[0].size() : narrow_xyz[0].size(); }
     std::uint64_t relative(std::size_t point, std::size_t axis) const

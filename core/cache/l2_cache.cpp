@@ -181,6 +181,8 @@ Column& L2Cache::Edit::column(std::size_t attribute)
     return *column;
 }
 
+bool L2Cache::Edit::changed() const { return inner_->any(); }
+
 void L2Cache::Edit::discard()
 {
     for (auto& column : inner_->changed) column.reset();
@@ -247,6 +249,7 @@ L2Cache::Edit L2Cache::edit(NodeId node, const ColumnSet& columns)
 void L2Cache::flush()
 {
     std::unique_lock lock(state_->mutex);
+    if (state_->closed) return;
     if (state_->unmarked) {
         const NodeId node = *state_->unmarked;
         state_->unmarked.reset();
@@ -282,6 +285,7 @@ void L2Cache::abandon()
         state_->closed = true;
         state_->wanted.clear();
         state_->soon.clear();
+        while (state_->oldest) state_->drop(*state_->oldest);
     }
     state_->loaded.notify_all();
 }
@@ -298,7 +302,7 @@ void L2Cache::take_schema()
 void L2Cache::wait_idle()
 {
     std::unique_lock lock(state_->mutex);
-    state_->loaded.wait(lock, [&] { return state_->wanted.empty() && state_->soon.empty() && state_->active_loads == 0; });
+    state_->loaded.wait(lock, [&] { return state_->wanted.empty() && state_->soon.empty() && !state_->room_wanted && state_->active_loads == 0; });
 }
 
 void L2Cache::clear()

@@ -92,6 +92,7 @@ public:
         // cache is closed.
         void mark_written();
         void discard();  // the changed columns are dropped
+        bool changed() const;  // and not marked since
 
     private:
         friend class L2Cache;
@@ -141,7 +142,7 @@ public:
     // The store's tree has got attributes.
     void take_schema();
 
-    // Waits until the current list has been worked off.
+    // Waits until the current list has been worked off, and the writing that letting go of chunks has brought about.
     void wait_idle();
     // Drops every entry that nobody holds and that is not changed.
     void clear();

@@ -108,6 +108,10 @@ void L2Cache::State::unpin(Entry& entry)
 void L2Cache::State::drop(Entry& entry)
 {
     unlist(entry);
+    if (entry.dirty.any()) {
+        statistics.dirty_bytes -= entry.dirty_bytes();
+        entry.dirty.reset();
+    }
     charged -= entry.charged;
     entry.charged = 0;
     entry.chunk.reset();
@@ -252,7 +256,10 @@ void L2Cache::State::loader()
         if (closing) return;
         if (room_wanted) {
             room_wanted = false;
+            ++active_loads;
             make_room(lock);
+            --active_loads;
+            loaded.notify_all();
             continue;
         }
         const bool is_prefetch = !soon.empty();

@@ -17,9 +17,8 @@ struct Arguments {
     ReadingOptions reading;
     RegionOptions region;
     std::vector<std::string> paths;  // inputs, then the output
-    std::vector<double> box, scale, offset;
+    std::vector<double> scale, offset;
     double step = 0;
-    std::vector<std::string> where;
     std::uint64_t memory = std::uint64_t(1) << 30;
     unsigned threads = 0;
     ConvertOptions options;
@@ -50,11 +49,10 @@ int convert(Arguments& arguments)
     options.cloud.read = arguments.reading.get(arguments.threads);
     options.write.threads = options.threads = arguments.threads;
     options.memory_bytes = arguments.memory;
-    if (!arguments.box.empty())
-        options.cloud.selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]},
-                                            {arguments.box[3], arguments.box[4], arguments.box[5]}};
-    options.cloud.selection.region = arguments.region.get();
-    for (const std::string& condition : arguments.where) options.cloud.selection.where.push_back(parse_condition(condition));
+    const Selection chosen = arguments.region.get();
+    options.cloud.selection.box = chosen.box;
+    options.cloud.selection.region = chosen.region;
+    options.cloud.selection.where = chosen.where;
     take_grid(arguments, options);
     options.progress = console_progress(arguments.common);
 
@@ -99,15 +97,7 @@ void add_convert(CLI::App& app, int& result)
     const char* group = "What is taken";
     command->add_option("--level", options.cloud.level, "Of trees: the cloud at this level")->group(group);
     command->add_option("--max-points", options.cloud.max_points, "Of a tree: its deepest level with at most so many points")->group(group);
-    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
-        ->expected(6)
-        ->group(group);
     arguments->region.add_to(*command, group);
-    command->add_option("--where", arguments->where,
-                        "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
-                        "of several all")
-        ->allow_extra_args(false)
-        ->group(group);
     command->add_option("--attributes,--keep", options.cloud.selection.keep, "Only these attributes, names between commas")
         ->delimiter(',')
         ->allow_extra_args(false)

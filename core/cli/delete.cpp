@@ -12,19 +12,13 @@ namespace {
 struct Arguments {
     Common common;
     std::string tree;
-    std::vector<double> box;
-    std::vector<std::string> where;
     RegionOptions region;
     EraseOptions options;
 };
 
 int erase(Arguments& arguments)
 {
-    Selection selection;
-    if (!arguments.box.empty())
-        selection.box = Box3d{{arguments.box[0], arguments.box[1], arguments.box[2]}, {arguments.box[3], arguments.box[4], arguments.box[5]}};
-    selection.region = arguments.region.get();
-    for (const std::string& condition : arguments.where) selection.where.push_back(parse_condition(condition));
+    const Selection selection = arguments.region.get();
     if (!selection.chooses_points())
         throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted", "give a box, another region or a condition");
     arguments.options.progress = console_progress(arguments.common);
@@ -63,16 +57,7 @@ void add_delete(CLI::App& app, int& result)
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand("delete", "Delete points of a tree");
     command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    const char* const group = "What is deleted";
-    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
-        ->expected(6)
-        ->group(group);
-    arguments->region.add_to(*command, group);
-    command->add_option("--where", arguments->where,
-                        "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; "
-                        "of several all")
-        ->allow_extra_args(false)
-        ->group(group);
+    arguments->region.add_to(*command, "What is deleted");
     command->add_flag("--count", arguments->options.count_only, "Only say how many points that would be");
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     add_common(*command, arguments->common);

@@ -16,8 +16,7 @@ struct Arguments {
     Common common;
     RegionOptions region;
     std::string tree;
-    std::vector<double> box, nearest;
-    std::vector<std::string> where;
+    std::vector<double> nearest;
     std::optional<std::uint16_t> level;
     bool estimate = false, headers = false, count = false, first_hit = false;
     std::size_t k = 1;
@@ -50,12 +49,10 @@ Query query_of(const Arguments& arguments, const PointCloud& cloud)
     const std::uint16_t levels = cloud.info().levels;
     if (query.level && levels > 0 && *query.level >= levels)
         refuse("level " + std::to_string(*query.level) + " asked for; this tree has levels 0 to " + std::to_string(levels - 1), "");
-    if (!arguments.box.empty()) {
-        const std::vector<double>& b = arguments.box;
-        query.box = Box3d{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-    }
-    query.region = arguments.region.get();
-    for (const std::string& condition : arguments.where) query.where.push_back(parse_condition(condition));
+    const Selection selection = arguments.region.get();
+    query.box = selection.box;
+    query.region = selection.region;
+    query.where = selection.where;
     query.reads_in_flight = arguments.reads;
     query.progress = console_progress(arguments.common);
     return query;
@@ -221,11 +218,7 @@ void add_query(CLI::App& app, int& result)
 
     group = "Of which points";
     command->add_option("--level", arguments->level, "The cloud at this level (default: all of it)")->group(group);
-    command->add_option("--box", arguments->box, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")->expected(6)->group(group);
     arguments->region.add_to(*command, group);
-    command->add_option("--where", arguments->where, "Points that meet a condition, such as classification=2,6; of several all")
-        ->allow_extra_args(false)
-        ->group(group);
 
     command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")->check(CLI::Range(1, 64));
     command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));

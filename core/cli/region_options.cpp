@@ -6,6 +6,7 @@ namespace pcm::cli {
 
 void RegionOptions::add_to(CLI::App& command, const char* group)
 {
+    command.add_option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")->expected(6)->group(group);
     const auto add = [&](const char* name, int least, int most, const char* help) {
         command.add_option(std::string("--") + name, given_[name], help)->expected(least, most)->group(group);
     };
@@ -19,9 +20,22 @@ void RegionOptions::add_to(CLI::App& command, const char* group)
         ->expected(1)
         ->allow_extra_args(false)
         ->group(group);
+    command.add_option("--where", where_,
+                       "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; of several all")
+        ->allow_extra_args(false)
+        ->group(group);
 }
 
-std::optional<Region> RegionOptions::get() const
+Selection RegionOptions::get() const
+{
+    Selection selection;
+    if (!box_.empty()) selection.box = Box3d{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
+    selection.region = region();
+    for (const std::string& condition : where_) selection.where.push_back(parse_condition(condition));
+    return selection;
+}
+
+std::optional<Region> RegionOptions::region() const
 {
     std::optional<Region> region;
     std::string first;

@@ -1,7 +1,7 @@
-// Options that choose points by a region.
+// Options that choose points.
 #pragma once
 
-#include "cloud/region.h"
+#include "io/selection.h"
 
 #include <CLI/CLI.hpp>
 
@@ -12,14 +12,17 @@
 
 namespace pcm::cli {
 
-// --sphere, --oriented-box, --ray, --cone, --frustum, --planes, and --region with any of them in words; one of them.
+// --box; --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words, one of them; --where.
 class RegionOptions {
 public:
     void add_to(CLI::App& command, const char* group);
-    // Throws Error(invalid_argument) for more than one region, and what parse_region() throws.
-    std::optional<Region> get() const;
+    // Throws Error(invalid_argument) for more than one region, and what parse_region() and parse_condition() throw.
+    Selection get() const;
 
 private:
+    std::optional<Region> region() const;
+    std::vector<double> box_;
+    std::vector<std::string> where_;
     std::map<std::string, std::vector<std::string>> given_;  // by option, without dashes
 };
 

@@ -3,6 +3,7 @@
 
 #include "cloud/attribute.h"
 #include "cloud/geometry.h"
+#include "cloud/page_allocator.h"
 
 #include <array>
 #include <cassert>
@@ -48,7 +49,7 @@ public:
 private:
     ScalarType type_ = ScalarType::u8;
     std::uint32_t components_ = 1;
-    std::vector<std::byte> bytes_;
+    PageVector<std::byte> bytes_;
 };
 
 // Positions come in one of two forms: integers on a Grid (LAS and its kin, trees) or doubles (float sources, exact).

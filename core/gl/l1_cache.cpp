@@ -23,7 +23,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // Vertices of `count` points from `first` on. The product is made in double: a relative grid position may exceed what
 // float holds exactly, and must be rounded once only.
 template <class T>
-void write_vertices(std::byte* to, const std::array<std::vector<T>, 3>& xyz, const Vec3d& scale,
+void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale,
                     const std::uint8_t* rgba, std::size_t first, std::size_t count)
 {
     const std::size_t stride = rgba ? 16 : 12;
@@ -37,7 +37,7 @@ void write_vertices(std::byte* to, const std::array<std::vector<T>, 3>& xyz, con
 }
 
 template <class T>
-double largest(const std::vector<T>& values)
+double largest(const PageVector<T>& values)
 {
     T most = 0;
     for (const T value : values) most = std::max(most, value);  // unlike max_element, this is vectorised

@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-TreeChanges::TreeChanges(const std::filesystem::path& path) : update_(path), tree_(update_.tree()), hash_(tree_->info().content_hash) {}
+TreeChanges::TreeChanges(const std::filesystem::path& path) : update_(std::in_place, path), tree_(update_->tree()), hash_(tree_->info().content_hash) {}
 
 std::shared_ptr<const Tree> TreeChanges::tree() const
 {
@@ -62,9 +62,10 @@ ChunkPart TreeChanges::read_part(NodeId node, const ColumnSet& columns,
 void TreeChanges::write(NodeId node, const Chunk& chunk, const ColumnSet& changed)
 {
     const std::shared_lock lock(mutex_);
+    check_open();
     const TreeInfo& info = tree_->info();
     if (chunk.points != tree_->node(node).points || !chunk.columns().contains(ColumnSet::all(info.schema)))
-        throw Error(ErrorCode::invalid_argument, update_.folder(), "a chunk of other points was to take the place of that of node " + std::to_string(node));
+        throw Error(ErrorCode::invalid_argument, tree_->folder(), "a chunk of other points was to take the place of that of node " + std::to_string(node));
     if (chunk.points == 0) return;
     std::vector<std::byte> scratch;
     const RowLayout layout(info.schema, info.wide);
@@ -82,18 +83,18 @@ void TreeChanges::write(NodeId node, const Chunk& chunk, const ColumnSet& change
         hash_before = hash_chunk(before, layout, scratch);
     }
     ChunkIdentity identity = tree_->identity(node);
-    identity.generation = update_.generation();
+    identity.generation = update_->generation();
     const std::vector<std::byte> bytes = encode_chunk(chunk, info.schema, info.grid, identity);
 
     const std::lock_guard file_lock(file_mutex_);
     Place place;
     place.hash = hash;
     place.attributes = info.schema.size();
-    place.extent = update_.write(bytes);
+    place.extent = update_->write(bytes);
     const std::size_t number = place.extent.file - tree_->data_files().size();
     while (files_.size() <= number)
         files_.push_back(std::make_shared<const File>(
-            update_.folder() / data_file_name(static_cast<std::uint32_t>(tree_->data_files().size() + files_.size())), File::Mode::read));
+            update_->folder() / data_file_name(static_cast<std::uint32_t>(tree_->data_files().size() + files_.size())), File::Mode::read));
     place.file = files_[number];
     const auto found = places_.find(node);
     hash_ += hash - (found == places_.end() ? hash_before : found->second.hash);
@@ -128,14 +129,15 @@ void TreeChanges::commit()
 {
     const std::unique_lock lock(mutex_);
     if (places_.empty() && !longer_schema_) return;
+    check_open();
     TreeInfo info = tree_->info();
     info.content_hash = longer_schema_ ? hash_with_added_attributes() : hash_;
     NodeVector nodes{tree_->nodes(), tree_->part_roots()};
     for (const auto& [node, place] : places_) nodes.nodes[node].extent = place.extent;
     try {
-        update_.commit(std::move(info), std::move(nodes));
+        update_->commit(std::move(info), std::move(nodes));
     } catch (...) {
-        if (update_.committed()) begin_again();
+        if (update_->committed()) begin_again();
         throw;
     }
     begin_again();
@@ -143,8 +145,8 @@ void TreeChanges::commit()
 
 void TreeChanges::begin_again()
 {
-    update_.go_on();
-    tree_ = update_.tree();
+    update_->go_on();
+    tree_ = update_->tree();
     hash_ = tree_->info().content_hash;
     places_.clear();
     files_.clear();
@@ -154,11 +156,26 @@ void TreeChanges::begin_again()
 std::size_t TreeChanges::add_attribute(const Attribute& attribute)
 {
     const std::unique_lock lock(mutex_);
+    check_open();
     Schema schema = tree_->info().schema;
     schema.add(attribute);
     tree_ = tree_->with_schema(schema);
     longer_schema_ = true;
     return schema.size() - 1;
+}
+
+void TreeChanges::end()
+{
+    const std::unique_lock lock(mutex_);
+    places_.clear();
+    files_.clear();
+    longer_schema_ = false;
+    update_.reset();
+}
+
+void TreeChanges::check_open() const
+{
+    if (!update_) throw Error(ErrorCode::invalid_argument, tree_->folder(), "this point cloud was closed", "open it again");
 }
 
 }  // namespace pcm

@@ -31,6 +31,9 @@ public:
     void write(NodeId node, const Chunk& chunk, const ColumnSet& changed) override;
     void commit() override;
 
+    // Lets go of the lock and of what was not committed; from then on the tree is read as it is on disk, and nothing is written.
+    void end();
+
     // At the end of the schema; its values are zero. Returns its place there. Throws what Schema::add throws.
     std::size_t add_attribute(const Attribute& attribute);
 
@@ -45,10 +48,11 @@ private:
     Chunk read_now(NodeId node, const ColumnSet& columns) const;
     std::uint64_t hash_with_added_attributes() const;
     void begin_again();
+    void check_open() const;
 
     mutable std::shared_mutex mutex_;  // exclusive: commit and add_attribute
     mutable std::mutex file_mutex_;    // of what writers share
-    TreeUpdate update_;
+    std::optional<TreeUpdate> update_;  // nothing: it has ended
     std::shared_ptr<const Tree> tree_;
     std::unordered_map<NodeId, Place> places_;
     std::vector<std::shared_ptr<const File>> files_;  // by number, from the tree's own number of data files on

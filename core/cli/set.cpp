@@ -1,0 +1,196 @@
+#include "point_cloud.h"
+
+#include "cli/common.h"
+#include "cli/region_options.h"
+#include "cloud/error.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    RegionOptions region;
+    std::string tree;
+    std::vector<std::string> values, attributes;
+    std::optional<std::uint16_t> level;
+    std::uint64_t cache = std::uint64_t(512) << 20;
+};
+
+[[noreturn]] void refuse(const std::string& text, const std::string& what, const std::string& hint)
+{
+    throw Error(ErrorCode::invalid_argument, {}, "'" + text + "': " + what, hint);
+}
+
+// "name:type" or "name:typexN"
+Attribute parse_attribute(const std::string& text)
+{
+    const char* const expected = "write NAME:TYPE or NAME:TYPExN, such as height:f32 or tint:u8x3";
+    Attribute attribute;
+    const auto colon = text.rfind(':');
+    if (colon == std::string::npos || colon == 0) refuse(text, "it has no name and type", expected);
+    attribute.name = text.substr(0, colon);
+    std::string type = text.substr(colon + 1);
+    if (const auto x = type.find('x'); x != std::string::npos) {
+        const std::string number = type.substr(x + 1);
+        if (number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos || std::stoul(number) == 0)
+            refuse(text, "'" + number + "' is no number of components", expected);
+        attribute.components = static_cast<std::uint32_t>(std::stoul(number));
+        type.resize(x);
+    }
+    for (std::uint8_t t = 0; t < 255; ++t)
+        if (is_valid(static_cast<ScalarType>(t)) && name_of(static_cast<ScalarType>(t)) == type) {
+            attribute.type = static_cast<ScalarType>(t);
+            return attribute;
+        }
+    refuse(text, "there is no type '" + type + "'", "types are i8, u8, i16, u16, i32, u32, i64, u64, f32 and f64");
+}
+
+// "name=value", "name=value,value,value" (a value a component) or "name[component]=value"
+struct Assignment {
+    std::string name, text;
+    std::optional<std::uint32_t> component;
+    std::vector<double> values;
+    std::size_t slot = 0;       // in the query's list
+    std::vector<double> raw;    // as they are stored
+};
+
+Assignment parse_assignment(const std::string& text)
+{
+    const char* const expected = "write NAME=VALUE, NAME=VALUE,VALUE,... with a value a component, or NAME[COMPONENT]=VALUE";
+    Assignment assignment;
+    assignment.text = text;
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) refuse(text, "it sets no attribute", expected);
+    assignment.name = text.substr(0, equals);
+    if (const auto open = assignment.name.find('['); open != std::string::npos) {
+        const std::string number = assignment.name.substr(open + 1, assignment.name.size() - open - 2);
+        if (assignment.name.back() != ']' || number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos)
+            refuse(text, "it names no component", expected);
+        assignment.component = static_cast<std::uint32_t>(std::stoul(number));
+        assignment.name.resize(open);
+    }
+    for (std::size_t at = equals + 1; at <= text.size();) {
+        const std::size_t comma = std::min(text.find(',', at), text.size());
+        const std::string word = text.substr(at, comma - at);
+        std::size_t used = 0;
+        try {
+            assignment.values.push_back(std::stod(word, &used));
+        } catch (const std::exception&) {
+        }
+        if (used == 0 || used != word.size()) refuse(text, "'" + word + "' is no number", expected);
+        at = comma + 1;
+    }
+    return assignment;
+}
+
+// What is stored for the values that users see.
+void make_raw(Assignment& assignment, const Attribute& attribute)
+{
+    const std::size_t wanted = assignment.component ? 1 : attribute.components;
+    if (assignment.values.size() != wanted)
+        refuse(assignment.text, "it has " + std::to_string(assignment.values.size()) + " values, not " + std::to_string(wanted),
+               "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components");
+    if (assignment.component && *assignment.component >= attribute.components)
+        refuse(assignment.text, "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components", "they are counted from 0");
+    const bool scaled = attribute.scale != 1 || attribute.offset != 0;
+    const bool real = attribute.type == ScalarType::f32 || attribute.type == ScalarType::f64;
+    for (const double value : assignment.values) {
+        double raw = scaled ? (value - attribute.offset) / attribute.scale : value;
+        if (scaled && !real) raw = std::nearbyint(raw);
+        assignment.raw.push_back(raw);
+    }
+}
+
+int set(Arguments& arguments)
+{
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<Assignment> assignments;
+    for (const std::string& text : arguments.values) assignments.push_back(parse_assignment(text));
+    const Selection selection = arguments.region.get();
+    Query query;
+    query.box = selection.box;
+    query.region = selection.region;
+    query.where = selection.where;
+    query.level = arguments.level;
+    query.progress = console_progress(arguments.common);
+    L2Options cache;
+    cache.capacity_bytes = arguments.cache;
+    std::vector<Attribute> added;
+    for (const std::string& text : arguments.attributes) added.push_back(parse_attribute(text));
+
+    const auto cloud = PointCloud::open(arguments.tree, cache, Access::write);
+    std::uint64_t points = 0, chunks = 0;
+    try {
+        for (const Attribute& attribute : added) cloud->add_attribute(attribute);
+        for (Assignment& assignment : assignments) {
+            const auto slot = cloud->info().schema.find(assignment.name);
+            if (!slot) {
+                std::string names;
+                for (const Attribute& attribute : cloud->info().schema) names += (names.empty() ? "" : ", ") + attribute.name;
+                refuse(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
+                       names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
+            }
+            make_raw(assignment, cloud->info().schema[*slot]);
+            assignment.slot = query.attributes.size();
+            query.attributes.push_back(assignment.name);
+        }
+        if (!assignments.empty()) {
+            auto cursor = cloud->edit(query);
+            for (EditView view; cursor.getNextData(view); ++chunks) {
+                for (const Assignment& assignment : assignments)
+                    for (std::size_t i = 0; i < view.size(); ++i)
+                        for (std::size_t v = 0; v < assignment.raw.size(); ++v)
+                            view.set(i, assignment.slot, assignment.raw[v], assignment.component.value_or(static_cast<std::uint32_t>(v)));
+                view.mark_written();
+                points += view.size();
+            }
+        }
+        cloud->close();
+    } catch (...) {
+        cloud->abandon();
+        throw;
+    }
+    end_progress(arguments.common);
+    const L2Statistics statistics = cloud->cache().statistics();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        json["points_set"] = points;
+        json["chunks_set"] = chunks;
+        json["chunks_written"] = statistics.written_chunks;
+        json["attributes_added"] = added.size();
+        json["seconds"] = seconds;
+        json["peak_rss_bytes"] = peak_rss_bytes();
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(), grouped(points).c_str(),
+                grouped(chunks).c_str(), grouped(added.size()).c_str(), seconds);
+    return 0;
+}
+
+}  // namespace
+
+void add_set(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("set", "Set attributes of a tree's points, and add attributes; all at once or not at all");
+    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    command->add_option("values", arguments->values, "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
+    command->add_option("--new", arguments->attributes, "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
+        ->allow_extra_args(false);
+    const char* const group = "Of which points (default: all)";
+    command->add_option("--level", arguments->level, "The cloud at this level")->group(group);
+    arguments->region.add_to(*command, group);
+    command->add_option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = set(*arguments); });
+}
+
+}  // namespace pcm::cli
