@@ -172,7 +172,7 @@ TEST(Bpc, BareChunksOnSeveralGridsAreDoubles)
     auto positions = std::make_shared<ChunkPositions>();
     positions->origin = {std::int64_t{1} << 40, 0, -5};
     positions->wide = true;
-    positions->wide_xyz = {std::vector<std::uint64_t>{0, 7}, {std::uint64_t{1} << 50, 0}, {0, 0}};
+    positions->wide_xyz = {PageVector<std::uint64_t>{0, 7}, {std::uint64_t{1} << 50, 0}, {0, 0}};
     wide.positions = positions;
     const Whole far = read_whole(write_file(folder / "b.bpc", text(encode_chunk(wide, {}, other))));
     EXPECT_FALSE(far.info.grid);

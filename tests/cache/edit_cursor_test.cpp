@@ -1,0 +1,284 @@
+// Changing points of a cloud through PointCloud.
+
+#include "point_cloud.h"
+
+#include "cloud/error.h"
+#include "clouds.h"
+#include "support.h"
+#include "tree/update/append.h"
+#include "tree/update/compact.h"
+#include "tree/update/repair.h"
+#include "tree/verify.h"
+
+#include <map>
+#include <random>
+#include <thread>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+class EditCursorTest : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        write_las(folder_ / "in.las", records(Shape::surface, 30000, 3), {});
+        BuildOptions options;
+        options.chunk_points = 1000;
+        build_tree({folder_ / "in.las"}, tree_, options);
+    }
+    std::shared_ptr<PointCloud> open(Access access, std::uint64_t bytes = 100000) const
+    {
+        L2Options cache;
+        cache.capacity_bytes = bytes;  // far less than the cloud
+        return PointCloud::open(tree_, cache, access);
+    }
+    template <class Call>
+    static std::string error_of(const Call& call)
+    {
+        try {
+            call();
+        } catch (const Error& error) {
+            return std::string(error.code() == ErrorCode::invalid_argument ? "invalid: " : error.code() == ErrorCode::exists ? "exists: " : "other: ") + error.what();
+        }
+        return "";
+    }
+    // Attribute values by point, which the position tells as far as this cloud's points have different ones.
+    using Key = std::array<std::int64_t, 5>;
+    std::multimap<Key, double> values(PointCloud& cloud, const std::string& name) const
+    {
+        Query query;
+        query.attributes = {name, "point_source_id", "user_data"};
+        std::multimap<Key, double> all;
+        auto cursor = cloud.points(query);
+        for (PointView view; cursor.getNextData(view);)
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                const Vec3i q = view.grid_position(i);
+                all.insert({{q[0], q[1], q[2], static_cast<std::int64_t>(view.value(i, 1)), static_cast<std::int64_t>(view.value(i, 2))}, view.value(i, 0)});
+            }
+        return all;
+    }
+    std::unique_ptr<PointReader> open_cloud_reader() const { return open_reader(folder_ / "in.las"); }
+    void expect_whole() const
+    {
+        const VerifyReport report = verify_tree(tree_, 2);
+        EXPECT_TRUE(report.faults.empty()) << report.faults[0];
+    }
+
+    TemporaryFolder folder_;
+    const fs::path tree_ = folder_ / "out.pct";
+};
+
+TEST_F(EditCursorTest, ANewAttributeOfEveryPoint)
+{
+    for (const bool again : {false, true}) {  // then its values are changed
+        auto cloud = open(Access::write);
+        const std::size_t attributes = cloud->info().schema.size();
+        if (!again) EXPECT_EQ(cloud->add_attribute({"height", ScalarType::f64}), attributes);
+        Query query;
+        query.attributes = {"height"};
+        std::size_t points = 0;
+        auto cursor = cloud->edit(query);
+        for (EditView view; cursor.getNextData(view); view.mark_written(), points += view.size())
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                EXPECT_EQ(view.value(i, 0), again ? 2 * view.position(i)[2] : 0);
+                view.set(i, 0, (again ? 3 : 2) * view.position(i)[2]);
+                EXPECT_EQ(view.value(i, 0), (again ? 3 : 2) * view.position(i)[2]);
+            }
+        EXPECT_EQ(points, 30000u);
+        EXPECT_GT(cloud->cache().statistics().written_chunks, 20u);  // it did not all fit
+        cloud->close();
+        expect_whole();
+        cloud = open(Access::read);
+        auto reading = cloud->points(query);
+        points = 0;
+        for (PointView view; reading.getNextData(view); points += view.size())
+            for (std::size_t i = 0; i < view.size(); ++i) ASSERT_EQ(view.value(i, 0), (again ? 3 : 2) * view.position(i)[2]);
+        EXPECT_EQ(points, 30000u);
+    }
+}
+
+// Random selections, values and flushes against a model in memory.
+TEST_F(EditCursorTest, RandomChangesAgainstAModel)
+{
+    auto cloud = open(Access::write);
+    auto model = values(*cloud, "intensity"), committed = model;
+    std::mt19937 random(9);
+    const Box3d all = cloud->info().bounds();
+    for (int step = 0; step < 60; ++step) {
+        Query query;
+        query.attributes = {"intensity", "point_source_id", "user_data"};
+        Box3d box;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double from = std::uniform_real_distribution<double>(0, 0.8)(random), to = from + std::uniform_real_distribution<double>(0, 0.6)(random);
+            box.min[a] = all.min[a] + from * all.extent(a);
+            box.max[a] = all.min[a] + to * all.extent(a);
+        }
+        if (step % 4) query.box = box;
+        if (step % 3 == 0) query.where = {parse_condition("intensity>=" + std::to_string(random() % 40000))};
+        const auto value = static_cast<double>(random() % 65536);
+        std::multimap<Key, double> next = model;
+        auto cursor = cloud->edit(query);
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                const Vec3d p = view.position(i);
+                const Vec3i g = view.chunk().positions->grid(view.index(i));
+                const Key key{g[0], g[1], g[2], static_cast<std::int64_t>(view.value(i, 1)), static_cast<std::int64_t>(view.value(i, 2))};
+                if (query.box) EXPECT_TRUE(query.box->contains(p));
+                auto [first, last] = next.equal_range(key);
+                ASSERT_NE(first, last);
+                for (; first != last; ++first)
+                    if (first->second == view.value(i, 0)) break;
+                ASSERT_NE(first, last);
+                first->second = value;
+                view.set(i, 0, value);
+            }
+        model = std::move(next);
+        if (step % 7 == 0) {
+            cloud->flush();
+            committed = model;
+            expect_whole();
+        }
+        if (step % 10 == 9) {  // what is not flushed is seen by this cloud, and by no other
+            const auto sorted = [](const std::multimap<Key, double>& of) {
+                std::vector<std::pair<Key, double>> pairs(of.begin(), of.end());
+                std::sort(pairs.begin(), pairs.end());
+                return pairs;
+            };
+            EXPECT_EQ(sorted(values(*cloud, "intensity")), sorted(model));
+            EXPECT_EQ(sorted(values(*open(Access::read), "intensity")), sorted(committed));
+        }
+        if (step == 40) {
+            cloud->abandon();
+            cloud = open(Access::write);
+            model = committed;
+        }
+    }
+    cloud->close();
+    expect_whole();
+}
+
+// Chunks that were written before an attribute was added have zeros for it, for every reader.
+TEST_F(EditCursorTest, AnAttributeThatOnlySomeChunksHave)
+{
+    auto cloud = open(Access::write);
+    cloud->add_attribute({"mark", ScalarType::u8, 2});
+    Query query;
+    query.attributes = {"mark"};
+    query.box = cloud->info().bounds();
+    query.box->max[0] = query.box->min[0] + query.box->extent(0) / 4;
+    std::size_t marked = 0;
+    {
+        auto cursor = cloud->edit(query);
+        for (EditView view; cursor.getNextData(view); view.mark_written(), marked += view.size())
+            for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 200, 1);
+    }
+    EXPECT_GT(marked, 1000u);
+    EXPECT_LT(marked, 20000u);
+    cloud->close();
+    cloud = nullptr;
+    const auto check = [&] {
+        expect_whole();
+        Query where;
+        where.where = {parse_condition("mark[1]=200")};
+        where.attributes = {"mark"};
+        std::size_t found = 0, all = 0;
+        const auto reading = open(Access::read);
+        auto cursor = reading->points(where);
+        for (PointView view; cursor.getNextData(view);) found += view.size();
+        where.where.clear();
+        auto every = reading->points(where);
+        for (PointView view; every.getNextData(view); all += view.size())
+            for (std::size_t i = 0; i < view.size(); ++i) EXPECT_TRUE(view.value(i, 0, 0) == 0 && (view.value(i, 0, 1) == 0 || view.value(i, 0, 1) == 200));
+        EXPECT_EQ(found, marked);
+        EXPECT_EQ(all, 30000u);
+    };
+    check();
+    fs::remove(tree_ / index_file_name);
+    repair_tree(tree_, {});
+    check();
+    fs::remove(tree_ / index_file_name);
+    fs::remove(tree_ / "about.pct");
+    repair_tree(tree_, {});
+    check();
+    compact_tree(tree_, {});
+    check();
+}
+
+TEST_F(EditCursorTest, MisuseIsToldClearly)
+{
+    Query query;
+    query.attributes = {"intensity"};
+    auto reading = open(Access::read);
+    EXPECT_NE(error_of([&] { reading->edit(query); }).find("reading only"), std::string::npos);
+    EXPECT_NE(error_of([&] { reading->add_attribute({"a"}); }).find("reading only"), std::string::npos);
+
+    auto cloud = open(Access::write);
+    EXPECT_EQ(error_of([&] { open(Access::write); }).substr(0, 7), "exists:");
+    EXPECT_EQ(error_of([&] { cloud->add_attribute({"rgb"}); }).substr(0, 8), "invalid:");
+    EditView view;
+    {
+        auto cursor = cloud->edit(query);
+        ASSERT_TRUE(cursor.getNextData(view));
+        EXPECT_EQ(error_of([&] { view.set(0, 0, 65536); }).substr(0, 8), "invalid:");
+        EXPECT_EQ(error_of([&] { view.set(0, 0, -1); }).substr(0, 8), "invalid:");
+        EXPECT_EQ(error_of([&] { view.set(0, 0, 0.5); }).substr(0, 8), "invalid:");
+        EXPECT_EQ(error_of([&] { view.set(0, 0, 1, 1); }).substr(0, 8), "invalid:");
+        view.set(0, 0, 65535);
+        EXPECT_NE(error_of([&] { cursor.getNextData(view); }).find("mark_written"), std::string::npos);
+        ASSERT_TRUE(cursor.getNextData(view));
+        view.set(0, 0, 1);
+    }
+    EXPECT_NE(error_of([&] { cloud->flush(); }).find("mark_written"), std::string::npos);  // the cursor died with a change
+    cloud->flush();
+    auto cursor = cloud->edit(query);
+    ASSERT_TRUE(cursor.getNextData(view));
+    view.set(0, 0, 1);
+    cloud->close();
+    EXPECT_NE(error_of([&] { view.mark_written(); }).find("closed"), std::string::npos);
+    EXPECT_NE(error_of([&] { cursor.getNextData(view); }), "");
+    EXPECT_NE(error_of([&] { cloud->edit(query); }).find("closed"), std::string::npos);
+    EXPECT_NE(error_of([&] {
+                  auto points = cloud->points(query);
+                  for (PointView v; points.getNextData(v);) {}
+              }).find("closed"),
+              std::string::npos);
+    EXPECT_EQ(error_of([&] { open(Access::write); }), "");  // the lock is free
+    expect_whole();
+
+    // A cursor keeps what it needs, whoever lets go of the cloud.
+    auto kept = open(Access::write)->edit(query);
+    ASSERT_TRUE(kept.getNextData(view));
+    view.set(0, 0, 77);
+    view.mark_written();
+    EXPECT_EQ(view.value(0, 0), 77);
+}
+
+TEST_F(EditCursorTest, CreateSaveAndChangeTheCopy)
+{
+    const auto reader = open_cloud_reader();
+    const auto made = PointCloud::create(folder_ / "made.pct", *reader);
+    EXPECT_EQ(made->info().content_hash, open(Access::read)->info().content_hash);
+    auto cloud = open(Access::write);
+    Query query;
+    query.attributes = {"intensity"};
+    auto cursor = cloud->edit(query);
+    for (EditView view; cursor.getNextData(view); view.mark_written())
+        for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
+    cloud->save(folder_ / "copy.pct");  // with what was changed
+    cloud->close();
+    const auto copy = PointCloud::open(folder_ / "copy.pct", {}, Access::write);
+    EXPECT_EQ(copy->info().content_hash, open(Access::read)->info().content_hash);
+    auto second = copy->edit(query);
+    for (EditView view; second.getNextData(view); view.mark_written())
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            EXPECT_EQ(view.value(i, 0), 5);
+            view.set(i, 0, 6);
+        }
+    copy->close();
+    for (const auto& [key, value] : values(*open(Access::read), "intensity")) ASSERT_EQ(value, 5);
+}
+
+}  // namespace
