@@ -161,7 +161,7 @@ TEST(Bpc, FrozenBytes)
     chunk.points = 3;
     auto positions = std::make_shared<pcm::ChunkPositions>();
     positions->origin = {100, -200, 300};
-    positions->narrow_xyz = {std::vector<std::uint32_t>{0, 1, 5}, {7, 0, 2}, {0, 0, 0}};
+    positions->narrow_xyz = {pcm::PageVector<std::uint32_t>{0, 1, 5}, {7, 0, 2}, {0, 0, 0}};
     chunk.positions = positions;
     auto intensity = std::make_shared<pcm::Column>(schema[0]);
     intensity->resize(3);

@@ -410,7 +410,7 @@ TEST(TreeChunk, FrozenBytes)
     chunk.points = 3;
     auto positions = std::make_shared<ChunkPositions>();
     positions->origin = {100, -200, 300};
-    positions->narrow_xyz = {std::vector<std::uint32_t>{0, 1, 5}, {7, 0, 2}, {0, 0, 0}};
+    positions->narrow_xyz = {PageVector<std::uint32_t>{0, 1, 5}, {7, 0, 2}, {0, 0, 0}};
     chunk.positions = positions;
     auto intensity = std::make_shared<Column>(schema[0]), kind = std::make_shared<Column>(schema[1]);
     intensity->resize(3);
