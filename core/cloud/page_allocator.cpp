@@ -2,6 +2,7 @@
 
 #include <sys/mman.h>
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -19,12 +20,15 @@ namespace pcm {
 
 #ifdef PCM_PLAIN_HEAP
 
+std::size_t pages_in_use() noexcept { return 0; }
 void* take_pages(std::size_t bytes) { return ::operator new(bytes); }
 void give_pages(void* block, std::size_t) noexcept { ::operator delete(block); }
 
 #else
 
 namespace {
+
+std::atomic<std::size_t> in_use{0};
 
 // Sizes of blocks are so few that a freed one often serves the next: eight of them from one power of two to the next.
 std::size_t size_class(std::size_t bytes)
@@ -39,6 +43,7 @@ public:
     void* take(std::size_t bytes)
     {
         const std::size_t size = size_class(bytes);
+        in_use += size;
         {
             const std::lock_guard lock(mutex_);
             const auto found = free_.find(size);
@@ -50,12 +55,14 @@ public:
             }
         }
         void* const block = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-        if (block == MAP_FAILED) throw std::bad_alloc();
-        return block;
+        if (block != MAP_FAILED) return block;
+        in_use -= size;
+        throw std::bad_alloc();
     }
     void give(void* block, std::size_t bytes) noexcept
     {
         const std::size_t size = size_class(bytes);
+        in_use -= size;
         try {
             const std::lock_guard lock(mutex_);
             if (kept_ + size <= most_kept) {
@@ -91,6 +98,7 @@ Pool& pool()
 
 }  // namespace
 
+std::size_t pages_in_use() noexcept { return in_use; }
 void* take_pages(std::size_t bytes) { return pool().take(bytes); }
 void give_pages(void* block, std::size_t bytes) noexcept { pool().give(block, bytes); }
 

@@ -13,6 +13,7 @@ namespace pcm {
 inline constexpr std::size_t page_block_bytes = std::size_t(64) << 10;
 void* take_pages(std::size_t bytes);
 void give_pages(void* block, std::size_t bytes) noexcept;
+std::size_t pages_in_use() noexcept;  // bytes of all blocks that were taken and not given back; 0 where the C library's heap serves instead
 
 template <class T>
 struct PageAllocator {

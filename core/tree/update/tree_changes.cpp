@@ -159,6 +159,7 @@ std::size_t TreeChanges::add_attribute(const Attribute& attribute)
     check_open();
     Schema schema = tree_->info().schema;
     schema.add(attribute);
+    update_->end_file();  // the chunks of a data file are of one schema
     tree_ = tree_->with_schema(schema);
     longer_schema_ = true;
     return schema.size() - 1;

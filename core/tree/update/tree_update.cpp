@@ -100,13 +100,13 @@ fs::path TreeUpdate::scratch()
 
 void TreeUpdate::begin_file()
 {
-    finish_file();
+    end_file();
     const auto number = static_cast<std::uint32_t>(tree_->data_files().size() + files_.size());
     file_ = File(folder() / data_file_name(number), File::Mode::create_new);
     files_.push_back({0, generation_});
 }
 
-void TreeUpdate::finish_file()
+void TreeUpdate::end_file()
 {
     if (!file_.is_open()) return;
     file_.sync();
@@ -150,7 +150,7 @@ void TreeUpdate::bury(const PartNode& node)
 void TreeUpdate::commit(TreeInfo info, NodeVector joined)
 {
     if (files_.empty()) begin_file();
-    finish_file();
+    end_file();
     TreeIndex index;
     index.info = std::move(info);
     index.info.generation = generation_;

@@ -36,6 +36,8 @@ public:
 
     // Appends a chunk, made with identity_of(), to the new data files. Returns where it lies.
     Extent write(const std::vector<std::byte>& chunk);
+    // What is written next goes into a new data file.
+    void end_file();
     // Takes over data files that somebody else has written and synced, numbered on from the tree's, of so many bytes each. Only before
     // anything is written here.
     void adopt(const std::vector<std::uint64_t>& bytes);
@@ -53,7 +55,6 @@ public:
 
 private:
     void begin_file();
-    void finish_file();
 
     TreeLock lock_;
     std::shared_ptr<const Tree> tree_;
