@@ -178,6 +178,21 @@ public:
         return failed;
     }
 
+    // Takes the marks off, of one owner's entries or of all, and says so for each.
+    template <class Discarded>
+    void discard(const Owner* owner, Discarded&& discarded)
+    {
+        for (Entry* entry = oldest_; entry;) {
+            Entry* const next = entry->newer_;
+            if (entry->written_ && (!owner || entry->key().owner == *owner)) {
+                entry->written_ = false;
+                discarded(*entry);
+                drop_if_orphan(*entry);
+            }
+            entry = next;
+        }
+    }
+
     // Page numbers pages(), pages() + 1, ... become free ones.
     void add_pages(std::uint32_t count)
     {

@@ -47,12 +47,6 @@ double largest(const PageVector<T>& values)
 // How many points of a column go into a page.
 std::size_t points_per_column_page(std::uint32_t stride) { return L1Cache::page_bytes / stride / 256 * 256; }
 
-std::size_t pages_of_column(std::uint32_t stride, std::size_t points)
-{
-    const std::size_t per_page = points_per_column_page(stride);
-    return (points + per_page - 1) / per_page;
-}
-
 std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
 {
     if (capacity < block_bytes)
@@ -194,6 +188,31 @@ const ColumnEntry* L1Cache::use_columns(Owner owner, NodeId node)
     });
 }
 
+const ColumnEntry* L1Cache::find_columns(Owner owner, NodeId node) const
+{
+    return (*table_)([&](auto& table) -> const ColumnEntry* {
+        const auto* const entry = table.find(owner, node);
+        return entry ? entry->payload.columns.get() : nullptr;
+    });
+}
+
+std::uint64_t L1Cache::pages_of(std::uint32_t stride, std::uint64_t points)
+{
+    const std::uint64_t per_page = points_per_column_page(stride);
+    return (points + per_page - 1) / per_page;
+}
+
+std::vector<std::byte> L1Cache::read(Owner owner, NodeId node, std::size_t column) const
+{
+    const ColumnEntry* const entry = find_columns(owner, node);
+    if (!entry || column >= entry->strides.size())
+        throw Error(ErrorCode::invalid_argument, {},
+                    "column " + std::to_string(column) + " of node " + std::to_string(node) + " is not in video memory");
+    std::vector<std::byte> bytes(std::size_t(entry->points) * entry->strides[column]);
+    ReadBack(*entry).read(column, bytes.data());
+    return bytes;
+}
+
 bool L1Cache::add_block()
 {
     if (blocks_.size() >= max_blocks_) return false;
@@ -324,7 +343,7 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
 }
 
 const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32_t points,
-                                           const std::vector<ColumnSource>& columns, bool forced)
+                                           const Vec3i& origin, const std::vector<ColumnSource>& columns, bool forced)
 {
     const auto start = Clock::now();
     std::size_t pages = 0;
@@ -334,7 +353,7 @@ const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32
                         "a column of " + std::to_string(column.stride) +
                             " bytes a point does not go into video memory; 1 to " + std::to_string(max_stride) +
                             " were expected");
-        pages += pages_of_column(column.stride, points);
+        pages += pages_of(column.stride, points);
     }
     write_back_error_ = nullptr;
     const ColumnEntry* const done = (*table_)([&](auto& table) -> const ColumnEntry* {
@@ -345,6 +364,7 @@ const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32
         slot->payload.columns = std::make_unique<ColumnEntry>();
         ColumnEntry& entry = *slot->payload.columns;
         entry.points = points;
+        entry.origin = origin;
         for (const ColumnSource& column : columns) entry.strides.push_back(column.stride);
         entry.written.resize(columns.size());
         transfer(entry, slot->pages(), columns);
@@ -440,6 +460,20 @@ void L1Cache::flush_owner(const Owner* owner)
 
 void L1Cache::flush(Owner owner) { flush_owner(&owner); }
 void L1Cache::flush() { flush_owner(nullptr); }
+
+void L1Cache::discard_owner(const Owner* owner)
+{
+    (*table_)([&](auto& table) {
+        table.discard(owner, [](auto& entry) {
+            ColumnEntry& columns = *entry.payload.columns;
+            columns.written.assign(columns.written.size(), false);
+            entry.payload.write_back = nullptr;
+        });
+    });
+}
+
+void L1Cache::discard(Owner owner) { discard_owner(&owner); }
+void L1Cache::discard() { discard_owner(nullptr); }
 
 std::uint64_t L1Cache::pages_available(Owner owner) const
 {

@@ -93,6 +93,7 @@ struct ColumnPiece {
 
 struct ColumnEntry {
     std::uint32_t points = 0;
+    Vec3i origin{};                      // of the chunk, grid coordinates
     std::vector<std::uint32_t> strides;  // of each column, bytes a point
     std::vector<bool> written;           // which columns are marked
     std::vector<ColumnPiece> pieces;     // all points, in order
@@ -170,6 +171,7 @@ public:
     const VertexEntry* use(Owner owner, NodeId node);
     const VertexEntry* find(Owner owner, NodeId node) const;
     const ColumnEntry* use_columns(Owner owner, NodeId node);
+    const ColumnEntry* find_columns(Owner owner, NodeId node) const;
 
     // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
     // `rgba` (4 bytes a point) is read unless `colour` is none. Evicts as needed, as the policy says, never what
@@ -181,8 +183,12 @@ public:
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
     // Error(unsupported) for a column of more than max_stride bytes a point.
-    const ColumnEntry* upload_columns(Owner owner, NodeId node, std::uint32_t points, const std::vector<ColumnSource>& columns,
-                                      bool forced);
+    const ColumnEntry* upload_columns(Owner owner, NodeId node, std::uint32_t points, const Vec3i& origin,
+                                      const std::vector<ColumnSource>& columns, bool forced);
+    static std::uint64_t pages_of(std::uint32_t stride, std::uint64_t points);  // of a column
+
+    // A column as it is in video memory. Throws Error(invalid_argument) for what is not there, Error(io) when OpenGL fails.
+    std::vector<std::byte> read(Owner owner, NodeId node, std::size_t column) const;
 
     // Requests restricted by time: uploads one node after the other, as far as `supply` has them ready, until `milliseconds` are
     // spent; one is uploaded whatever it takes. Without a time, all are, as computations want it that need all nodes to a level.
@@ -201,6 +207,9 @@ public:
     // Writes back what is marked, of one owner or of all. Throws the first error after having tried all; what failed stays marked.
     void flush(Owner owner);
     void flush();
+    // Takes the marks off, of one owner or of all, when what they are for is wanted no more or its cloud is closed. Needs no context.
+    void discard(Owner owner);
+    void discard();
     // Why the latest upload could write back nothing more; null if it did not fail so.
     std::exception_ptr write_back_error() const { return write_back_error_; }
 
@@ -229,6 +238,7 @@ private:
     void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages, const std::vector<ColumnSource>& columns);
     bool write_back(NodeId node, Payload& payload);
     void flush_owner(const Owner* owner);
+    void discard_owner(const Owner* owner);
 
     L1Options options_;
     std::uint32_t pages_per_block_ = 0;

@@ -157,6 +157,12 @@ struct L1Model {
         forget_orphans();
         return failed;
     }
+    void discard(const std::uint64_t* owner)
+    {
+        for (Entry& e : entries)
+            if (!owner || e.owner == *owner) e.written = false;
+        forget_orphans();
+    }
     bool set_blocks(std::uint32_t most)
     {
         if (blocks > most) {

@@ -171,7 +171,12 @@ TEST_P(L1TableWith, AMillionRandomOperationsAgreeWithANaiveModel)
             ASSERT_EQ(hashed.set_blocks(most), done) << "step " << step;
             ASSERT_EQ(ordered.set_blocks(most), done) << "step " << step;
             failed_shrinks += !done;
-        } else if (action < 998) {
+        } else if (action < 997) {
+            const std::uint64_t* const of = random() % 2 ? &owner : nullptr;
+            model.discard(of);
+            hashed.table.discard(of, [](auto&) {});
+            ordered.table.discard(of, [](auto&) {});
+        } else if (action < 999) {
             model.remove_owner(owner);
             hashed.table.remove_owner(owner);
             ordered.table.remove_owner(owner);
