@@ -30,7 +30,7 @@ class Size:
     timed_hits: int
 
 
-SMOKE = Size(clouds=[40_000], grid_clouds=1, chunks=[5_000, 10_000], blocks=[1, 2], l1=[2, 8], l2=[1, 8], tight_l1=2, tight_l2=1, loaders=[1],
+SMOKE = Size(clouds=[40_000], grid_clouds=2, chunks=[5_000, 10_000], blocks=[1, 2], l1=[2, 8], l2=[1, 8], tight_l1=2, tight_l2=1, loaders=[1],
              paths=["fly-over", "plan"], frames=4, repeat=1, picture="160x120", point_budget=20_000, pace_ms=1, queries=200, hit_seconds=0.005,
              timed_hits=1000)
 QUICK = Size(clouds=[5_000_000, 20_000_000], grid_clouds=1, chunks=[5_000, 10_000, 25_000, 50_000, 100_000, 200_000, 400_000], blocks=[1, 2, 4],

@@ -117,7 +117,7 @@ L1Options l1_options(const Settings& settings)
 
 struct Drawn {
     std::vector<double> frame_ms, draw_ms, points, error_px, rest_ms;
-    double wanted = 0, missing = 0;
+    double wanted = 0, found = 0, missing = 0;  // nodes, summed over the frames of the path; found: in L1 when they were asked for
     unsigned given_up = 0;
 };
 
@@ -154,7 +154,9 @@ public:
     {
         for (std::size_t i = 0; i < path.frames.size(); ++i) {
             const auto start = Clock::now();
+            const std::uint64_t hits_before = renderer_.l1()->statistics().hits;
             FrameReport report = frame(path.frames[i]);
+            drawn.found += static_cast<double>(renderer_.l1()->statistics().hits - hits_before);
             drawn.frame_ms.push_back(1000 * seconds_since(start));
             drawn.draw_ms.push_back(report.frame_ms);
             drawn.points.push_back(static_cast<double>(report.points_drawn));
@@ -192,12 +194,14 @@ private:
     RenderOptions options_;
 };
 
-void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, double wanted)
+void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, const Drawn& drawn)
 {
     const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
-    // L1 is asked for each node that a frame wants. A miss is counted when the chunk comes, so a frame that waits for one asks in vain
-    // more often than misses are counted.
+    // L1 is asked for each node that a frame wants. A miss is counted when the chunk comes: a moving camera that waits for one asks in
+    // vain more often, and what comes while it rests is counted too.
+    const double wanted = drawn.wanted;
     const double l1_misses = number(l1.compulsory_misses + l1.capacity_misses);
+    row["l1_wanted"] = wanted;
     row["l1_hits"] = l1.hits;
     row["l1_compulsory"] = l1.compulsory_misses;
     row["l1_capacity"] = l1.capacity_misses;
@@ -206,7 +210,7 @@ void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, double
     put_load_times(row, "l1_load", l1.upload_times);
     row["l1_evictions"] = l1.evictions;
     row["l1_refused"] = l1.refused;
-    row["l1_hit_rate"] = ratio(number(l1.hits), wanted);
+    row["l1_hit_rate"] = ratio(drawn.found, wanted);
     row["l1_compulsory_rate"] = ratio(number(l1.compulsory_misses), wanted);
     row["l1_capacity_rate"] = ratio(number(l1.capacity_misses), wanted);
     row["l1_load_ms_mean"] = ratio(1000 * l1.upload_seconds, l1_misses);
@@ -282,7 +286,7 @@ void measure_replay(const Settings& settings, Row& row)
     row["converged_ms_median"] = quantile(drawn.rest_ms, 0.5);
     row["converged_ms_max"] = quantile(drawn.rest_ms, 1);
     row["given_up"] = drawn.given_up;
-    put_caches(row, player.renderer().l1()->statistics(), cloud->cache().statistics(), drawn.wanted);
+    put_caches(row, player.renderer().l1()->statistics(), cloud->cache().statistics(), drawn);
     row["gl"] = screen.renderer();
 }
 
