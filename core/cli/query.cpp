@@ -1,5 +1,6 @@
 #include "point_cloud.h"
 
+#include "cli/cache_statistics.h"
 #include "cli/common.h"
 #include "cli/region_options.h"
 #include "cloud/error.h"
@@ -18,7 +19,7 @@ struct Arguments {
     std::string tree;
     std::vector<double> nearest;
     std::optional<std::uint16_t> level;
-    bool estimate = false, headers = false, count = false, first_hit = false;
+    bool estimate = false, headers = false, count = false, first_hit = false, statistics = false;
     std::size_t k = 1;
     std::optional<double> max_distance;
     unsigned reads = 8;
@@ -30,11 +31,6 @@ Json json_of(const Vec3d& v) { return Json::array({v[0], v[1], v[2]}); }
 Json json_of(const Box3d& box)
 {
     return box.empty() ? Json() : Json({{"min", json_of(box.min)}, {"max", json_of(box.max)}});
-}
-
-std::string time_text(double seconds)
-{
-    return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s";
 }
 
 void refuse(const std::string& what, const std::string& hint)
@@ -72,6 +68,7 @@ int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["bytes"] = e.bytes;
         json["seconds_expected"] = e.seconds ? Json(*e.seconds) : Json();
         json["seconds"] = e.own_seconds;
+        if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
@@ -110,6 +107,7 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["points_read"] = statistics.points_read;
         json["bytes_read"] = statistics.bytes_read;
         json["spacing"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
+        if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
@@ -142,6 +140,7 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["least_distance"] = std::isfinite(result.least_distance) ? Json(result.least_distance) : Json();
         json["error"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
         json["points_compared"] = outcome.points_in;
+        if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
@@ -169,6 +168,7 @@ int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
         if (result.hit)
             json["hit"] = {{"along", result.hit->along}, {"position", json_of(result.hit->position)}, {"node", result.hit->node}, {"index", result.hit->index}};
         json["error"] = std::isfinite(result.outcome.error) ? Json(result.outcome.error) : Json();
+        if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
@@ -193,10 +193,17 @@ int query(const Arguments& arguments)
         refuse("more than one of --estimate, --count, --nearest and --first-hit was given", "ask one thing at a time");
     if (arguments.headers && !arguments.estimate) refuse("--headers goes with --estimate", "");
     if (arguments.max_distance && arguments.nearest.empty()) refuse("--max-distance goes with --nearest", "");
-    if (arguments.estimate) return estimate(arguments, *cloud, query);
-    if (!arguments.nearest.empty()) return nearest(arguments, *cloud, query);
-    if (arguments.first_hit) return first_hit(arguments, *cloud, query);
-    return count(arguments, *cloud, query);
+    int result = 0;
+    if (arguments.estimate)
+        result = estimate(arguments, *cloud, query);
+    else if (!arguments.nearest.empty())
+        result = nearest(arguments, *cloud, query);
+    else if (arguments.first_hit)
+        result = first_hit(arguments, *cloud, query);
+    else
+        result = count(arguments, *cloud, query);
+    if (arguments.statistics && !arguments.common.json) print(cloud->cache().statistics());
+    return result;
 }
 
 }  // namespace
@@ -222,6 +229,7 @@ void add_query(CLI::App& app, int& result)
 
     command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")->check(CLI::Range(1, 64));
     command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = query(*arguments); });
 }

@@ -1,5 +1,6 @@
 #include "point_cloud.h"
 
+#include "cli/cache_statistics.h"
 #include "cli/common.h"
 #include "cli/region_options.h"
 #include "cloud/error.h"
@@ -19,6 +20,7 @@ struct Arguments {
     std::vector<std::string> values, attributes;
     std::optional<std::uint16_t> level;
     std::uint64_t cache = std::uint64_t(512) << 20;
+    bool statistics = false;
 };
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what, const std::string& hint)
@@ -167,11 +169,13 @@ int set(Arguments& arguments)
         json["attributes_added"] = added.size();
         json["seconds"] = seconds;
         json["peak_rss_bytes"] = peak_rss_bytes();
+        if (arguments.statistics) json["cache"] = cache_json(statistics);
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(), grouped(points).c_str(),
                 grouped(chunks).c_str(), grouped(added.size()).c_str(), seconds);
+    if (arguments.statistics) print(statistics);
     return 0;
 }
 
@@ -189,6 +193,7 @@ void add_set(CLI::App& app, int& result)
     command->add_option("--level", arguments->level, "The cloud at this level")->group(group);
     arguments->region.add_to(*command, group);
     command->add_option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = set(*arguments); });
 }

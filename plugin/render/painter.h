@@ -34,6 +34,9 @@ public:
     // Repaints `view` when points have arrived; views may die at any time.
     void add_view(QWidget* view);
 
+    // Of all clouds of the share group.
+    L1Statistics statistics() const { return l1_->statistics(); }
+
     PointCloud& cloud() const { return *renderer_->cloud(); }
 
 private:

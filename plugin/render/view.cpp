@@ -36,7 +36,16 @@ Camera camera_of(const MeshModel& layer)
     return camera;
 }
 
-QString status_text(const FrameReport& report, std::uint64_t total, double target_px)
+std::string megabytes(std::uint64_t bytes) { return grouped((bytes + (1u << 19)) >> 20); }
+
+// How much of a cache is in use, and how often it had what was asked for.
+std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_t capacity, std::uint64_t hits, std::uint64_t misses)
+{
+    const std::uint64_t asked = hits + misses;
+    return name + " " + megabytes(used) + " of " + megabytes(capacity) + " MB, " + (asked ? grouped(100 * hits / asked) : "0") + " % hits";
+}
+
+QString status_text(const FrameReport& report, std::uint64_t total, double target_px, const std::string& caches)
 {
     const std::string detail = report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
                                                                 " px (target " + brief(target_px) + ")"
@@ -45,7 +54,7 @@ QString status_text(const FrameReport& report, std::uint64_t total, double targe
     const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, " +
                              (report.refining ? "refining" : "complete");
     QString rows;
-    for (const std::string& row : {points, time, report.error})
+    for (const std::string& row : {points, time, caches, report.error})
         if (!row.empty()) rows += "<tr><td>" + QString::fromStdString(row).toHtmlEscaped() + "</td></tr>";
     return "<table>" + rows + "</table>";
 }
@@ -98,7 +107,12 @@ QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings
         });
     }
     publish_state();
-    return status_text(entry.report, tree.cloud->info().points, options.target_spacing_px);
+    const L1Statistics l1 = entry.painter->statistics();
+    const L2Statistics l2 = tree.cloud->cache().statistics();
+    const std::string caches =
+        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses) + "; " +
+        cache_text("RAM", l2.resident_bytes, settings.l2_bytes, l2.hits, l2.compulsory_misses + l2.capacity_misses);
+    return status_text(entry.report, tree.cloud->info().points, options.target_spacing_px, caches);
 }
 
 void View::end(int mesh_id)

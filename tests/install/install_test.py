@@ -139,6 +139,15 @@ def main():
         line = run(darken, cloud, repr(height)).stdout
         assert line == f"{changed} of {POINTS} points changed\n", (line, changed)
 
+    # A new attribute, written and read back, with a cache that holds a small part of the tree; and again, over what is there.
+    for _ in range(2):
+        line = run(work / "examples-build" / "height_above", tree, "92.5", "0").stdout
+        assert line == f"{POINTS} points, 0 of them have another height\n", line
+    verified = json.loads(run(pcm, "verify", tree, "--json").stdout)
+    assert verified["points"] == POINTS and not verified["faults"], verified
+    found = json.loads(run(pcm, "query", tree, "--where", "height>=0", "--statistics", "--json").stdout)
+    assert found["points"] == sum(p[2] >= 92.5 for p in points) and "cache" in found, found
+
     missing = run(example, work / "no.pct", *["0"] * 6, expect=1)
     assert "no.pct" in missing.stderr, missing.stderr
 

@@ -1,0 +1,12 @@
+// What a cache did, in words and as JSON.
+#pragma once
+
+#include "cache/l2_cache.h"
+#include "cli/common.h"
+
+namespace pcm::cli {
+
+Json cache_json(const L2Statistics& statistics);
+void print(const L2Statistics& statistics);
+
+}  // namespace pcm::cli
