@@ -121,7 +121,7 @@ void L2Cache::State::drop(Entry& entry)
     ++statistics.evictions;
 }
 
-void L2Cache::State::make_room(std::unique_lock<std::mutex>& lock)
+void L2Cache::State::make_room(Lock& lock)
 {
     while (charged > capacity && oldest) {
         if (oldest->dirty.none())
@@ -131,7 +131,7 @@ void L2Cache::State::make_room(std::unique_lock<std::mutex>& lock)
     }
 }
 
-std::exception_ptr L2Cache::State::write_back(Entry& entry, std::unique_lock<std::mutex>& lock)
+std::exception_ptr L2Cache::State::write_back(Entry& entry, Lock& lock)
 {
     entry.writing = true;
     pin(entry);
@@ -180,7 +180,7 @@ void L2Cache::State::count_miss(const Entry& entry, const ColumnSet& columns)
         ++statistics.compulsory_misses;
 }
 
-L2Cache::Entry& L2Cache::State::get(NodeId node, const ColumnSet& columns, std::unique_lock<std::mutex>& lock)
+L2Cache::Entry& L2Cache::State::get(NodeId node, const ColumnSet& columns, Lock& lock)
 {
     Entry& entry = entry_of(node);
     for (bool missed = false;;) {
@@ -202,7 +202,7 @@ L2Cache::Entry& L2Cache::State::get(NodeId node, const ColumnSet& columns, std::
 }
 
 // Reads the columns that the entry lacks.
-void L2Cache::State::load(Entry& entry, const ColumnSet& columns, std::unique_lock<std::mutex>& lock)
+void L2Cache::State::load(Entry& entry, const ColumnSet& columns, Lock& lock)
 {
     entry.loading = true;
     pin(entry);  // so that what it has, and is changed, is there when the rest has come

@@ -1,6 +1,7 @@
 // The inside of the L2 cache: its entries and what happens to them. For l2_cache.cpp and l2_state.cpp alone.
 #pragma once
 
+#include "cache/brief_mutex.h"
 #include "cache/l2_cache.h"
 
 #include <atomic>
@@ -44,12 +45,14 @@ struct L2Cache::Entry {
 };
 
 struct L2Cache::State {
+    using Lock = std::unique_lock<BriefMutex>;
+
     std::shared_ptr<ChunkStore> store;
     std::vector<std::shared_ptr<const Tree>> trees;  // all that tree() gave
     std::atomic<const Tree*> tree{nullptr};  // the last of them
-    mutable std::mutex mutex;
-    std::condition_variable work;    // for loader threads: there is something in the list, or the end has come
-    std::condition_variable loaded;  // a load, a write or an edit has ended
+    mutable BriefMutex mutex;
+    std::condition_variable_any work;    // for loader threads: there is something in the list, or the end has come
+    std::condition_variable_any loaded;  // a load, a write or an edit has ended
     std::unordered_map<NodeId, Entry> entries;
     Entry *oldest = nullptr, *newest = nullptr;  // of the order of use
     std::deque<ChunkRequest> wanted;
@@ -74,13 +77,13 @@ struct L2Cache::State {
     void pin(Entry& entry);
     void unpin(Entry& entry);
     void drop(Entry& entry);
-    void make_room(std::unique_lock<std::mutex>& lock);
+    void make_room(Lock& lock);
     void count_miss(const Entry& entry, const ColumnSet& columns);
     Entry& entry_of(NodeId node);
-    Entry& get(NodeId node, const ColumnSet& columns, std::unique_lock<std::mutex>& lock);
-    void load(Entry& entry, const ColumnSet& columns, std::unique_lock<std::mutex>& lock);
+    Entry& get(NodeId node, const ColumnSet& columns, Lock& lock);
+    void load(Entry& entry, const ColumnSet& columns, Lock& lock);
     // The entry is changed and nobody writes it. What could not be written stays changed; returns why, as write_failure does.
-    std::exception_ptr write_back(Entry& entry, std::unique_lock<std::mutex>& lock);
+    std::exception_ptr write_back(Entry& entry, Lock& lock);
 
     void loader();  // a loader thread's life; without the mutex
 };

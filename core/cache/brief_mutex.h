@@ -1,0 +1,38 @@
+// A mutex for what takes some ten nanoseconds. Who finds it taken tries again, lets others run, and only then sleeps: with more threads than
+// processors a mutex of the system spends its time on putting threads to sleep and waking them.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace pcm {
+
+class BriefMutex {
+public:
+    bool try_lock() { return !taken_.exchange(true, std::memory_order_acquire); }
+    void lock()
+    {
+        for (unsigned tries = 0; !try_lock(); ++tries)
+            while (taken_.load(std::memory_order_relaxed)) {
+                if (++tries < 32)
+                    pause();
+                else if (tries < 256)
+                    std::this_thread::yield();
+                else
+                    std::this_thread::sleep_for(std::chrono::microseconds(50));
+            }
+    }
+    void unlock() { taken_.store(false, std::memory_order_release); }
+
+private:
+    static void pause()
+    {
+#if defined(__x86_64__) || defined(__i386__)
+        __builtin_ia32_pause();
+#endif
+    }
+    std::atomic<bool> taken_{false};
+};
+
+}  // namespace pcm
