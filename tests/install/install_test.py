@@ -46,6 +46,26 @@ def expected_line(points, low, high):
     return len(inside), math.fsum(p[2] for p in inside) / len(inside) if inside else 0.0
 
 
+def check_gpu_example(example, pcm, tree, points):
+    """Heights above a plane between two steps of the grid, by a compute shader: the signs cannot hang on rounding."""
+    if not example.exists():
+        print("left out, as EGL or the OpenGL part is not here: the example of a compute shader")
+        return
+    level = sorted(p[2] for p in points)[len(points) // 3] + 0.0005
+    result = subprocess.run([example, tree, "0", "0", repr(level), "0", "0", "2", "0", "4"], stdin=subprocess.DEVNULL,
+                            capture_output=True, text=True)
+    if result.returncode == 1 and ("no OpenGL context" in result.stderr or "compute shaders need" in result.stderr):
+        print(f"left out: {result.stderr.strip()}")
+        return
+    match = re.match(rf"{POINTS} points, 0 of them have another height; at most (\S+) from", result.stdout)
+    assert result.returncode == 0 and match and float(match[1]) < 1e-4, (result.stdout, result.stderr)
+    verified = json.loads(run(pcm, "verify", tree, "--json").stdout)
+    assert verified["points"] == POINTS and not verified["faults"], verified
+    found = json.loads(run(pcm, "query", tree, "--where", "height>0", "--json").stdout)
+    expected = sum(p[2] > level for p in points)
+    assert found["points"] == expected and 0 < expected < POINTS, (found, expected)
+
+
 def check_headers(cmake, work, prefix, with_gl, options):
     """Every installed header compiles by itself: what it includes is installed too."""
     include = prefix / "include" / "pcm"
@@ -147,6 +167,9 @@ def main():
     assert verified["points"] == POINTS and not verified["faults"], verified
     found = json.loads(run(pcm, "query", tree, "--where", "height>=0", "--statistics", "--json").stdout)
     assert found["points"] == sum(p[2] >= 92.5 for p in points) and "cache" in found, found
+
+    if with_gl:
+        check_gpu_example(work / "examples-build" / "height_above_plane", pcm, tree, points)
 
     missing = run(example, work / "no.pct", *["0"] * 6, expect=1)
     assert "no.pct" in missing.stderr, missing.stderr
