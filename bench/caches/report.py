@@ -11,26 +11,31 @@ TOLERANCE = 0.05  # what is no farther from the best is as good
 COSTS = {
     "chunk_points": ("points a chunk", [
         ("chunks and blocks", "frame_ms_p99", {}, "99 % of frames"),
+        ("chunks and blocks", "cpu_seconds", {}, "processor, path"),
         ("chunks and blocks", "converged_ms_median", {}, "picture complete"),
         ("scan", "seconds", dict(mode="scan", storage="cold"), "cold scan"),
         ("estimation", "cpu_us_query", {}, "radius of a point")]),
     "block_mb": ("VBO, MB", [
         ("chunks and blocks", "l1_load_ms_mean", {}, "upload of a chunk"),
+        ("chunks and blocks", "cpu_seconds", {}, "processor, path"),
         ("chunks and blocks", "frame_ms_p99", {}, "99 % of frames"),
         ("chunks and blocks", "converged_ms_median", {}, "picture complete")]),
     "policy": ("policy of L1", [
         ("policy and container", "l1_uploaded_mb", {}, "uploaded"),
+        ("policy and container", "cpu_seconds", {}, "processor, path"),
         ("policy and container", "frame_ms_p99", {}, "99 % of frames"),
         ("policy and container", "converged_ms_median", {}, "picture complete")]),
     "container": ("container of L1", [
         ("policy and container", "draw_ms_median", {}, "time in draw()"),
+        ("policy and container", "cpu_seconds", {}, "processor, path"),
         ("policy and container", "frame_ms_p99", {}, "99 % of frames")]),
 }
 RULE = f"""Each value of a choice gets a score: for every cloud and every kind of cost in its table (with the other things held), the median over
 the repetitions is divided by that of the best value, and the geometric mean of these ratios is the score; 1 would be best in everything.
 A value is as good as the best when its score is within {TOLERANCE:.0%} of the best score, or within the spread of its figures (half the distance
 of the quartiles, as a share of the median; the mean over the figures) or of the best one's, whichever is most. The library's default is recommended when it is as
-good as the best, for a default is not changed for less than what repetitions differ by; else the best value is."""
+good as the best, for a default is not changed for less than what repetitions differ by; else the best value is. What was measured once tells no
+spread, and changes no default."""
 SIZE_RULE = """A size is enough when at it, and at each larger one, fewer than 1 % of the requests are capacity misses, on all clouds. L1 must besides hold
 one picture at the renderer's point budget, 16 bytes a point. The library's default is recommended when it is enough; else the next power of two that is."""
 
@@ -138,7 +143,7 @@ def defaults_section(table, about):
         tables += ["", f"| {name} | score | " + " | ".join(labels) + " | spread |", "|---:" * (len(labels) + 3) + "|"]
         for value in sorted(found, key=str if isinstance(next(iter(found)), str) else None):
             score, spread_of, means = found[value]
-            tables.append(f"| {text_of(value)} | {score:.2f} | " + " | ".join(f"{means[label]:.2f}" for label in labels) + f" | {spread_of:.0%} |")
+            tables.append(f"| {text_of(value)} | {score:.2f} | " + " | ".join(f"{means[label]:.2f}" for label in labels) + f" | {f'{spread_of:.0%}' if math.isfinite(spread_of) else 'unknown'} |")
     for name, study, column, rate in (("L1, MB", "L1 size", "l1_mb", "l1_capacity_rate"), ("L2, MB", "L2 size", "l2_mb", "l2_capacity_rate")):
         if not table.select(study=study):
             continue

@@ -1,5 +1,6 @@
 """The raw figures: a CSV file with a row for each run, and medians over the repetitions."""
 import csv
+import math
 import os
 import statistics
 
@@ -85,7 +86,9 @@ def quartiles(values):
 
 
 def spread(values):
-    """Half the distance of the quartiles, as a share of the median."""
+    """Half the distance of the quartiles, as a share of the median; infinite when there is but one value."""
+    if len(values) < 2:
+        return math.inf
     middle = median(values)
     low, high = quartiles(values)
     return (high - low) / 2 / middle if middle else 0
