@@ -156,12 +156,15 @@ def defaults_section(table, about):
     return [*lines, "", verdict, "", "The scores, and the mean ratios to the best that they are made of:", *tables, ""]
 
 
-def cell(series, scale=1.0, digits=3):
+def three_digits(value):
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def cell(series):
     if not series:
         return ""
-    low, high = (v * scale for v in quartiles(series))
-    middle = median(series) * scale
-    return f"{middle:.{digits}g} ({low:.{digits}g} to {high:.{digits}g})"
+    low, high = quartiles(series)
+    return f"{three_digits(median(series))} ({three_digits(low)} to {three_digits(high)})"
 
 
 def storage_section(table):
