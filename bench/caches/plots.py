@@ -142,6 +142,9 @@ def draw_all(table, out):
     add("frames", "Time of a frame of a moving camera against chunk size", with_grid,
         against_chunk(table, [("frame_ms_median", 1, "median", {}), ("frame_ms_p99", 1, "99 % are within", {})], study="chunks and blocks", block_mb=block),
         "Frames of a moving camera", chunk, "ms")
+    add("spacing", "What a moving camera sees: the largest spacing of points where finer ones exist", with_grid,
+        against_chunk(table, [("screen_error_px_median", 1, "median", {})], study="chunks and blocks", block_mb=block),
+        "Spacing of points on screen", chunk, "pixels")
     add("converged", "Time until a camera that rests sees all it wants", with_grid,
         against_chunk(table, [("converged_ms_median", 1, "median", {}), ("converged_ms_max", 1, "longest", {})], study="chunks and blocks", block_mb=block),
         "Until the picture is complete", chunk, "ms")

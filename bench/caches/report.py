@@ -13,6 +13,7 @@ COSTS = {
         ("chunks and blocks", "frame_ms_p99", {}, "99 % of frames"),
         ("chunks and blocks", "cpu_seconds", {}, "processor, path"),
         ("chunks and blocks", "converged_ms_median", {}, "picture complete"),
+        ("chunks and blocks", "screen_error_px_median", {}, "spacing on screen"),
         ("scan", "seconds", dict(mode="scan", storage="cold"), "cold scan"),
         ("estimation", "cpu_us_query", {}, "radius of a point")]),
     "block_mb": ("VBO, MB", [
@@ -129,7 +130,7 @@ def size_line(name, default, smallest, least, rates):
 
 def defaults_section(table, about):
     lines = ["## Defaults", "", RULE, "", SIZE_RULE, "", "| | recommended | the library's | as good as the best |", "|---|---|---|---|"]
-    tables, differing = [], []
+    tables, differing, unsure = [], [], []
     for parameter, (name, costs) in COSTS.items():
         found = scores(table, parameter)
         default = about.get(parameter)
@@ -138,6 +139,8 @@ def defaults_section(table, about):
         chosen, _, good = recommend(found, default)
         if chosen != default:
             differing.append(name)
+        if not all(math.isfinite(of_it) for _, of_it, _ in found.values()):
+            unsure.append(name)
         lines.append(f"| {name} | {text_of(chosen)} | {text_of(default)} | {', '.join(text_of(v) for v in sorted(good, key=str if isinstance(good[0], str) else None))} |")
         labels = [label for *_, label in costs if any(label in f[2] for f in found.values())]
         tables += ["", f"| {name} | score | " + " | ".join(labels) + " | spread |", "|---:" * (len(labels) + 3) + "|"]
@@ -153,6 +156,8 @@ def defaults_section(table, about):
         if smallest is not None and max(smallest, least) > about[column]:
             differing.append(name)
     verdict = "The library's defaults are those recommended." if not differing else "**The library's defaults differ from those recommended in: " + ", ".join(differing) + ".**"
+    if unsure:
+        verdict += f" Some configurations were measured once, so nothing is known of the spread, and the defaults kept for want of it: {', '.join(unsure)}."
     return [*lines, "", verdict, "", "The scores, and the mean ratios to the best that they are made of:", *tables, ""]
 
 

@@ -186,7 +186,7 @@ def main():
     parser.add_argument("--again", action="append", default=[], metavar="STUDY", help="measure it again, whatever results.csv has of it")
     parser.add_argument("--report", action="store_true", help="only plots and report")
     group = parser.add_mutually_exclusive_group()
-    group.add_argument("--quick", action="store_true", help="smaller clouds and fewer repetitions: about an hour on two cores")
+    group.add_argument("--quick", action="store_true", help="smaller clouds and fewer repetitions: half an hour on two cores")
     group.add_argument("--smoke", action="store_true", help="tiny, once: that it works")
     arguments = parser.parse_args()
     size = plan.SMOKE if arguments.smoke else plan.QUICK if arguments.quick else plan.FULL
