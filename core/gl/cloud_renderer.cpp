@@ -5,6 +5,7 @@
 #include "gl/shader_program.h"
 #include "gl/vertex_colours.h"
 #include "view/level_of_detail.h"
+#include "view/motion.h"
 
 #include <GL/glew.h>
 
@@ -119,6 +120,7 @@ struct CloudRenderer::Impl {
     std::vector<std::uint8_t> rgba;
 
     FrameBudget budget;
+    std::optional<View> last_view;
     std::deque<std::pair<Camera, Vec3d>> recent_cameras;  // several views may draw in turn
 
     // --- choice -----------------------------------------------------------------------------------------------------
@@ -197,8 +199,21 @@ struct CloudRenderer::Impl {
         return window;
     }
 
-    // Takes what has come of the window from L2 and asks for the rest.
-    void load(const std::vector<NodeId>& window, VertexColour colour)
+    // What the view will want some frames later and video memory has not got, if it moves: the loader has time for it only when little is
+    // missing now.
+    std::vector<NodeId> ahead_of(const std::optional<View>& later, const DetailLimits& limits, std::size_t missing_now) const
+    {
+        std::vector<NodeId> nodes;
+        if (!later || missing_now >= window_size / 2) return nodes;
+        for (const DetailNode& node : select_detail(cloud->cache().tree(), *later, limits).wanted) {
+            if (nodes.size() + missing_now >= window_size) break;
+            if (!l1->find(owner, node.node) && !failed.count(node.node)) nodes.push_back(node.node);
+        }
+        return nodes;
+    }
+
+    // Takes what has come of the window from L2 and asks for the rest, and then for what is `ahead`.
+    void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, VertexColour colour)
     {
         std::map<NodeId, Arrival> kept;
         if (arrivals_colour == colour)
@@ -231,10 +246,19 @@ struct CloudRenderer::Impl {
             }
             list.push_back({node, columns});
         }
+        const std::set<NodeId> wanted(window.begin(), window.end());
+        std::set<NodeId> silent;  // nobody waits for them
+        for (const NodeId node : ahead)
+            if (!wanted.count(node) && !cloud->cache().find(node, columns)) {
+                list.push_back({node, columns});
+                silent.insert(node);
+            }
         // Also when nothing is missing: what an older view asked for need not be loaded any more.
         if (!list.empty() || asked_last) {
             asked_last = !list.empty();
-            cloud->cache().request(std::move(list), [box = inbox](NodeId node) { box->put(node); });
+            cloud->cache().request(std::move(list), [box = inbox, silent = std::move(silent)](NodeId node) {
+                if (!silent.count(node)) box->put(node);
+            });
         }
     }
     bool asked_last = false;
@@ -424,7 +448,7 @@ struct CloudRenderer::Impl {
         const auto frustum = Frustum::of(view);
         if (!frustum) return report;
 
-        const auto& nodes = cloud->tree()->nodes();
+        const auto& nodes = cloud->cache().tree().nodes();
         const bool resting = rests(camera, local_origin);
         const double budget_ms =
             resting ? std::max(options.rest_budget_ms, options.frame_budget_ms) : options.frame_budget_ms;
@@ -435,7 +459,7 @@ struct CloudRenderer::Impl {
         // Counted as if all entries had colour: those of another mode stay until there is need for their room.
         limits.page_points = L1Cache::points_per_page(VertexColour::rgb);
         limits.page_budget = l1->pages_available(owner);
-        const DetailSelection selection = select_detail(*cloud->tree(), view, limits);
+        const DetailSelection selection = select_detail(cloud->cache().tree(), view, limits);
 
         l1->begin_frame(owner);
         std::vector<bool> current(selection.wanted.size());
@@ -443,7 +467,10 @@ struct CloudRenderer::Impl {
             current[i] = is_current(l1->use(owner, selection.wanted[i].node), colour);
         }
         const std::vector<NodeId> window = window_of(selection, current);
-        load(window, colour);
+        std::optional<View> later;
+        if (!resting && last_view && options.prefetch_frames) later = predict(*last_view, view, options.prefetch_frames);
+        last_view = view;
+        load(window, ahead_of(later, limits, window.size()), colour);
 
         const GlStateGuard state;
         build_programs(state.compatibility());

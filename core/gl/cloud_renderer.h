@@ -35,6 +35,7 @@ struct RenderOptions {
     double rest_budget_ms = 250;              // of a view that rests: how long a still picture may take
     std::uint64_t point_budget = 20'000'000;  // never draw more than this
     double upload_budget_ms = L1Cache::default_milliseconds;  // of a frame; one chunk is uploaded whatever it takes
+    unsigned prefetch_frames = 8;             // what a moving view will need so many frames later is loaded ahead; 0: nothing is
 };
 
 struct Camera {

@@ -3,6 +3,7 @@
 
 #include "tree/builder.h"
 #include "tree/tree_index.h"
+#include "view/level_of_detail.h"
 
 #include <algorithm>
 #include <atomic>
@@ -83,6 +84,53 @@ std::size_t count_lit(const std::vector<Pixel>& pixels)
 class CloudRendererIn : public testing::TestWithParam<Profile> {};
 INSTANTIATE_TEST_SUITE_P(Profiles, CloudRendererIn, testing::Values(Profile::compatibility, Profile::core),
                          [](const auto& info) { return info.param == Profile::core ? "Core" : "Compatibility"; });
+
+// What a moving view comes to see is in RAM before; nothing of it when that is not asked for.
+TEST_P(CloudRendererIn, AMovingViewLoadsAhead)
+{
+    PCM_REQUIRE_GL(context, GetParam());
+    const TemporaryFolder folder;
+    const auto cloud_file = make_cloud(folder, "cube", grid_at(map_offset), random_points(40000, 100000, 3), 1000);
+    const Framebuffer framebuffer(320, 240);
+    for (const bool ahead : {true, false}) {
+        const auto cloud = PointCloud::open(cloud_file->tree()->folder());
+        CloudRenderer renderer(cloud);
+        RenderOptions options = everything();
+        options.prefetch_frames = ahead ? 8 : 0;
+        const auto camera_at = [&](double x) {
+            return camera_of(product(translation(-x, -50, -160), translation(0, 0, 0)), perspective(0.25, 4.0 / 3, 0.1, 1000), 320, 240);
+        };
+        draw_until_done(renderer, framebuffer, camera_at(20), map_offset, options);
+        for (double x = 21; x <= 24; ++x) {
+            for (int frame = 0; frame < 20; ++frame) {  // all of this view, and then what is ahead
+                renderer.draw(camera_at(x + frame * 1e-9), map_offset, options);
+                cloud->cache().wait_idle();
+            }
+            renderer.draw(camera_at(x + 0.5), map_offset, options);
+            cloud->cache().wait_idle();
+        }
+        // Seen eight frames of half a metre from here.
+        const Camera later = camera_at(24.5 + 8 * 0.5);
+        View view;
+        std::copy_n(later.modelview, 16, view.modelview.begin());
+        std::copy_n(later.projection, 16, view.projection.begin());
+        view.origin = map_offset;
+        view.width = 320;
+        view.height = 240;
+        DetailLimits limits;
+        limits.target_px = 0;
+        std::size_t seen = 0, there = 0;
+        for (const DetailNode& node : select_detail(*cloud->tree(), view, limits).wanted) {
+            ++seen;
+            there += static_cast<bool>(cloud->cache().find(node.node, ColumnSet::only_positions()));
+        }
+        EXPECT_GT(seen, 5u);
+        if (ahead)
+            EXPECT_EQ(there, seen);
+        else
+            EXPECT_LT(there, seen);
+    }
+}
 
 TEST_P(CloudRendererIn, ConstantSplatsCoverExactlyTheirSquares)
 {
