@@ -1,7 +1,9 @@
 #include "point_cloud.h"
 
 #include "cloud/error.h"
+#include "io/transformed_reader.h"
 #include "query/chunk_stream.h"
+#include "tree/tree_reader.h"
 #include "tree/update/clone.h"
 #include "tree/update/tree_changes.h"
 
@@ -113,6 +115,15 @@ void PointCloud::save(const std::filesystem::path& path)
 {
     flush();
     clone_tree(folder_, path);
+}
+
+std::shared_ptr<PointCloud> PointCloud::transform(const Affine& map, const std::filesystem::path& path, const BuildOptions& build, const L2Options& cache)
+{
+    flush();
+    const std::shared_ptr<const Tree> from = tree();
+    TransformedReader points(std::make_unique<TreeReader>(from, std::nullopt, Selection()), map);
+    build_tree(points, from->info().sources, path, build);
+    return open(path, cache);
 }
 
 EditCursor PointCloud::edit(const Query& query)

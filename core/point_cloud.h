@@ -23,6 +23,7 @@
 #pragma once
 
 #include "cache/l2_cache.h"
+#include "cloud/affine.h"
 #include "edit_cursor.h"
 #include "io/selection.h"
 #include "query/estimate.h"
@@ -153,6 +154,12 @@ public:
     void abandon();
     // The cloud as a tree of another name, in moments (tree/update/clone.h); what was changed is flushed first.
     void save(const std::filesystem::path& path);
+
+    // The cloud moved, turned or scaled, as a new tree, opened for reading; what was changed is flushed first. Where the map only stretches and shifts along
+    // the axes, positions stay what they are on a grid that is mapped; else they are rounded by less than their own last bit. What happens to attributes is in
+    // io/transformed_reader.h. Errors: those of build_tree(), and Error(invalid_argument) for a map that flattens space.
+    std::shared_ptr<PointCloud> transform(const Affine& map, const std::filesystem::path& path, const BuildOptions& build = {},
+                                          const L2Options& cache = {});
 
     // Nodes with points that a query may select, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;

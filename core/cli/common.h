@@ -41,6 +41,7 @@ void add_compact(CLI::App& app, int& result);
 void add_delete(CLI::App& app, int& result);
 void add_repair(CLI::App& app, int& result);
 void add_set(CLI::App& app, int& result);
+void add_transform(CLI::App& app, int& result);
 void add_query(CLI::App& app, int& result);
 void add_generate(CLI::App& app, int& result);
 

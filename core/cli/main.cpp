@@ -1,4 +1,4 @@
-// The pcm command: build, convert, info, verify, generate, append, compact, delete, repair, query, set.
+// The pcm command: build, convert, info, verify, generate, append, compact, delete, repair, query, set, transform.
 //
 // Exit codes: 0 all is well; 1 it is not (the message says what); 2 the command line makes no sense; 130 cancelled.
 #include "cli/common.h"
@@ -23,6 +23,7 @@ int main(int argc, char** argv)
     pcm::cli::add_repair(app, result);
     pcm::cli::add_query(app, result);
     pcm::cli::add_set(app, result);
+    pcm::cli::add_transform(app, result);
     pcm::cli::add_generate(app, result);
 
     const char* problem = nullptr;

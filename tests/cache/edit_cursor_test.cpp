@@ -256,6 +256,37 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
     EXPECT_EQ(view.value(0, 0), 77);
 }
 
+TEST_F(EditCursorTest, ATransformedCloud)
+{
+    auto cloud = open(Access::write);
+    Query query;
+    query.attributes = {"intensity"};
+    auto cursor = cloud->edit(query);
+    for (EditView view; cursor.getNextData(view); view.mark_written())
+        for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
+    const auto moved = cloud->transform(Affine::translation({1000, -2000, 0.5}), folder_ / "moved.pct");
+    // The same integers on another grid, with what was changed.
+    EXPECT_EQ(moved->info().content_hash, open(Access::read)->info().content_hash);
+    EXPECT_EQ(moved->info().grid.offset[1], cloud->info().grid.offset[1] - 2000);
+    EXPECT_EQ(values(*moved, "intensity").begin()->second, 5);
+    const Vec3d centre = cloud->info().bounds().centre();
+    const auto turned = cloud->transform(Affine::rotation({0, 0, 1}, 0.5, centre), folder_ / "turned.pct");
+    EXPECT_EQ(turned->info().points, 30000u);
+    EXPECT_LT(turned->info().position_error, 1e-9);
+    EXPECT_TRUE(verify_tree(folder_ / "turned.pct", 2).faults.empty());
+    double farthest = 0;
+    for (PointCloud* of : {&*cloud, &*turned}) {
+        double most = 0;
+        auto points = of->points();
+        for (PointView view; points.getNextData(view);)
+            for (std::size_t i = 0; i < view.size(); ++i) most = std::max(most, std::hypot(view.position(i)[0] - centre[0], view.position(i)[1] - centre[1]));
+        if (of == &*cloud)
+            farthest = most;
+        else
+            EXPECT_NEAR(most, farthest, 1e-9 * (1 + farthest));
+    }
+}
+
 TEST_F(EditCursorTest, CreateSaveAndChangeTheCopy)
 {
     const auto reader = open_cloud_reader();

@@ -1,0 +1,111 @@
+#include "io/transformed_reader.h"
+
+#include "cli/common.h"
+#include "cloud/error.h"
+#include "tree/builder.h"
+#include "tree/tree_reader.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    std::string tree, output;
+    std::vector<double> translate, rotate, matrix, pivot;
+    double scale = 1;
+    std::uint64_t memory = std::uint64_t(1) << 30;
+    BuildOptions options;
+};
+
+[[noreturn]] void refuse(const std::string& what, const std::string& hint) { throw Error(ErrorCode::invalid_argument, {}, what, hint); }
+
+Affine map_of(const Arguments& arguments, const Box3d& box)
+{
+    Vec3d pivot = box.empty() ? Vec3d{0, 0, 0} : box.centre();
+    if (!arguments.pivot.empty()) pivot = {arguments.pivot[0], arguments.pivot[1], arguments.pivot[2]};
+    if (!arguments.matrix.empty()) {
+        if (!arguments.rotate.empty() || arguments.scale != 1 || !arguments.translate.empty())
+            refuse("--matrix was given together with --rotate, --scale or --translate", "it says all of it");
+        std::array<Vec3d, 3> linear;
+        Vec3d shift;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) linear[i][j] = arguments.matrix[i * 4 + j];
+            shift[i] = arguments.matrix[i * 4 + 3];
+        }
+        return Affine::about(linear, shift, pivot);
+    }
+    if (arguments.rotate.empty() && arguments.scale == 1 && arguments.translate.empty())
+        refuse("nothing says how the points are to move", "give --translate, --rotate, --scale or --matrix");
+    Vec3d axis{0, 0, 1};
+    double radians = 0;
+    if (!arguments.rotate.empty()) {
+        axis = {arguments.rotate[0], arguments.rotate[1], arguments.rotate[2]};
+        if (axis == Vec3d{0, 0, 0}) refuse("--rotate has an axis without a direction", "0 0 1 30 turns by 30 degrees about the upright axis");
+        radians = arguments.rotate[3] * 3.14159265358979323846 / 180;
+    }
+    Affine map;
+    if (radians == 0) {  // positions stay on their grid
+        map.pivot = map.target = pivot;
+        for (std::size_t a = 0; a < 3; ++a) map.linear[a][a] = arguments.scale;
+        if (arguments.scale == 1) map.pivot = map.target = {0, 0, 0};
+    } else {
+        map = Affine::rotation(axis, radians, pivot, arguments.scale);
+    }
+    for (std::size_t a = 0; a < 3 && !arguments.translate.empty(); ++a) map.target[a] += arguments.translate[a];
+    return map;
+}
+
+int transform(Arguments& arguments)
+{
+    const auto tree = Tree::open(arguments.tree);
+    std::error_code ignored;
+    if (std::filesystem::equivalent(tree->folder(), arguments.output, ignored))
+        refuse("the tree was to be replaced by itself, transformed", "give the new tree another name");
+    const Affine map = map_of(arguments, tree->info().bounds());
+    TransformedReader points(std::make_unique<TreeReader>(tree, std::nullopt, Selection()), map);
+    arguments.options.memory_bytes = arguments.memory;
+    arguments.options.progress = console_progress(arguments.common);
+    const BuildReport report = build_tree(points, tree->info().sources, arguments.output, arguments.options);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        Json json;
+        json["tree"] = arguments.tree;
+        json["output"] = arguments.output;
+        put_outcome(json, report.outcome);
+        json["position_error"] = report.outcome.error;
+        json["bytes"] = report.bytes;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s points in %.1f s, %s; largest position error %s source units\n", arguments.output.c_str(),
+                grouped(report.outcome.points_out).c_str(), report.outcome.seconds, bytes_text(report.bytes).c_str(), exact(report.outcome.error).c_str());
+    return 0;
+}
+
+}  // namespace
+
+void add_transform(CLI::App& app, int& result)
+{
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("transform", "Move, turn or scale a tree, into a new one");
+    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
+    command->add_option("output", arguments->output, "The new tree's folder, by convention NAME.pct")->required();
+    const char* group = "How (scaled and turned about the pivot, then moved)";
+    command->add_option("--translate", arguments->translate, "By dx dy dz, source units")->expected(3)->group(group);
+    command->add_option("--rotate", arguments->rotate, "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")->expected(4)->group(group);
+    command->add_option("--scale", arguments->scale, "By a factor (default 1)")->group(group);
+    command->add_option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")->expected(12)->group(group);
+    command->add_option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")->expected(3)->group(group);
+    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");
+    add_common(*command, arguments->common);
+    command->callback([arguments, &result] { result = transform(*arguments); });
+}
+
+}  // namespace pcm::cli
