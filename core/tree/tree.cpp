@@ -6,6 +6,8 @@
 #include "tree/data_file_pool.h"
 #include "tree/tree_index.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 
 namespace pcm {
@@ -18,6 +20,21 @@ fs::path folder_of(const fs::path& path)
 {
     if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
     return path;
+}
+
+TreeIndex read_whole_index(const File& file)
+{
+    std::vector<std::byte> bytes(file.size());
+    file.read_at(bytes.data(), bytes.size(), 0);
+    return decode_index(bytes, file.path());
+}
+
+// Whether the file still goes by its name.
+bool is_there(const File& file)
+{
+    struct stat opened {}, named {};
+    return ::fstat(file.descriptor(), &opened) == 0 && ::stat(file.path().c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+           opened.st_dev == named.st_dev;
 }
 
 [[noreturn]] void refuse_folder(const fs::path& folder)
@@ -61,22 +78,24 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         refuse_folder(folder);
     }
 
-    std::vector<std::byte> bytes;
-    {
-        const File file(folder / index_file_name, File::Mode::read);
-        bytes.resize(file.size());
-        file.read_at(bytes.data(), bytes.size(), 0);
+    // An update may put a new index or a new folder in place while the data files of the old one are opened.
+    for (int tries = 1;; ++tries) {
+        const File index_file(folder / index_file_name, File::Mode::read);
+        TreeIndex index = read_whole_index(index_file);
+        std::shared_ptr<Tree> tree(new Tree);
+        tree->folder_ = folder;
+        tree->info_ = std::move(index.info);
+        tree->nodes_ = std::move(index.nodes);
+        tree->part_roots_ = std::move(index.part_roots);
+        tree->data_files_ = std::move(index.data_files);
+        try {
+            tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
+        } catch (const Error&) {
+            if (tries == 10 || is_there(index_file)) throw;
+            continue;
+        }
+        if (tries == 10 || is_there(index_file)) return tree;
     }
-    TreeIndex index = decode_index(bytes, folder / index_file_name);
-
-    std::shared_ptr<Tree> tree(new Tree);
-    tree->folder_ = folder;
-    tree->info_ = std::move(index.info);
-    tree->nodes_ = std::move(index.nodes);
-    tree->part_roots_ = std::move(index.part_roots);
-    tree->data_files_ = std::move(index.data_files);
-    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
-    return tree;
 }
 
 std::vector<NodeId> Tree::path_from_root(NodeId id) const

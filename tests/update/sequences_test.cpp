@@ -6,8 +6,10 @@
 #include "tree/update/erase.h"
 #include "tree/update/repair.h"
 
+#include <atomic>
 #include <fstream>
 #include <random>
+#include <thread>
 
 namespace {
 
@@ -163,6 +165,40 @@ TEST(Compact, IsWhatABuildMakes)
     build(cloud, folder / "fresh.pct");
     for (const auto& entry : fs::directory_iterator(folder / "fresh.pct"))
         EXPECT_TRUE(bytes_of_file(entry.path()) == bytes_of_file(folder / "compact.pct" / entry.path().filename())) << entry.path().filename();
+}
+
+// Whoever opens a tree while it is updated gets the one before or the one after, whole.
+TEST(Compact, ReadersOpenATreeThatIsChangedAllTheTime)
+{
+    const TemporaryFolder folder;
+    const fs::path path = folder / "tree.pct";
+    build(surface(3000, 0, 0, 40, 1), path, Sampling::poisson);
+    std::atomic<bool> done{false};
+    std::thread updates([&] {
+        for (std::uint64_t round = 0; round < 25; ++round) {
+            const MemoryCloud more = surface(200, 0, 0, 40, 2 + round);
+            MemoryReader reader(more);
+            append_points(path, reader, {}, {});
+            if (round % 3 == 2) compact_tree(path);
+        }
+        done = true;
+    });
+    std::uint64_t opened = 0;
+    do {
+        try {
+            const auto tree = Tree::open(path);
+            std::uint64_t points = 0;
+            for (NodeId id = 0; id < tree->nodes().size(); ++id) points += tree->read_chunk(id, ColumnSet::only_positions()).points;
+            EXPECT_EQ(points, tree->info().points);
+            EXPECT_EQ(points % 200, 0u);
+            ++opened;
+        } catch (const Error& error) {
+            ADD_FAILURE() << error.what();
+        }
+    } while (!done);
+    updates.join();
+    EXPECT_EQ(Tree::open(path)->info().points, 8000u);
+    EXPECT_GT(opened, 10u);
 }
 
 TEST(Compact, KeepsTheGridOfFloats)
