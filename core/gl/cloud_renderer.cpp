@@ -1,9 +1,9 @@
 #include "gl/cloud_renderer.h"
 
+#include "gl/chunk_feed.h"
 #include "gl/frame_budget.h"
 #include "gl/gl_state.h"
 #include "gl/shader_program.h"
-#include "gl/vertex_colours.h"
 #include "view/level_of_detail.h"
 #include "view/motion.h"
 
@@ -14,10 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
-#include <map>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,34 +29,6 @@ double milliseconds_since(Clock::time_point start)
 {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-// How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
-// upload is pinned in L2.
-constexpr std::size_t window_size = 32;
-
-// A chunk that could not be loaded is asked for again after this time: the network may be back.
-constexpr double retry_ms = 5000;
-
-// What loader threads leave for the next frame. Shared with the callbacks, so it outlives the renderer if need be.
-struct Inbox {
-    std::mutex mutex;
-    std::set<NodeId> arrived;
-    std::function<void()> wake;
-
-    void put(NodeId node)
-    {
-        const std::lock_guard lock(mutex);
-        const bool first = arrived.empty();
-        arrived.insert(node);
-        // Under the lock: when set_wake has returned, the former function is not running any more.
-        if (first && wake) wake();
-    }
-    std::set<NodeId> take()
-    {
-        const std::lock_guard lock(mutex);
-        return std::exchange(arrived, {});
-    }
-};
 
 struct Program {
     ShaderProgram program;
@@ -77,12 +46,6 @@ struct Program {
         height = program.uniform("height");
         uniform_colour = program.uniform("uniform_colour");
     }
-};
-
-// Where a node of the window stands on its way to video memory.
-struct Arrival {
-    L2Cache::Handle chunk;  // pinned until it is uploaded or the view has no use for it
-    unsigned lost = 0;      // times it had arrived and was dropped by L2 before it was found
 };
 
 }  // namespace
@@ -106,18 +69,10 @@ struct CloudRenderer::Impl {
     std::shared_ptr<PointCloud> cloud;
     std::shared_ptr<L1Cache> l1;
     bool l1_is_own = false;
-    L1Cache::Owner owner = 0;
-    std::shared_ptr<Inbox> inbox = std::make_shared<Inbox>();
+    std::unique_ptr<ChunkFeed> feed;
     Program vertex_colour_program, height_program, uniform_program;
     unsigned frames_since_build = 0;
     float point_size_most = 1;
-
-    std::map<NodeId, Arrival> arrivals;
-    VertexColour arrivals_colour = VertexColour::none;  // the columns that `arrivals` hold are for this
-    std::map<NodeId, Clock::time_point> failed;
-    std::string load_error;
-    std::map<VertexColour, ColourScale> scales;
-    std::vector<std::uint8_t> rgba;
 
     FrameBudget budget;
     std::optional<View> last_view;
@@ -144,11 +99,6 @@ struct CloudRenderer::Impl {
                                                : VertexColour::none;
     }
 
-    static std::string_view attribute_of(VertexColour colour)
-    {
-        return colour == VertexColour::rgb ? attribute_name::rgb : attribute_name::intensity;
-    }
-
     bool rests(const Camera& camera, const Vec3d& local_origin)
     {
         const auto same = [&](const std::pair<Camera, Vec3d>& other) {
@@ -158,133 +108,6 @@ struct CloudRenderer::Impl {
         recent_cameras.emplace_front(camera, local_origin);
         if (recent_cameras.size() > 4) recent_cameras.pop_back();
         return false;
-    }
-
-    static bool is_current(const VertexEntry* entry, VertexColour colour)
-    {
-        return entry && (colour == VertexColour::none || entry->colour == colour);
-    }
-
-    // --- loading and uploading
-    // ----------------------------------------------------------------------------------------
-
-    bool has_failed(NodeId node)
-    {
-        const auto found = failed.find(node);
-        if (found == failed.end()) return false;
-        if (milliseconds_since(found->second) < retry_ms) return true;
-        failed.erase(found);
-        if (failed.empty()) load_error.clear();
-        return false;
-    }
-
-    void fail(NodeId node, std::string error)
-    {
-        failed[node] = Clock::now();
-        load_error = std::move(error);
-    }
-
-    // The first nodes in `wanted` that video memory lacks (or has with other colours), less what lies below a node that
-    // cannot be loaded: it could not be drawn anyway.
-    std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current)
-    {
-        std::vector<NodeId> window;
-        std::vector<bool> blocked(selection.wanted.size(), false);
-        for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
-            const DetailNode& node = selection.wanted[i];
-            blocked[i] =
-                (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
-            if (!current[i] && !blocked[i]) window.push_back(node.node);
-        }
-        return window;
-    }
-
-    // What the view will want some frames later and video memory has not got, if it moves: the loader has time for it only when little is
-    // missing now.
-    std::vector<NodeId> ahead_of(const std::optional<View>& later, const DetailLimits& limits, std::size_t missing_now) const
-    {
-        std::vector<NodeId> nodes;
-        if (!later || missing_now >= window_size / 2) return nodes;
-        for (const DetailNode& node : select_detail(cloud->cache().tree(), *later, limits).wanted) {
-            if (nodes.size() + missing_now >= window_size) break;
-            if (!l1->find(owner, node.node) && !failed.count(node.node)) nodes.push_back(node.node);
-        }
-        return nodes;
-    }
-
-    // Takes what has come of the window from L2 and asks for the rest, and then for what is `ahead`.
-    void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, VertexColour colour)
-    {
-        std::map<NodeId, Arrival> kept;
-        if (arrivals_colour == colour)
-            for (const NodeId node : window)
-                if (const auto found = arrivals.find(node); found != arrivals.end())
-                    kept.insert(arrivals.extract(found));
-        arrivals = std::move(kept);
-        arrivals_colour = colour;
-
-        ColumnSet columns = ColumnSet::only_positions();
-        if (colour != VertexColour::none)
-            columns = ColumnSet::named(cloud->info().schema, {std::string(attribute_of(colour))});
-        // Taken before looking: a chunk that arrives from here on wakes the owner again.
-        const std::set<NodeId> arrived = inbox->take();
-        std::vector<ChunkRequest> list;
-        for (const NodeId node : window) {
-            Arrival& arrival = arrivals[node];
-            if (!arrival.chunk) arrival.chunk = cloud->cache().find(node, columns);
-            if (arrival.chunk) continue;
-            if (arrived.count(node)) {
-                if (const auto error = cloud->cache().error_of(node)) {
-                    fail(node, *error);
-                    continue;
-                }
-                if (++arrival.lost >= 3) {
-                    fail(node, "chunk " + std::to_string(node) + " of " + cloud->tree()->folder().string() +
-                                   " does not stay in the point cache; give the cache more memory");
-                    continue;
-                }
-            }
-            list.push_back({node, columns});
-        }
-        const std::set<NodeId> wanted(window.begin(), window.end());
-        std::set<NodeId> silent;  // nobody waits for them
-        for (const NodeId node : ahead)
-            if (!wanted.count(node) && !cloud->cache().find(node, columns)) {
-                list.push_back({node, columns});
-                silent.insert(node);
-            }
-        // Also when nothing is missing: what an older view asked for need not be loaded any more.
-        if (!list.empty() || asked_last) {
-            asked_last = !list.empty();
-            cloud->cache().request(std::move(list), [box = inbox, silent = std::move(silent)](NodeId node) {
-                if (!silent.count(node)) box->put(node);
-            });
-        }
-    }
-    bool asked_last = false;
-
-    Served upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
-    {
-        const auto supply = [&](NodeId node) {
-            const auto found = arrivals.find(node);
-            if (found != arrivals.end() && found->second.chunk) return Supply::ready;
-            // The coarsest chunk sets the scale for all, so it must come first.
-            return colour != VertexColour::none && !scales.count(colour) && !has_failed(node) ? Supply::stop : Supply::absent;
-        };
-        return l1->request(window, budget_ms, supply, [&](NodeId node) {
-            const auto found = arrivals.find(node);
-            const L2Cache::Handle chunk = found->second.chunk;
-            const std::uint8_t* colours = nullptr;
-            if (colour != VertexColour::none) {
-                const Column& column = *chunk->attributes[*cloud->info().schema.find(attribute_of(colour))];
-                if (!scales.count(colour)) scales[colour] = ColourScale::of(column, colour);
-                make_colours(column, scales[colour], rgba);
-                colours = rgba.data();
-            }
-            if (!l1->upload(owner, node, *chunk->positions, cloud->info().grid.scale, colour, colours)) return false;
-            arrivals.erase(found);
-            return true;
-        });
     }
 
     // --- drawing
@@ -409,7 +232,7 @@ struct CloudRenderer::Impl {
         const auto pass = [&](const Program& program, bool with_colour) {
             bool prepared = false;
             for (const std::uint32_t i : set.drawn) {
-                const VertexEntry* entry = l1->find(owner, selection.wanted[i].node);
+                const VertexEntry* entry = feed->find(selection.wanted[i].node);
                 if (!entry || (reads_colour && with_colour != (entry->colour != VertexColour::none))) continue;
                 if (!prepared) set_common(program, camera, options);
                 prepared = true;
@@ -458,26 +281,26 @@ struct CloudRenderer::Impl {
         report.effective_point_budget = limits.point_budget;
         // Counted as if all entries had colour: those of another mode stay until there is need for their room.
         limits.page_points = L1Cache::points_per_page(VertexColour::rgb);
-        limits.page_budget = l1->pages_available(owner);
+        limits.page_budget = l1->pages_available(feed->owner());
         const DetailSelection selection = select_detail(cloud->cache().tree(), view, limits);
 
-        l1->begin_frame(owner);
+        l1->begin_frame(feed->owner());
         std::vector<bool> current(selection.wanted.size());
         for (std::size_t i = 0; i < selection.wanted.size(); ++i) {
-            current[i] = is_current(l1->use(owner, selection.wanted[i].node), colour);
+            current[i] = ChunkFeed::is_current(l1->use(feed->owner(), selection.wanted[i].node), colour);
         }
-        const std::vector<NodeId> window = window_of(selection, current);
+        const std::vector<NodeId> window = feed->window_of(selection, current);
         std::optional<View> later;
         if (!resting && last_view && options.prefetch_frames) later = predict(*last_view, view, options.prefetch_frames);
         last_view = view;
-        load(window, ahead_of(later, limits, window.size()), colour);
+        feed->load(window, later ? feed->ahead_of(*later, limits, window.size()) : std::vector<NodeId>(), colour);
 
         const GlStateGuard state;
         build_programs(state.compatibility());
-        const Served uploads = upload(window, colour, options.upload_budget_ms);
+        const Served uploads = feed->upload(window, colour, options.upload_budget_ms);
 
         const DrawSet set =
-            choose_drawable(selection, [&](const DetailNode& node) { return l1->find(owner, node.node) != nullptr; });
+            choose_drawable(selection, [&](const DetailNode& node) { return feed->find(node.node) != nullptr; });
         // The first frames pay for the driver's compilation and tell nothing.
         const bool measure = frames_since_build >= 1 && !set.drawn.empty() && budget.wants_measure();
         ++frames_since_build;
@@ -495,25 +318,23 @@ struct CloudRenderer::Impl {
         report.screen_error_px = set.error_px;
         report.nodes_wanted = selection.wanted.size();
         for (std::size_t i = 0; i < selection.wanted.size(); ++i) {
-            current[i] = is_current(l1->find(owner, selection.wanted[i].node), colour);
+            current[i] = ChunkFeed::is_current(feed->find(selection.wanted[i].node), colour);
             report.nodes_missing += !current[i];
         }
         // What failed is missing for the time being and not waited for.
-        const bool more_to_come = !uploads.refused && !window_of(selection, current).empty();
-        bool asked = false;
-        for (const auto& [node, arrival] : arrivals) asked = asked || (!arrival.chunk && !has_failed(node));
+        const bool more_to_come = !uploads.refused && !feed->window_of(selection, current).empty();
         report.measured_ms = budget.last_measured_ms();
         const double rest_ms = std::max(options.rest_budget_ms, options.frame_budget_ms);
         const bool budget_grows = selection.budget_reached && limits.point_budget < options.point_budget &&
                                   budget.can_grow(rest_ms, options.point_budget);
         // Also when the window is through and the next one has not been asked for. When video memory refuses, waiting
         // helps nothing: it is full of what is on the screen.
-        report.repaint = uploads.out_of_time || budget_grows || (more_to_come && !asked);
+        report.repaint = uploads.out_of_time || budget_grows || (more_to_come && !feed->waits());
         report.refining = report.repaint || more_to_come;
         if (selection.wanted.empty() && selection.budget_reached)
             report.error = "the point budget or the video memory is too small for the first chunk of " +
                            cloud->tree()->folder().string();
-        if (!failed.empty()) report.error = load_error;
+        if (const std::string error = feed->error(); !error.empty()) report.error = error;
         report.frame_ms = milliseconds_since(start);
         return report;
     }
@@ -530,15 +351,10 @@ CloudRenderer::CloudRenderer(std::shared_ptr<PointCloud> cloud, std::shared_ptr<
 {
     impl_->cloud = std::move(cloud);
     impl_->l1 = std::move(l1);
-    impl_->owner = impl_->l1->add_owner();
+    impl_->feed = std::make_unique<ChunkFeed>(impl_->cloud, impl_->l1);
 }
 
-CloudRenderer::~CloudRenderer()
-{
-    set_wake({});
-    if (impl_->asked_last) impl_->cloud->cache().request({});  // nobody waits for it any more
-    impl_->l1->remove_owner(impl_->owner);
-}
+CloudRenderer::~CloudRenderer() = default;
 
 FrameReport CloudRenderer::draw(const Camera& camera, const Vec3d& local_origin, const RenderOptions& options)
 {
@@ -560,22 +376,13 @@ FrameReport CloudRenderer::draw(const Camera& camera, const Vec3d& local_origin,
     return report;
 }
 
-void CloudRenderer::set_wake(std::function<void()> wake)
-{
-    const std::lock_guard lock(impl_->inbox->mutex);
-    impl_->inbox->wake = std::move(wake);
-}
+void CloudRenderer::set_wake(std::function<void()> wake) { impl_->feed->set_wake(std::move(wake)); }
 
 void CloudRenderer::release()
 {
     impl_->release_programs();
-    impl_->arrivals.clear();
-    if (impl_->l1_is_own) {
-        impl_->l1->release();
-        return;
-    }
-    impl_->l1->remove_owner(impl_->owner);
-    impl_->owner = impl_->l1->add_owner();
+    impl_->feed->release();
+    if (impl_->l1_is_own) impl_->l1->release();
 }
 
 const std::shared_ptr<PointCloud>& CloudRenderer::cloud() const { return impl_->cloud; }

@@ -1,0 +1,183 @@
+#include "gl/chunk_feed.h"
+
+#include <string_view>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+// How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
+// upload is pinned in L2.
+constexpr std::size_t window_size = 32;
+
+// A chunk that could not be loaded is asked for again after this time: the network may be back.
+constexpr std::chrono::seconds retry_after{5};
+
+std::string_view attribute_of(VertexColour colour)
+{
+    return colour == VertexColour::rgb ? attribute_name::rgb : attribute_name::intensity;
+}
+
+}  // namespace
+
+ChunkFeed::ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
+    : cloud_(std::move(cloud)), l1_(std::move(l1)), owner_(l1_->add_owner())
+{
+}
+
+ChunkFeed::~ChunkFeed()
+{
+    set_wake({});
+    if (asked_last_) cloud_->cache().request({});  // nobody waits for it any more
+    l1_->remove_owner(owner_);
+}
+
+void ChunkFeed::Inbox::put(NodeId node)
+{
+    const std::lock_guard lock(mutex);
+    const bool first = arrived.empty();
+    arrived.insert(node);
+    // Under the lock: when set_wake has returned, the former function is not running any more.
+    if (first && wake) wake();
+}
+
+std::set<NodeId> ChunkFeed::Inbox::take()
+{
+    const std::lock_guard lock(mutex);
+    return std::exchange(arrived, {});
+}
+
+void ChunkFeed::set_wake(std::function<void()> wake)
+{
+    const std::lock_guard lock(inbox_->mutex);
+    inbox_->wake = std::move(wake);
+}
+
+void ChunkFeed::release()
+{
+    arrivals_.clear();
+    l1_->remove_owner(owner_);
+    owner_ = l1_->add_owner();
+}
+
+bool ChunkFeed::has_failed(NodeId node)
+{
+    const auto found = failed_.find(node);
+    if (found == failed_.end()) return false;
+    if (Clock::now() - found->second < retry_after) return true;
+    failed_.erase(found);
+    if (failed_.empty()) error_.clear();
+    return false;
+}
+
+void ChunkFeed::fail(NodeId node, std::string error)
+{
+    failed_[node] = Clock::now();
+    error_ = std::move(error);
+}
+
+std::vector<NodeId> ChunkFeed::window_of(const DetailSelection& selection, const std::vector<bool>& current)
+{
+    std::vector<NodeId> window;
+    std::vector<bool> blocked(selection.wanted.size(), false);
+    for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
+        const DetailNode& node = selection.wanted[i];
+        blocked[i] =
+            (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
+        if (!current[i] && !blocked[i]) window.push_back(node.node);
+    }
+    return window;
+}
+
+std::vector<NodeId> ChunkFeed::ahead_of(const View& later, const DetailLimits& limits, std::size_t missing_now) const
+{
+    std::vector<NodeId> nodes;
+    if (missing_now >= window_size / 2) return nodes;
+    for (const DetailNode& node : select_detail(cloud_->cache().tree(), later, limits).wanted) {
+        if (nodes.size() + missing_now >= window_size) break;
+        if (!l1_->find(owner_, node.node) && !failed_.count(node.node)) nodes.push_back(node.node);
+    }
+    return nodes;
+}
+
+void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, VertexColour colour)
+{
+    std::map<NodeId, Arrival> kept;
+    if (arrivals_colour_ == colour)
+        for (const NodeId node : window)
+            if (const auto found = arrivals_.find(node); found != arrivals_.end())
+                kept.insert(arrivals_.extract(found));
+    arrivals_ = std::move(kept);
+    arrivals_colour_ = colour;
+
+    ColumnSet columns = ColumnSet::only_positions();
+    if (colour != VertexColour::none)
+        columns = ColumnSet::named(cloud_->info().schema, {std::string(attribute_of(colour))});
+    // Taken before looking: a chunk that arrives from here on wakes the owner again.
+    const std::set<NodeId> arrived = inbox_->take();
+    std::vector<ChunkRequest> list;
+    for (const NodeId node : window) {
+        Arrival& arrival = arrivals_[node];
+        if (!arrival.chunk) arrival.chunk = cloud_->cache().find(node, columns);
+        if (arrival.chunk) continue;
+        if (arrived.count(node)) {
+            if (const auto error = cloud_->cache().error_of(node)) {
+                fail(node, *error);
+                continue;
+            }
+            if (++arrival.lost >= 3) {
+                fail(node, "chunk " + std::to_string(node) + " of " + cloud_->tree()->folder().string() +
+                               " does not stay in the point cache; give the cache more memory");
+                continue;
+            }
+        }
+        list.push_back({node, columns});
+    }
+    const std::set<NodeId> wanted(window.begin(), window.end());
+    std::set<NodeId> silent;  // nobody waits for them
+    for (const NodeId node : ahead)
+        if (!wanted.count(node) && !cloud_->cache().find(node, columns)) {
+            list.push_back({node, columns});
+            silent.insert(node);
+        }
+    // Also when nothing is missing: what an older view asked for need not be loaded any more.
+    if (!list.empty() || asked_last_) {
+        asked_last_ = !list.empty();
+        cloud_->cache().request(std::move(list), [box = inbox_, silent = std::move(silent)](NodeId node) {
+            if (!silent.count(node)) box->put(node);
+        });
+    }
+}
+
+Served ChunkFeed::upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
+{
+    const auto supply = [&](NodeId node) {
+        const auto found = arrivals_.find(node);
+        if (found != arrivals_.end() && found->second.chunk) return Supply::ready;
+        // The coarsest chunk sets the scale for all, so it must come first.
+        return colour != VertexColour::none && !scales_.count(colour) && !has_failed(node) ? Supply::stop : Supply::absent;
+    };
+    return l1_->request(window, budget_ms, supply, [&](NodeId node) {
+        const auto found = arrivals_.find(node);
+        const L2Cache::Handle chunk = found->second.chunk;
+        const std::uint8_t* colours = nullptr;
+        if (colour != VertexColour::none) {
+            const Column& column = *chunk->attributes[*cloud_->info().schema.find(attribute_of(colour))];
+            if (!scales_.count(colour)) scales_[colour] = ColourScale::of(column, colour);
+            make_colours(column, scales_[colour], rgba_);
+            colours = rgba_.data();
+        }
+        if (!l1_->upload(owner_, node, *chunk->positions, cloud_->info().grid.scale, colour, colours)) return false;
+        arrivals_.erase(found);
+        return true;
+    });
+}
+
+bool ChunkFeed::waits()
+{
+    for (const auto& [node, arrival] : arrivals_)
+        if (!arrival.chunk && !has_failed(node)) return true;
+    return false;
+}
+
+}  // namespace pcm
