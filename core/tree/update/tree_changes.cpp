@@ -59,11 +59,13 @@ ChunkPart TreeChanges::read_part(NodeId node, const ColumnSet& columns,
     return part;
 }
 
-void TreeChanges::write(NodeId node, const Chunk& chunk, const ColumnSet& changed)
+void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& changed)
 {
     const std::shared_lock lock(mutex_);
     check_open();
     const TreeInfo& info = tree_->info();
+    Chunk chunk = written;  // its columns are shared
+    add_missing_columns(chunk, info.schema, ColumnSet::all(info.schema));  // an attribute may have been added since it was read
     if (chunk.points != tree_->node(node).points || !chunk.columns().contains(ColumnSet::all(info.schema)))
         throw Error(ErrorCode::invalid_argument, tree_->folder(), "a chunk of other points was to take the place of that of node " + std::to_string(node));
     if (chunk.points == 0) return;
