@@ -28,7 +28,7 @@ public:
     ChunkPart read_part(NodeId node, const ColumnSet& columns,
                         const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const override;
     bool writable() const override { return true; }
-    void write(NodeId node, const Chunk& chunk, const ColumnSet& changed) override;
+    void write(NodeId node, const Chunk& written, const ColumnSet& changed) override;
     void commit() override;
 
     // Lets go of the lock and of what was not committed; from then on the tree is read as it is on disk, and nothing is written.
