@@ -53,9 +53,9 @@ void L2Cache::State::check_open(NodeId node) const
 
 L2Cache::Entry& L2Cache::State::entry_of(NodeId node)
 {
-    Entry& entry = entries[node];
-    entry.node = node;
-    return entry;
+    const auto [place, made] = entries.try_emplace(node);
+    if (made) place->second.node = node;  // once: it is read without the lock
+    return place->second;
 }
 
 void L2Cache::State::unlist(Entry& entry)
