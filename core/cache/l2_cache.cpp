@@ -223,7 +223,7 @@ L2Cache::Edit L2Cache::edit(NodeId node, const ColumnSet& columns)
     if (!state_->store->writable())
         throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(), "this point cloud was opened for reading only",
                     "open it for writing");
-    if (state_->write_failure && state_->charged > state_->capacity) std::rethrow_exception(state_->write_failure);
+    if (state_->write_failure && state_->charged > state_->capacity) state_->write_failure->raise();
     state_->loaded.wait(lock, [&] { return !state_->entry_of(node).editing; });
     state_->check_open(node);
     state_->entry_of(node).editing = true;
@@ -265,9 +265,9 @@ void L2Cache::flush()
         Entry& entry = state_->entry_of(node);
         state_->loaded.wait(lock, [&] { return !entry.writing; });
         if (entry.dirty.none()) continue;
-        if (const std::exception_ptr failure = state_->write_back(entry, lock)) std::rethrow_exception(failure);
+        if (const auto failure = state_->write_back(entry, lock)) failure->raise();
     }
-    state_->write_failure = nullptr;
+    state_->write_failure.reset();
     lock.unlock();
     state_->store->commit();
 }

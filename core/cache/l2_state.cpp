@@ -131,7 +131,7 @@ void L2Cache::State::make_room(Lock& lock)
     }
 }
 
-std::exception_ptr L2Cache::State::write_back(Entry& entry, Lock& lock)
+auto L2Cache::State::write_back(Entry& entry, Lock& lock) -> std::optional<WriteFailure>
 {
     entry.writing = true;
     pin(entry);
@@ -142,13 +142,15 @@ std::exception_ptr L2Cache::State::write_back(Entry& entry, Lock& lock)
     const std::uint64_t version = entry.version, bytes = entry.dirty_bytes();
     lock.unlock();
     const auto start = std::chrono::steady_clock::now();
-    std::exception_ptr failure;
+    std::optional<WriteFailure> failure;
     try {
         const ColumnSet others = missing(chunk, ColumnSet::all(store->tree()->info().schema));
         const bool whole = !others.positions && others.attributes.none();
         store->write(entry.node, whole ? *chunk : *join(chunk, store->read(entry.node, others)), changed);
-    } catch (...) {
-        failure = std::current_exception();
+    } catch (const Error& error) {
+        failure = WriteFailure{error.code(), error.what()};
+    } catch (const std::exception& error) {
+        failure = WriteFailure{ErrorCode::io, error.what()};
     }
     const double seconds = seconds_since(start);
     lock.lock();

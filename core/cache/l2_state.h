@@ -3,13 +3,13 @@
 
 #include "cache/brief_mutex.h"
 #include "cache/l2_cache.h"
+#include "cloud/error.h"
 
 #include <atomic>
 #include <bitset>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -64,7 +64,13 @@ struct L2Cache::State {
     bool closing = false;      // the loader threads' end
     bool closed = false;       // to all who want points
     bool room_wanted = false;  // a loader thread is to write what is changed, so that it can be dropped
-    std::exception_ptr write_failure;
+    // Each who is told of it gets an exception of his own.
+    struct WriteFailure {
+        ErrorCode code;
+        std::string what;
+        [[noreturn]] void raise() const { throw Error(code, {}, what); }
+    };
+    std::optional<WriteFailure> write_failure;
     std::optional<NodeId> unmarked;
     L2Statistics statistics;
     std::vector<std::thread> threads;
@@ -83,7 +89,7 @@ struct L2Cache::State {
     Entry& get(NodeId node, const ColumnSet& columns, Lock& lock);
     void load(Entry& entry, const ColumnSet& columns, Lock& lock);
     // The entry is changed and nobody writes it. What could not be written stays changed; returns why, as write_failure does.
-    std::exception_ptr write_back(Entry& entry, Lock& lock);
+    std::optional<WriteFailure> write_back(Entry& entry, Lock& lock);
 
     void loader();  // a loader thread's life; without the mutex
 };
