@@ -13,15 +13,15 @@ public:
     bool try_lock() { return !taken_.exchange(true, std::memory_order_acquire); }
     void lock()
     {
-        for (unsigned tries = 0; !try_lock(); ++tries)
-            while (taken_.load(std::memory_order_relaxed)) {
-                if (++tries < 32)
-                    pause();
-                else if (tries < 256)
-                    std::this_thread::yield();
-                else
-                    std::this_thread::sleep_for(std::chrono::microseconds(50));
-            }
+        // Longer and longer pauses: so one processor has the lock many times in a row, and its cache line does not go to and fro.
+        for (unsigned tries = 0; !try_lock(); ++tries) {
+            if (tries < 6)
+                for (unsigned i = 0; i < (32u << tries); ++i) pause();
+            else if (tries < 64)
+                std::this_thread::yield();
+            else
+                std::this_thread::sleep_for(std::chrono::microseconds(50));
+        }
     }
     void unlock() { taken_.store(false, std::memory_order_release); }
 
