@@ -1,5 +1,6 @@
 #include "edit_cursor.h"
 
+#include "bpc/scalar_words.h"
 #include "cloud/error.h"
 #include "point_cloud.h"
 
@@ -10,24 +11,6 @@
 
 namespace pcm {
 namespace {
-
-// Gives the scalar type's C++ type to `work`, as a value of it.
-template <class Work>
-void with_type(ScalarType type, const Work& work)
-{
-    switch (type) {
-    case ScalarType::i8: return work(std::int8_t());
-    case ScalarType::u8: return work(std::uint8_t());
-    case ScalarType::i16: return work(std::int16_t());
-    case ScalarType::u16: return work(std::uint16_t());
-    case ScalarType::i32: return work(std::int32_t());
-    case ScalarType::u32: return work(std::uint32_t());
-    case ScalarType::i64: return work(std::int64_t());
-    case ScalarType::u64: return work(std::uint64_t());
-    case ScalarType::f32: return work(float());
-    case ScalarType::f64: return work(double());
-    }
-}
 
 template <class T>
 bool can_have(double value)
@@ -61,7 +44,7 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
     Column& to = column(attribute);
     if (component >= to.components())
         throw Error(ErrorCode::invalid_argument, {}, "there is no component " + std::to_string(component) + " of " + std::to_string(to.components()));
-    with_type(to.type(), [&](auto scalar) {
+    with_scalar(to.type(), [&](auto scalar) {
         using T = decltype(scalar);
         if (!can_have<T>(value))
             throw Error(ErrorCode::invalid_argument, {}, "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));
