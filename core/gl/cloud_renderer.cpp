@@ -50,21 +50,6 @@ struct Program {
 
 }  // namespace
 
-const char* name_of(ColourMode mode)
-{
-    switch (mode) {
-        case ColourMode::rgb:
-            return "rgb";
-        case ColourMode::intensity:
-            return "intensity";
-        case ColourMode::height:
-            return "height";
-        case ColourMode::uniform:
-            return "uniform";
-    }
-    return "";
-}
-
 struct CloudRenderer::Impl {
     std::shared_ptr<PointCloud> cloud;
     std::shared_ptr<L1Cache> l1;

@@ -13,6 +13,7 @@
 
 #include "cloud/geometry.h"
 #include "gl/l1_cache.h"
+#include "gl/splat_style.h"
 #include "point_cloud.h"
 
 #include <array>
@@ -22,9 +23,6 @@
 #include <string>
 
 namespace pcm {
-
-enum class ColourMode : std::uint8_t { rgb, intensity, height, uniform };
-const char* name_of(ColourMode mode);  // "rgb", ...
 
 struct RenderOptions {
     float point_size_px = 2;              // constant splats: squares with this side; clamped to what the driver can
