@@ -44,6 +44,9 @@ install_component(core pcm_core ${public_headers} ${wholly_public})
 if(TARGET pcm_gl)
   install_component(gl pcm_gl ${gl_headers})
 endif()
+if(TARGET pcm_offscreen)
+  install_component(offscreen pcm_offscreen offscreen/image.h offscreen/offscreen.h)
+endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cmake/pcmConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/packaging/pcmConfig.cmake INSTALL_DESTINATION ${package_folder})

@@ -47,7 +47,7 @@ void measure_replay(const Settings& settings, Row& row);      // a camera path, 
 // The renderer that measure_replay() would use; empty, with the reason, when there is none.
 std::string gl_renderer(std::string& why);
 
-// Defaults of L1 and of the renderer; none in builds without OpenGL.
+// Defaults of L1 and of the renderer; none in builds that cannot draw offscreen.
 void put_l1_defaults(Row& row);
 
 }  // namespace pcm::bench

@@ -1,11 +1,11 @@
-// In builds without OpenGL.
+// In builds that cannot draw offscreen.
 #include "modes.h"
 
 #include <stdexcept>
 
 namespace pcm::bench {
 namespace {
-constexpr const char* reason = "this program was built without OpenGL (PCM_WITH_GL) or EGL";
+constexpr const char* reason = "this program was built without OpenGL (PCM_WITH_GL), EGL or libpng";
 }
 
 std::string gl_renderer(std::string& why)

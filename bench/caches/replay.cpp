@@ -1,17 +1,15 @@
 // A camera path, drawn offscreen: what both caches do for a viewer.
-#include "camera_path.h"
 #include "modes.h"
-#include "offscreen.h"
 #include "storage.h"
 
 #include "gl/cloud_renderer.h"
+#include "offscreen/offscreen.h"
+#include "view/camera_path.h"
 
 #include <GL/glew.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -21,65 +19,14 @@
 namespace pcm::bench {
 namespace {
 
-Vec3d unit(const Vec3d& v)
+// As the renderer has it.
+Camera camera_of(const View& view)
 {
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    return {v[0] / length, v[1] / length, v[2] / length};
-}
-
-Vec3d cross(const Vec3d& a, const Vec3d& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-// With the whole box between the near and the far plane, or from 1/20000 of the far one on.
-Camera camera_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
-{
-    Vec3d eye{}, ahead{};
-    for (std::size_t a = 0; a < 3; ++a) {
-        eye[a] = frame.eye[a] - origin[a];
-        ahead[a] = frame.target[a] - frame.eye[a];
-    }
-    const Vec3d back = unit({-ahead[0], -ahead[1], -ahead[2]});
-    const Vec3d right = unit(cross(frame.up, back));
-    const Vec3d up = cross(back, right);
     Camera camera{};
-    const Vec3d* const rows[3] = {&right, &up, &back};
-    for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 3; ++c) camera.modelview[c * 4 + r] = (*rows[r])[c];
-        camera.modelview[12 + r] = -dot(*rows[r], eye);
-    }
-    camera.modelview[15] = 1;
-
-    double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        Vec3d from_eye{};
-        for (std::size_t a = 0; a < 3; ++a) from_eye[a] = (corner >> a & 1u ? box.max[a] : box.min[a]) - frame.eye[a];
-        const double depth = -dot(back, from_eye);
-        nearest = std::min(nearest, depth);
-        farthest = std::max(farthest, depth);
-    }
-    const double aspect = static_cast<double>(width) / height;
-    if (frame.angle) {
-        const double far = std::max(1.01 * farthest, 1e-3), near = std::max(0.99 * nearest, far / 20000);
-        const double f = 1 / std::tan(*frame.angle * 3.14159265358979323846 / 360);
-        camera.projection[0] = f / aspect;
-        camera.projection[5] = f;
-        camera.projection[10] = (far + near) / (near - far);
-        camera.projection[11] = -1;
-        camera.projection[14] = 2 * far * near / (near - far);
-    } else {
-        const double margin = std::max(farthest - nearest, 1e-3), near = nearest - 0.01 * margin, far = farthest + 0.01 * margin;
-        camera.projection[0] = 2 / (frame.height * aspect);
-        camera.projection[5] = 2 / frame.height;
-        camera.projection[10] = 2 / (near - far);
-        camera.projection[14] = (far + near) / (near - far);
-        camera.projection[15] = 1;
-    }
-    camera.viewport[2] = width;
-    camera.viewport[3] = height;
+    std::copy(view.modelview.begin(), view.modelview.end(), camera.modelview);
+    std::copy(view.projection.begin(), view.projection.end(), camera.projection);
+    camera.viewport[2] = view.width;
+    camera.viewport[3] = view.height;
     return camera;
 }
 
@@ -180,7 +127,7 @@ private:
     FrameReport frame(const CameraFrame& at)
     {
         screen_.clear();
-        const FrameReport report = renderer_.draw(camera_of(at, origin_, box_, settings_.width, settings_.height), origin_, options_);
+        const FrameReport report = renderer_.draw(camera_of(view_of(at, origin_, box_, settings_.width, settings_.height)), origin_, options_);
         if (!report.error.empty()) throw std::runtime_error("a frame could not be drawn: " + report.error);
         glFinish();
         return report;

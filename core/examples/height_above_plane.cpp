@@ -1,9 +1,10 @@
 // Gives every point of a tree its signed distance to a plane, as a new attribute, computed by a compute shader; however large the tree
 // is, in so much memory of either kind. Then reads it back and computes it again on the processor.
 //   height_above_plane city.pct  500000 4800000 90  0 0.1 1  256 64
-#include "offscreen.h"
+#include "compute_program.h"
 
 #include "gl/gpu_cursor.h"
+#include "offscreen/offscreen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +73,7 @@ try {
     pcm::L1Options l1_options;
     l1_options.capacity_bytes = std::stoull(argv[9]) << 20;
 
-    const Offscreen context;
+    const pcm::Offscreen context;
     pcm::require_compute_shaders();
     const GLuint program = compute_program(shader);
     const GLint plane_of = glGetUniformLocation(program, "plane"), count_of = glGetUniformLocation(program, "count");

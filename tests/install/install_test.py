@@ -49,7 +49,7 @@ def expected_line(points, low, high):
 def check_gpu_example(example, pcm, tree, points):
     """Heights above a plane between two steps of the grid, by a compute shader: the signs cannot hang on rounding."""
     if not example.exists():
-        print("left out, as EGL or the OpenGL part is not here: the example of a compute shader")
+        print("left out, as the OpenGL parts are not here: the example of a compute shader")
         return
     level = sorted(p[2] for p in points)[len(points) // 3] + 0.0005
     result = subprocess.run([example, tree, "0", "0", repr(level), "0", "0", "2", "0", "4"], stdin=subprocess.DEVNULL,
@@ -79,11 +79,11 @@ def check_headers(cmake, work, prefix, with_gl, options):
         name = header.replace("/", "_")[:-2] + ".cpp"
         (project / name).write_text(f'#include "{header}"\n')
         sources.append(name)
-    components = "core gl" if with_gl else "core"
-    libraries = "pcm::core pcm::gl" if with_gl else "pcm::core"
+    components = ["core"] + ["gl"] * with_gl + ["offscreen"] * (include / "offscreen").exists()
+    libraries = " ".join(f"pcm::{component}" for component in components)
     (project / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.16)\nproject(headers LANGUAGES CXX)\n"
-        f"find_package(pcm 0.1 REQUIRED COMPONENTS {components})\n"
+        f"find_package(pcm 0.1 REQUIRED COMPONENTS {' '.join(components)})\n"
         f"add_library(headers OBJECT {' '.join(sources)})\n"
         f"target_link_libraries(headers PRIVATE {libraries})\n")
     run(cmake, "-S", project, "-B", project / "build", *options)

@@ -1,0 +1,112 @@
+#include "offscreen/image.h"
+
+#include "cloud/error.h"
+
+#include <png.h>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <system_error>
+
+namespace pcm {
+namespace {
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+// libpng's simplified interface keeps the first error as text.
+struct Png {
+    png_image image{};
+    Png() { image.version = PNG_IMAGE_VERSION; }
+    ~Png() { png_image_free(&image); }
+    Png(const Png&) = delete;
+    Png& operator=(const Png&) = delete;
+};
+
+// Removes a file that was not finished.
+struct Unfinished {
+    std::filesystem::path path;
+    ~Unfinished()
+    {
+        std::error_code ignored;
+        if (!path.empty()) std::filesystem::remove(path, ignored);
+    }
+};
+
+}  // namespace
+
+void unpremultiply(Image& image)
+{
+    for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
+        const unsigned alpha = image.rgba[i + 3];
+        if (alpha == 0 || alpha == 255) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const unsigned value = (image.rgba[i + c] * 255u + alpha / 2) / alpha;
+            image.rgba[i + c] = static_cast<std::uint8_t>(value < 255 ? value : 255);
+        }
+    }
+}
+
+void write_png(const std::filesystem::path& file, const Image& image, bool alpha)
+{
+    const auto pixels = static_cast<std::size_t>(image.width > 0 ? image.width : 0) * static_cast<std::size_t>(image.height > 0 ? image.height : 0);
+    if (pixels == 0 || image.rgba.size() != 4 * pixels)
+        throw Error(ErrorCode::invalid_argument, file, "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels with " +
+                                                           std::to_string(image.rgba.size()) + " bytes cannot be written");
+    std::vector<std::uint8_t> opaque;
+    if (!alpha) {
+        opaque.resize(3 * pixels);
+        for (std::size_t i = 0; i < pixels; ++i) std::memcpy(&opaque[3 * i], &image.rgba[4 * i], 3);
+    }
+    std::filesystem::path part = file;
+    part += "." + std::to_string(::getpid()) + ".part";
+    File out(std::fopen(part.c_str(), "wb"));
+    if (!out) throw Error::from_errno(errno, file, "writing the picture");
+    Unfinished unfinished{part};
+    Png png;
+    png.image.width = static_cast<png_uint_32>(image.width);
+    png.image.height = static_cast<png_uint_32>(image.height);
+    png.image.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+    errno = 0;
+    if (!png_image_write_to_stdio(&png.image, out.get(), 0, alpha ? image.rgba.data() : opaque.data(), 0, nullptr)) {
+        if (errno != 0) throw Error::from_errno(errno, file, "writing the picture");
+        throw Error(ErrorCode::io, file, std::string("writing the picture failed: ") + png.image.message);
+    }
+    errno = 0;
+    if (std::fflush(out.get()) != 0 || std::ferror(out.get())) throw Error::from_errno(errno, file, "writing the picture");
+    out.reset();
+    std::error_code error;
+    std::filesystem::rename(part, file, error);
+    if (error) throw Error::from_errno(error.value(), file, "writing the picture");
+    unfinished.path.clear();
+}
+
+Image read_png(const std::filesystem::path& file)
+{
+    errno = 0;
+    const File in(std::fopen(file.c_str(), "rb"));
+    if (!in) throw Error::from_errno(errno, file, "opening the picture");
+    Png png;
+    if (!png_image_begin_read_from_stdio(&png.image, in.get()))
+        throw Error(ErrorCode::bad_format, file, std::string("this is not a PNG picture: ") + png.image.message);
+    if (std::uint64_t(png.image.width) * png.image.height > (std::uint64_t(1) << 28))
+        throw Error(ErrorCode::unsupported, file, "a picture of " + std::to_string(png.image.width) + " x " + std::to_string(png.image.height) +
+                                                      " pixels; at most 2^28 of them are read");
+    png.image.format = PNG_FORMAT_RGBA;
+    Image image;
+    image.width = static_cast<int>(png.image.width);
+    image.height = static_cast<int>(png.image.height);
+    image.rgba.resize(std::size_t(png.image.width) * png.image.height * 4);
+    if (!png_image_finish_read(&png.image, nullptr, image.rgba.data(), 0, nullptr))
+        throw Error(ErrorCode::bad_format, file, std::string("the PNG picture is damaged: ") + png.image.message);
+    return image;
+}
+
+}  // namespace pcm

@@ -1,0 +1,236 @@
+#include "view/camera_path.h"
+
+#include "cloud/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+namespace pcm {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double degree = 3.14159265358979323846 / 180;
+
+Vec3d cross(const Vec3d& a, const Vec3d& b)
+{
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
+Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+Vec3d unit(const Vec3d& v)
+{
+    const double l = length(v);
+    return {v[0] / l, v[1] / l, v[2] / l};
+}
+
+// The camera's axes in source axes.
+struct Axes {
+    Vec3d right, up, back;
+};
+
+Axes axes_of(const CameraFrame& frame)
+{
+    const Vec3d back = unit(minus(frame.eye, frame.target));
+    const Vec3d right = unit(cross(unit(frame.up), back));
+    return {right, cross(back, right), back};
+}
+
+Vec3d corner(const Box3d& box, unsigned number)
+{
+    Vec3d p{};
+    for (std::size_t a = 0; a < 3; ++a) p[a] = number >> a & 1u ? box.max[a] : box.min[a];
+    return p;
+}
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
+
+// Of what a file says; the caller adds the file and the frame.
+Vec3d vector_of(const Json& frame, const char* key)
+{
+    const auto found = frame.find(key);
+    const auto is_number = [](const Json& value) { return value.is_number(); };
+    if (found == frame.end() || !found->is_array() || found->size() != 3 || !std::all_of(found->begin(), found->end(), is_number))
+        refuse(std::string("'") + key + "' is not three numbers");
+    return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
+}
+
+double number_of(const Json& frame, const char* key)
+{
+    if (!frame[key].is_number()) refuse(std::string("'") + key + "' is not a number");
+    return frame[key].get<double>();
+}
+
+CameraFrame frame_of(const Json& json)
+{
+    if (!json.is_object()) refuse("it is not an object");
+    CameraFrame frame;
+    frame.eye = vector_of(json, "eye");
+    frame.target = vector_of(json, "target");
+    if (json.contains("up")) frame.up = vector_of(json, "up");
+    if (json.contains("angle") == json.contains("height")) refuse("one of 'angle' and 'height' was expected");
+    if (json.contains("angle"))
+        frame.angle = number_of(json, "angle");
+    else
+        frame.height = number_of(json, "height");
+    if (json.contains("rest")) {
+        if (!json["rest"].is_boolean()) refuse("'rest' is neither true nor false");
+        frame.rest = json["rest"].get<bool>();
+    }
+    check(frame);
+    return frame;
+}
+
+std::string text_of(const Json& json, const char* key)
+{
+    const auto found = json.find(key);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+CameraPath path_of(const Json& json, const std::string& name, std::size_t& number)
+{
+    if (!json.is_object() || text_of(json, "format") != "pcm camera path") refuse("this is no camera path: 'format' is not \"pcm camera path\"");
+    if (!json.contains("version") || json["version"] != 1) refuse("this is not version 1 of the format, which alone is known here");
+    CameraPath path;
+    path.name = json.contains("name") ? text_of(json, "name") : name;
+    const std::string coordinates = text_of(json, "coordinates");
+    if (coordinates != "box" && coordinates != "source") refuse("'coordinates' is neither \"box\" nor \"source\"");
+    path.in_box = coordinates == "box";
+    if (!json.contains("frames") || !json["frames"].is_array() || json["frames"].empty()) refuse("there are no frames");
+    for (const Json& frame : json["frames"]) {
+        ++number;
+        path.frames.push_back(frame_of(frame));
+    }
+    return path;
+}
+
+}  // namespace
+
+void check(const CameraFrame& frame)
+{
+    for (const Vec3d* v : {&frame.eye, &frame.target, &frame.up})
+        for (const double c : *v)
+            if (!std::isfinite(c)) refuse("a coordinate of the camera is not finite");
+    if (frame.angle) {
+        if (!(*frame.angle > 0 && *frame.angle < 180)) refuse("'angle' is not between 0 and 180 degrees");
+    } else if (!(frame.height > 0 && std::isfinite(frame.height))) {
+        refuse("'height' is not above 0");
+    }
+    const Vec3d ahead = minus(frame.target, frame.eye);
+    if (!(length(ahead) > 0)) refuse("'eye' is the 'target'");
+    if (!(length(frame.up) > 0) || !(length(cross(unit(ahead), unit(frame.up))) > 1e-9)) refuse("'up' is along the view");
+}
+
+CameraPath CameraPath::read(const std::filesystem::path& file)
+{
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw Error::from_errno(errno, file, "opening the camera path");
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (stream.bad()) throw Error(ErrorCode::io, file, "the camera path cannot be read");
+    std::size_t number = 0;
+    try {
+        return path_of(Json::parse(text), file.stem().string(), number);
+    } catch (const Json::exception& error) {
+        throw Error(ErrorCode::bad_format, file, std::string("the camera path is not JSON: ") + error.what());
+    } catch (const Error& error) {
+        throw Error(ErrorCode::bad_format, file, "camera path" + (number ? ", frame " + std::to_string(number) : std::string()) + ": " + error.what());
+    }
+}
+
+CameraPath CameraPath::placed(const Box3d& box) const
+{
+    if (!in_box) return *this;
+    if (box.empty()) refuse("a camera path in the coordinates of a box wants a cloud that has points");
+    const double half = std::max({box.extent(0), box.extent(1), box.extent(2), 1e-9}) / 2;
+    const auto place = [&](Vec3d& v) {
+        for (std::size_t a = 0; a < 2; ++a) v[a] = (box.min[a] + box.max[a]) / 2 + v[a] * std::max(box.extent(a) / 2, 1e-3 * half);
+        v[2] = box.min[2] + v[2] * half;
+    };
+    CameraPath path = *this;
+    path.in_box = false;
+    for (CameraFrame& frame : path.frames) {
+        place(frame.eye);
+        place(frame.target);
+        frame.height *= half;
+    }
+    return path;
+}
+
+View view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
+{
+    const Axes axes = axes_of(frame);
+    const Vec3d eye = minus(frame.eye, origin);
+    View view;
+    view.origin = origin;
+    view.width = width;
+    view.height = height;
+    const Vec3d* const rows[3] = {&axes.right, &axes.up, &axes.back};
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) view.modelview[c * 4 + r] = (*rows[r])[c];
+        view.modelview[12 + r] = -dot(*rows[r], eye);
+    }
+    view.modelview[15] = 1;
+
+    double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+    for (unsigned number = 0; number < 8 && !box.empty(); ++number) {
+        const double depth = -dot(axes.back, minus(corner(box, number), frame.eye));
+        nearest = std::min(nearest, depth);
+        farthest = std::max(farthest, depth);
+    }
+    if (box.empty()) nearest = farthest = 1;
+    const double aspect = static_cast<double>(width) / height;
+    if (frame.angle) {
+        const double far = farthest > 0 ? 1.01 * farthest : 1, near = std::max(0.99 * nearest, far / 20000);
+        const double f = 1 / std::tan(*frame.angle / 2 * degree);
+        view.projection[0] = f / aspect;
+        view.projection[5] = f;
+        view.projection[10] = (far + near) / (near - far);
+        view.projection[11] = -1;
+        view.projection[14] = 2 * far * near / (near - far);
+    } else {
+        const double margin = 0.01 * std::max(farthest - nearest, 0.01 * frame.height), near = nearest - margin, far = farthest + margin;
+        view.projection[0] = 2 / (frame.height * aspect);
+        view.projection[5] = 2 / frame.height;
+        view.projection[10] = 2 / (near - far);
+        view.projection[14] = (far + near) / (near - far);
+        view.projection[15] = 1;
+    }
+    return view;
+}
+
+CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, int width, int height)
+{
+    if (box.empty()) refuse("there is nothing to look at: the cloud has no points");
+    CameraFrame frame;
+    frame.angle = angle;
+    frame.target = box.centre();
+    const double size = std::max(box.diagonal(), 1e-9 * (1 + length(frame.target)));
+    const Vec3d back = unit({-0.5, -1, 0.8});
+    for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + size * back[a];
+    const Axes axes = axes_of(frame);
+    const double aspect = static_cast<double>(width) / height, margin = 1.05;
+    const double tangent = angle ? std::tan(*angle / 2 * degree) : 0;
+    double away = 0, half_height = 0;
+    for (unsigned number = 0; number < 8; ++number) {
+        const Vec3d p = minus(corner(box, number), frame.target);
+        const double half = margin * std::max(std::abs(dot(axes.up, p)), std::abs(dot(axes.right, p)) / aspect);
+        half_height = std::max(half_height, half);
+        if (angle) away = std::max(away, dot(axes.back, p) + half / tangent);
+    }
+    frame.height = angle ? 0 : 2 * std::max(half_height, 0.01 * size);
+    if (!angle) away = size;
+    away = std::max(away, 0.01 * size);
+    for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + away * back[a];
+    return frame;
+}
+
+}  // namespace pcm

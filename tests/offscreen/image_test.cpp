@@ -1,0 +1,102 @@
+#include "offscreen/image.h"
+
+#include "support.h"
+
+#include "cloud/error.h"
+
+#include <fstream>
+#include <random>
+
+namespace {
+
+using namespace pcm;
+namespace fs = std::filesystem;
+
+Image noise(int width, int height, unsigned seed)
+{
+    std::mt19937 random(seed);
+    Image image{width, height, {}};
+    for (int i = 0; i < width * height * 4; ++i) image.rgba.push_back(static_cast<std::uint8_t>(random()));
+    return image;
+}
+
+std::string bytes_of(const fs::path& file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+template <class Function>
+ErrorCode code_of(Function&& function)
+{
+    try {
+        function();
+    } catch (const Error& error) {
+        return error.code();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return ErrorCode::cancelled;
+}
+
+TEST(Png, KeepsEveryBit)
+{
+    const test::TemporaryFolder folder;
+    for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {64, 48}, {3, 300}}) {
+        const Image image = noise(width, height, static_cast<unsigned>(width));
+        write_png(folder / "a.png", image);
+        EXPECT_EQ(read_png(folder / "a.png"), image);
+        write_png(folder / "a.png", image, false);  // the same file again, opaque
+        const Image opaque = read_png(folder / "a.png");
+        ASSERT_EQ(opaque.rgba.size(), image.rgba.size());
+        for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_EQ(opaque.rgba[i], i % 4 == 3 ? 255 : image.rgba[i]);
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);  // nothing beside the file
+}
+
+TEST(Png, TheUpperRowComesFirst)
+{
+    const test::TemporaryFolder folder;
+    write_png(folder / "a.png", {1, 2, {255, 0, 0, 255, 0, 0, 255, 255}});
+    EXPECT_EQ(read_png(folder / "a.png").pixel(0, 0)[0], 255);
+    EXPECT_EQ(read_png(folder / "a.png").pixel(0, 1)[2], 255);
+}
+
+TEST(Png, SaysWhatCannotBeWritten)
+{
+    const test::TemporaryFolder folder;
+    EXPECT_EQ(code_of([&] { write_png(folder / "a.png", Image{2, 2, {1, 2, 3}}); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { write_png(folder / "a.png", Image{-1, -1, {0, 0, 0, 0}}); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { write_png(folder / "a.png", Image{}); }), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { write_png(folder / "none" / "a.png", noise(2, 2, 1)); }), ErrorCode::not_found);
+    fs::create_directory(folder / "folder.png");
+    EXPECT_EQ(code_of([&] { write_png(folder / "folder.png", noise(2, 2, 1)); }), ErrorCode::io);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);  // the folder alone
+}
+
+TEST(Png, DamageIsSaidAndHarmless)
+{
+    const test::TemporaryFolder folder;
+    write_png(folder / "whole.png", noise(20, 20, 5));
+    const std::string whole = bytes_of(folder / "whole.png");
+    EXPECT_EQ(code_of([&] { read_png(folder / "none.png"); }), ErrorCode::not_found);
+    const auto read = [&](const std::string& bytes) {
+        std::ofstream(folder / "bad.png", std::ios::binary) << bytes;
+        return code_of([&] { read_png(folder / "bad.png"); });
+    };
+    for (std::size_t length = 0; length + 16 < whole.size(); length += 7) EXPECT_EQ(read(whole.substr(0, length)), ErrorCode::bad_format) << length;
+    std::string huge = whole;  // its header promises 2^30 x 2^30 pixels, and has the wrong checksum besides
+    huge[16] = huge[20] = 0x40;
+    EXPECT_EQ(read(huge), ErrorCode::bad_format);
+    std::string turned = whole;
+    turned[whole.size() / 2] = static_cast<char>(~turned[whole.size() / 2]);
+    EXPECT_EQ(read(turned), ErrorCode::bad_format);
+}
+
+TEST(Image, ColoursAreDividedByTheirAlpha)
+{
+    Image image{4, 1, {10, 20, 30, 0, 10, 20, 30, 255, 64, 128, 32, 128, 200, 1, 0, 100}};
+    unpremultiply(image);
+    EXPECT_EQ(image.rgba, (std::vector<std::uint8_t>{10, 20, 30, 0, 10, 20, 30, 255, 128, 255, 64, 128, 255, 3, 0, 100}));
+}
+
+}  // namespace
