@@ -122,7 +122,7 @@ public:
     }
 
     // A new entry of `pages` pages of an owner that is there, in place of the node's former one if there is one; used in the owner's latest frame. Null when
-    // no room can be made, or the former entry is pinned or cannot be written back: nothing is dropped then. `form` (0 to 7) tells
+    // no room can be made, or the former entry is pinned or cannot be written back: nothing is dropped then. `form` (0 to 15) tells
     // forms of a node apart for the counting of misses. Asks, in this order and as far as needed,
     //   hooks.grow()              for more pages: how many add_pages() has added, 0 when there are no more to be had;
     //   hooks.write_back(Entry&)  for a marked entry to be written back: false when that failed.
@@ -146,11 +146,11 @@ public:
         link_as_newest(entry);
         touch(entry);
 
-        std::uint8_t& seen = seen_[entry.key()];
-        const auto bit = static_cast<std::uint8_t>(1u << form);
+        std::uint16_t& seen = seen_[entry.key()];
+        const auto bit = static_cast<std::uint16_t>(1u << form);
         ++(seen & bit ? counts_.capacity_misses : counts_.compulsory_misses);
         counts_.forced_misses += forced;
-        seen = static_cast<std::uint8_t>(seen | bit);
+        seen = static_cast<std::uint16_t>(seen | bit);
         return &entry;
     }
 
@@ -340,7 +340,7 @@ private:
     Entry* oldest_ = nullptr;
     std::set<std::uint32_t> free_;  // ordered, so that an entry gets neighbouring pages where it can
     std::uint32_t pages_ = 0;
-    std::unordered_map<Key, std::uint8_t, KeyHash> seen_;  // forms ever inserted, a bit each
+    std::unordered_map<Key, std::uint16_t, KeyHash> seen_;  // forms ever inserted, a bit each
     std::map<Owner, std::uint64_t> latest_frame_;
     std::uint64_t frame_ = 0;
     Owner next_owner_ = 1;

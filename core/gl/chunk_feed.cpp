@@ -1,5 +1,7 @@
 #include "gl/chunk_feed.h"
 
+#include "gl/vertex_discs.h"
+
 #include <string_view>
 #include <utility>
 
@@ -15,8 +17,13 @@ constexpr std::chrono::seconds retry_after{5};
 
 std::string_view attribute_of(VertexColour colour)
 {
-    return colour == VertexColour::rgb ? attribute_name::rgb : attribute_name::intensity;
+    return colour == VertexColour::rgb         ? attribute_name::rgb
+           : colour == VertexColour::intensity ? attribute_name::intensity
+                                               : attribute_name::classification;
 }
+
+// Whether the colours are scaled to what the coarsest chunk holds.
+bool is_scaled(VertexColour colour) { return colour == VertexColour::rgb || colour == VertexColour::intensity; }
 
 }  // namespace
 
@@ -100,19 +107,17 @@ std::vector<NodeId> ChunkFeed::ahead_of(const View& later, const DetailLimits& l
     return nodes;
 }
 
-void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, VertexColour colour)
+void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format)
 {
     std::map<NodeId, Arrival> kept;
-    if (arrivals_colour_ == colour)
+    if (arrivals_format_ == format)
         for (const NodeId node : window)
             if (const auto found = arrivals_.find(node); found != arrivals_.end())
                 kept.insert(arrivals_.extract(found));
     arrivals_ = std::move(kept);
-    arrivals_colour_ = colour;
+    arrivals_format_ = format;
 
-    ColumnSet columns = ColumnSet::only_positions();
-    if (colour != VertexColour::none)
-        columns = ColumnSet::named(cloud_->info().schema, {std::string(attribute_of(colour))});
+    const ColumnSet columns = columns_of(format);
     // Taken before looking: a chunk that arrives from here on wakes the owner again.
     const std::set<NodeId> arrived = inbox_->take();
     std::vector<ChunkRequest> list;
@@ -149,25 +154,56 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
     }
 }
 
-Served ChunkFeed::upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms)
+ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
+{
+    std::vector<std::string> names;
+    if (format.colour != VertexColour::none) names.emplace_back(attribute_of(format.colour));
+    if (format.radius) names.emplace_back(attribute_name::radius);
+    if (format.normal) names.emplace_back(attribute_name::normal);
+    return ColumnSet::named(cloud_->info().schema, names);
+}
+
+VertexAttributes ChunkFeed::attributes_of(const Chunk& chunk, const VertexFormat& format)
+{
+    const Schema& schema = cloud_->info().schema;
+    VertexAttributes attributes;
+    if (format.colour != VertexColour::none) {
+        const std::size_t place = *schema.find(attribute_of(format.colour));
+        const Column& column = *chunk.attributes[place];
+        if (is_scaled(format.colour)) {
+            if (!scales_.count(format.colour)) scales_[format.colour] = ColourScale::of(column, format.colour);
+            make_colours(column, scales_[format.colour], rgba_);
+        } else {
+            make_class_colours(column, schema[place], rgba_);
+        }
+        attributes.rgba = rgba_.data();
+    }
+    if (format.radius) {
+        const std::size_t place = *schema.find(attribute_name::radius);
+        make_radii(*chunk.attributes[place], schema[place], radii_);
+        attributes.radii = radii_.data();
+    }
+    if (format.normal) {
+        const std::size_t place = *schema.find(attribute_name::normal);
+        make_normals(*chunk.attributes[place], schema[place], normals_);
+        attributes.normals = normals_.data();
+    }
+    return attributes;
+}
+
+Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms)
 {
     const auto supply = [&](NodeId node) {
         const auto found = arrivals_.find(node);
         if (found != arrivals_.end() && found->second.chunk) return Supply::ready;
         // The coarsest chunk sets the scale for all, so it must come first.
-        return colour != VertexColour::none && !scales_.count(colour) && !has_failed(node) ? Supply::stop : Supply::absent;
+        return is_scaled(format.colour) && !scales_.count(format.colour) && !has_failed(node) ? Supply::stop : Supply::absent;
     };
     return l1_->request(window, budget_ms, supply, [&](NodeId node) {
         const auto found = arrivals_.find(node);
         const L2Cache::Handle chunk = found->second.chunk;
-        const std::uint8_t* colours = nullptr;
-        if (colour != VertexColour::none) {
-            const Column& column = *chunk->attributes[*cloud_->info().schema.find(attribute_of(colour))];
-            if (!scales_.count(colour)) scales_[colour] = ColourScale::of(column, colour);
-            make_colours(column, scales_[colour], rgba_);
-            colours = rgba_.data();
-        }
-        if (!l1_->upload(owner_, node, *chunk->positions, cloud_->info().grid.scale, colour, colours)) return false;
+        const VertexAttributes attributes = attributes_of(*chunk, format);
+        if (!l1_->upload(owner_, node, *chunk->positions, cloud_->info().grid.scale, format, attributes)) return false;
         arrivals_.erase(found);
         return true;
     });

@@ -3,6 +3,7 @@
 
 #include "gl/l1_cache.h"
 #include "gl/vertex_colours.h"
+#include "gl/vertex_format.h"
 #include "point_cloud.h"
 #include "view/level_of_detail.h"
 
@@ -29,18 +30,18 @@ public:
 
     L1Cache::Owner owner() const { return owner_; }
     const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
-    static bool is_current(const VertexEntry* entry, VertexColour colour) { return entry && (colour == VertexColour::none || entry->colour == colour); }
+    static bool is_current(const VertexEntry* entry, const VertexFormat& format) { return entry && entry->format.serves(format); }
 
-    // The first nodes in `wanted` that video memory lacks (or has with other colours): those that are not `current`; less what lies below a node
+    // The first nodes in `wanted` that video memory lacks (or has in another format): those that are not `current`; less what lies below a node
     // that cannot be loaded, as it could not be drawn anyway.
     std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current);
     // What the view will want later and video memory has not got: the loader has time for it only when little is missing now.
     std::vector<NodeId> ahead_of(const View& later, const DetailLimits& limits, std::size_t missing_now) const;
 
     // Takes what has come of the window from L2 and asks for the rest, and then for what is `ahead`.
-    void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, VertexColour colour);
+    void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
     // Puts what has come into L1, within so much time.
-    Served upload(const std::vector<NodeId>& window, VertexColour colour, double budget_ms);
+    Served upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms);
     // Whether something of the window is on its way.
     bool waits();
     // Why some of it cannot be loaded for the time being; empty when all can.
@@ -68,6 +69,8 @@ private:
         unsigned lost = 0;      // times it had arrived and was dropped by L2 before it was found
     };
 
+    ColumnSet columns_of(const VertexFormat& format) const;
+    VertexAttributes attributes_of(const Chunk& chunk, const VertexFormat& format);
     bool has_failed(NodeId node);
     void fail(NodeId node, std::string error);
 
@@ -76,12 +79,13 @@ private:
     L1Cache::Owner owner_;
     const std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
     std::map<NodeId, Arrival> arrivals_;
-    VertexColour arrivals_colour_ = VertexColour::none;  // the columns that they hold are for this
+    VertexFormat arrivals_format_;  // the columns that they hold are for this
     bool asked_last_ = false;
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
     std::map<VertexColour, ColourScale> scales_;
     std::vector<std::uint8_t> rgba_;
+    std::vector<float> radii_, normals_;
 };
 
 }  // namespace pcm

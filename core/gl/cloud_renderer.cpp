@@ -77,11 +77,11 @@ struct CloudRenderer::Impl {
         return asked;
     }
 
-    static VertexColour vertex_colour(ColourMode mode)
+    static VertexFormat vertex_format(ColourMode mode)
     {
-        return mode == ColourMode::rgb         ? VertexColour::rgb
-               : mode == ColourMode::intensity ? VertexColour::intensity
-                                               : VertexColour::none;
+        CloudStyle style;
+        style.colour = mode;
+        return format_of(style);
     }
 
     bool rests(const Camera& camera, const Vec3d& local_origin)
@@ -218,7 +218,7 @@ struct CloudRenderer::Impl {
             bool prepared = false;
             for (const std::uint32_t i : set.drawn) {
                 const VertexEntry* entry = feed->find(selection.wanted[i].node);
-                if (!entry || (reads_colour && with_colour != (entry->colour != VertexColour::none))) continue;
+                if (!entry || (reads_colour && with_colour != (entry->format.colour != VertexColour::none))) continue;
                 if (!prepared) set_common(program, camera, options);
                 prepared = true;
                 set_chunk(program, *entry, camera, local_origin, local_eye);
@@ -244,7 +244,7 @@ struct CloudRenderer::Impl {
         const auto start = Clock::now();
         FrameReport report;
         const ColourMode mode = usable_mode(options.colour);
-        const VertexColour colour = vertex_colour(mode);
+        const VertexFormat colour = vertex_format(mode);
         report.colour_used = mode;
 
         View view;
@@ -265,7 +265,7 @@ struct CloudRenderer::Impl {
         limits.point_budget = budget.points(budget_ms, nodes.empty() ? 0 : nodes[0].points, options.point_budget);
         report.effective_point_budget = limits.point_budget;
         // Counted as if all entries had colour: those of another mode stay until there is need for their room.
-        limits.page_points = L1Cache::points_per_page(VertexColour::rgb);
+        limits.page_points = L1Cache::points_per_page(VertexFormat{VertexColour::rgb});
         limits.page_budget = l1->pages_available(feed->owner());
         const DetailSelection selection = select_detail(cloud->cache().tree(), view, limits);
 

@@ -24,15 +24,19 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // float holds exactly, and must be rounded once only.
 template <class T>
 void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale,
-                    const std::uint8_t* rgba, std::size_t first, std::size_t count)
+                    const VertexFormat& format, const VertexAttributes& attributes, std::size_t first, std::size_t count)
 {
-    const std::size_t stride = rgba ? 16 : 12;
+    const std::size_t stride = format.stride();
+    const std::size_t radius_place = format.radius_place();
+    const std::uint8_t* const rgba = format.colour == VertexColour::none ? nullptr : attributes.rgba;
     for (std::size_t i = 0; i < count; ++i, to += stride) {
         float position[3];
         for (std::size_t a = 0; a < 3; ++a)
             position[a] = static_cast<float>(static_cast<double>(xyz[a][first + i]) * scale[a]);
         std::memcpy(to, position, 12);
-        if (rgba) std::memcpy(to + 12, rgba + 4 * (first + i), 4);
+        if (rgba) std::memcpy(to + VertexFormat::colour_place, rgba + 4 * (first + i), 4);
+        if (format.radius) std::memcpy(to + radius_place, attributes.radii + first + i, 4);
+        if (format.normal) std::memcpy(to + VertexFormat::normal_place, attributes.normals + 3 * (first + i), 12);
     }
 }
 
@@ -233,17 +237,17 @@ bool L1Cache::add_block()
 }
 
 void L1Cache::transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions,
-                       const Vec3d& scale, const std::uint8_t* rgba)
+                       const Vec3d& scale, const VertexAttributes& attributes)
 {
     const std::size_t stride = entry.stride();
-    const std::size_t per_page = points_per_page(entry.colour);
-    staging_.resize(page_bytes);
+    const std::size_t per_page = points_per_page(entry.format);
+    staging_.assign(page_bytes, std::byte{0});  // what a format leaves out between its members is 0
     std::size_t first = 0;
     for (const std::uint32_t page : pages) {
         // One page at a time: what was just written is still in the processor's cache when the driver copies it.
         const std::size_t count = std::min(per_page, positions.size() - first);
-        positions.wide ? write_vertices(staging_.data(), positions.wide_xyz, scale, rgba, first, count)
-                       : write_vertices(staging_.data(), positions.narrow_xyz, scale, rgba, first, count);
+        positions.wide ? write_vertices(staging_.data(), positions.wide_xyz, scale, entry.format, attributes, first, count)
+                       : write_vertices(staging_.data(), positions.narrow_xyz, scale, entry.format, attributes, first, count);
         const std::uint32_t buffer = buffer_of(page);
         const std::uint32_t place = page % pages_per_block_;
         glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
@@ -313,26 +317,29 @@ void L1Cache::transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pag
     }
 }
 
-bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
-                     const std::uint8_t* rgba)
+bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
+                     const VertexFormat& format, const VertexAttributes& attributes)
 {
     const auto start = Clock::now();
-    const std::size_t per_page = points_per_page(colour);
+    const std::size_t per_page = points_per_page(format);
     const std::size_t pages = (positions.size() + per_page - 1) / per_page;
     write_back_error_ = nullptr;
     const bool done = (*table_)([&](auto& table) {
         if (!table.has_owner(owner))
             throw Error(ErrorCode::invalid_argument, {}, "no owner " + std::to_string(owner) + " in this L1");
-        auto* const slot = table.insert(owner, node, pages, static_cast<unsigned>(colour), false, Hooks{*this});
+        auto* const slot = table.insert(owner, node, pages, format.number(), false, Hooks{*this});
         if (!slot) return false;
         VertexEntry& entry = slot->payload.vertices;
-        entry.colour = colour;
+        entry.format = format;
         entry.points = static_cast<std::uint32_t>(positions.size());
         entry.origin = positions.origin;
         for (std::size_t a = 0; a < 3; ++a)
             entry.extent[a] =
                 scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
-        transfer(entry, slot->pages(), positions, scale, colour == VertexColour::none ? nullptr : rgba);
+        entry.largest_radius = 0;
+        for (std::size_t i = 0; format.radius && i < positions.size(); ++i)
+            entry.largest_radius = std::max(entry.largest_radius, attributes.radii[i]);
+        transfer(entry, slot->pages(), positions, scale, attributes);
         return true;
     });
     if (!done) return false;

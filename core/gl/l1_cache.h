@@ -16,6 +16,7 @@
 #include "cache/l1_table.h"
 #include "cache/load_times.h"
 #include "cloud/geometry.h"
+#include "gl/vertex_format.h"
 #include "tree/tree.h"
 
 #include <cstdint>
@@ -57,9 +58,6 @@ struct L1Statistics {
     std::uint64_t allocated_bytes = 0;  // of the blocks; never above the capacity
 };
 
-// What the colour of a vertex was made from; `none` has no colour and 12 bytes a vertex, the others 16.
-enum class VertexColour : std::uint8_t { none, rgb, intensity };
-
 // Vertices in consecutive pages of one block.
 struct VertexRange {
     std::uint32_t buffer = 0;  // GL name
@@ -67,14 +65,21 @@ struct VertexRange {
     std::int32_t count = 0;
 };
 
-// Interleaved: float[3] relative to the chunk's origin in source units, then, with a colour, RGBA8.
 struct VertexEntry {
-    VertexColour colour = VertexColour::none;
+    VertexFormat format;
     std::uint32_t points = 0;
     Vec3i origin{};  // of the chunk, grid coordinates
     Vec3d extent{};  // of the chunk, source units
+    float largest_radius = 0;  // of its points, source units; of a format with radii
     std::vector<VertexRange> ranges;
-    std::uint32_t stride() const { return colour == VertexColour::none ? 12u : 16u; }
+    std::uint32_t stride() const { return format.stride(); }
+};
+
+// What the format has beside positions; the others may be null.
+struct VertexAttributes {
+    const std::uint8_t* rgba = nullptr;  // 4 bytes a point
+    const float* radii = nullptr;        // 1 a point
+    const float* normals = nullptr;      // 3 a point
 };
 
 // Bytes of a buffer object.
@@ -138,13 +143,10 @@ class L1Cache {
 public:
     using Owner = std::uint64_t;
 
-    // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds 5120 vertices
-    // without or 3840 with colour; a block of 1, 2 or 4 MiB has 17 pages a MiB.
+    // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds 5120 bare
+    // vertices, 3840 with colour, 1920 with all there is; a block of 1, 2 or 4 MiB has 17 pages a MiB.
     static constexpr std::uint32_t page_bytes = 61440;
-    static std::uint32_t points_per_page(VertexColour colour)
-    {
-        return page_bytes / (colour == VertexColour::none ? 12u : 16u);
-    }
+    static std::uint32_t points_per_page(const VertexFormat& format) { return page_bytes / format.stride(); }
     static constexpr std::uint32_t max_stride = page_bytes / 256;  // of a column
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
@@ -166,7 +168,7 @@ public:
     void begin_frame(Owner owner);
     static constexpr std::uint64_t frames_protected = 16;
 
-    // The entry if it is resident, whatever its colour; use() also marks it as used in this frame and counts a hit. The
+    // The entry if it is resident, whatever its format; use() also marks it as used in this frame and counts a hit. The
     // pointer is valid until the next upload, remove_owner, set_capacity or release.
     const VertexEntry* use(Owner owner, NodeId node);
     const VertexEntry* find(Owner owner, NodeId node) const;
@@ -174,12 +176,12 @@ public:
     const ColumnEntry* find_columns(Owner owner, NodeId node) const;
 
     // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
-    // `rgba` (4 bytes a point) is read unless `colour` is none. Evicts as needed, as the policy says, never what
+    // Of `attributes` is read what `format` has. Evicts as needed, as the policy says, never what
     // is protected. False when that does not make room enough (an entry of the same node is kept then), as when the
     // driver is out of memory, or when write-backs failed: see write_back_error(). Leaves the binding of GL_COPY_WRITE_BUFFER
     // changed. Throws Error(invalid_argument) for an owner that is not there.
-    bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, VertexColour colour,
-                const std::uint8_t* rgba);
+    bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, const VertexFormat& format,
+                const VertexAttributes& attributes);
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
     // Error(unsupported) for a column of more than max_stride bytes a point.
@@ -234,7 +236,7 @@ private:
     bool add_block();
     std::uint32_t buffer_of(std::uint32_t page) const { return blocks_[page / pages_per_block_]; }
     void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions, const Vec3d& scale,
-                  const std::uint8_t* rgba);
+                  const VertexAttributes& attributes);
     void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages, const std::vector<ColumnSource>& columns);
     bool write_back(NodeId node, Payload& payload);
     void flush_owner(const Owner* owner);

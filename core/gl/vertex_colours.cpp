@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 
@@ -88,6 +89,61 @@ void make_colours(const Column& column, const ColourScale& scale, std::vector<st
             std::uint8_t* to = rgba.data() + 4 * p;
             for (std::size_t c = 0; c < 3; ++c) to[c] = byte(p * components + std::min(c, components - 1));
             to[3] = 255;
+        }
+    });
+}
+
+std::array<std::uint8_t, 3> class_colour(double number)
+{
+    using Colour = std::array<std::uint8_t, 3>;
+    static constexpr Colour named[] = {
+        {150, 150, 150},  // 0 never classified
+        {190, 190, 190},  // 1 unassigned
+        {166, 116, 70},   // 2 ground
+        {178, 223, 138},  // 3 low vegetation
+        {102, 189, 99},   // 4 medium vegetation
+        {27, 120, 55},    // 5 high vegetation
+        {230, 85, 60},    // 6 building
+        {255, 0, 127},    // 7 low point (noise)
+        {120, 120, 180},  // 8 reserved (model key point before LAS 1.4)
+        {50, 115, 220},   // 9 water
+        {120, 70, 140},   // 10 rail
+        {95, 95, 105},    // 11 road surface
+        {200, 180, 210},  // 12 reserved (overlap before LAS 1.4)
+        {255, 215, 60},   // 13 wire, guard
+        {255, 170, 0},    // 14 wire, conductor
+        {190, 120, 20},   // 15 transmission tower
+        {140, 220, 230},  // 16 wire-structure connector
+        {215, 150, 110},  // 17 bridge deck
+        {255, 60, 200},   // 18 high noise
+    };
+    const double rounded = std::floor(number + 0.5);
+    if (!(rounded >= 0 && rounded <= 255)) return {255, 0, 255};
+    const auto c = static_cast<unsigned>(rounded);
+    if (c < std::size(named)) return named[c];
+    // Hues a golden section of the circle apart: neighbours in number are far apart in colour.
+    const double hue = std::fmod(c * 0.618033988749895, 1.0) * 6;
+    const auto channel = [&](double place) {
+        const double distance = std::abs(std::fmod(hue + place, 6.0) - 3);  // 0 at the channel's opposite hue
+        return static_cast<std::uint8_t>(64 + 191 * std::clamp(distance - 1, 0.0, 1.0));
+    };
+    return {channel(0), channel(4), channel(2)};
+}
+
+void make_class_colours(const Column& column, const Attribute& attribute, std::vector<std::uint8_t>& rgba)
+{
+    std::array<std::array<std::uint8_t, 3>, 256> palette;
+    for (std::size_t c = 0; c < palette.size(); ++c) palette[c] = class_colour(static_cast<double>(c));
+    const std::array<std::uint8_t, 3> other = class_colour(-1);
+    const std::size_t points = column.size();
+    const std::size_t components = column.components();
+    rgba.resize(4 * points);
+    with_type(column, [&](const auto* raw) {
+        for (std::size_t p = 0; p < points; ++p) {
+            const double number = std::floor(static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset + 0.5);
+            const auto& colour = number >= 0 && number <= 255 ? palette[static_cast<std::size_t>(number)] : other;
+            std::copy(colour.begin(), colour.end(), rgba.begin() + static_cast<std::ptrdiff_t>(4 * p));
+            rgba[4 * p + 3] = 255;
         }
     });
 }

@@ -112,6 +112,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
     std::vector<ChunkPositions> chunks;
     for (std::size_t i = 0; i < sizes.size(); ++i) chunks.push_back(chunk_of(sizes[i], i % 2 == 1, i));
     const std::vector<std::uint8_t> rgba(4 * 70000, 200);
+    const std::vector<float> floats(3 * 70000, 1.0f);
     std::uint64_t uploaded_bytes = 0;
 
     for (int step = 0; step < 60000; ++step) {
@@ -125,14 +126,14 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
             ASSERT_EQ(cache.use(owner, node) != nullptr, model.use(owner, node)) << "step " << step;
         } else if (action < 998) {
             const std::size_t chunk = random() % 1000 < 3 ? 8 : node % 8;
-            const auto colour = static_cast<VertexColour>(random() % 3);
-            const std::uint32_t per_page = L1Cache::points_per_page(colour);
+            const VertexFormat format{static_cast<VertexColour>(random() % 4), random() % 2 == 1, random() % 2 == 1};
+            const std::uint32_t per_page = L1Cache::points_per_page(format);
             const bool done = model.insert(owner, node, (sizes[chunk] + per_page - 1) / per_page,
-                                           static_cast<unsigned>(colour), false);
-            ASSERT_EQ(cache.upload(owner, node, chunks[chunk], {1, 1, 1}, colour, rgba.data()), done) << "step " << step;
+                                           format.number(), false);
+            ASSERT_EQ(cache.upload(owner, node, chunks[chunk], {1, 1, 1}, format, {rgba.data(), floats.data(), floats.data()}), done) << "step " << step;
             if (!done) continue;
-            model.find(owner, node)->content = static_cast<std::uint64_t>(colour);
-            uploaded_bytes += sizes[chunk] * (colour == VertexColour::none ? 12 : 16);
+            model.find(owner, node)->content = format.number();
+            uploaded_bytes += sizes[chunk] * format.stride();
         } else {
             cache.remove_owner(owner);
             model.remove_owner(owner);
@@ -156,7 +157,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
             for (const auto& e : model.entries) {
                 const VertexEntry* entry = cache.find(e.owner, e.node);
                 ASSERT_TRUE(entry);
-                ASSERT_EQ(static_cast<std::uint64_t>(entry->colour), e.content);
+                ASSERT_EQ(entry->format.number(), e.content);
                 std::uint32_t points = 0;
                 for (const auto& r : entry->ranges) {
                     spans.push_back({r.buffer, std::uint64_t(r.first) * entry->stride(),
@@ -181,7 +182,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     cache.release();
     EXPECT_EQ(cache.statistics().allocated_bytes, 0u);
-    EXPECT_TRUE(cache.upload(owners[0], 1, chunks[1], {1, 1, 1}, VertexColour::none, nullptr));  // usable afterwards
+    EXPECT_TRUE(cache.upload(owners[0], 1, chunks[1], {1, 1, 1}, {}, {}));  // usable afterwards
     cache.release();
 }
 
@@ -493,11 +494,15 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
     const Vec3d scale{0.001, 0.01, 1e-6};
     for (const bool wide : {false, true})
         for (const std::uint32_t points : {1u, 3840u, 5121u, 200000u})
-            for (const auto colour : {VertexColour::none, VertexColour::rgb}) {
+            for (unsigned form = 0; form < 8; ++form) {
+                const VertexFormat format{form & 1 ? VertexColour::rgb : VertexColour::none, (form & 2) != 0, (form & 4) != 0};
                 const ChunkPositions positions = chunk_of(points, wide, points);
                 std::vector<std::uint8_t> rgba(4 * points);
                 for (std::size_t i = 0; i < rgba.size(); ++i) rgba[i] = static_cast<std::uint8_t>(i * 7);
-                ASSERT_TRUE(cache.upload(owner, points, positions, scale, colour, rgba.data()));
+                std::vector<float> radii(points), normals(3 * points);
+                for (std::size_t i = 0; i < points; ++i) radii[i] = static_cast<float>((i * 7919) % 10007) * 0.01f;
+                for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = static_cast<float>(i % 1000) * 0.001f;
+                ASSERT_TRUE(cache.upload(owner, points, positions, scale, format, {rgba.data(), radii.data(), normals.data()}));
                 const VertexEntry* entry = cache.find(owner, points);
                 ASSERT_TRUE(entry);
                 EXPECT_EQ(entry->origin, positions.origin);
@@ -512,10 +517,14 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
                         ASSERT_EQ(vertex[a], static_cast<float>(exact));
                         extent[a] = std::max(extent[a], exact);
                     }
-                    if (colour != VertexColour::none)
-                        ASSERT_EQ(std::memcmp(bytes.data() + i * 16 + 12, rgba.data() + i * 4, 4), 0);
+                    const std::byte* const at = bytes.data() + i * entry->stride();
+                    if (format.colour != VertexColour::none)
+                        ASSERT_EQ(std::memcmp(at + VertexFormat::colour_place, rgba.data() + i * 4, 4), 0);
+                    if (format.radius) ASSERT_EQ(std::memcmp(at + format.radius_place(), &radii[i], 4), 0);
+                    if (format.normal) ASSERT_EQ(std::memcmp(at + VertexFormat::normal_place, &normals[3 * i], 12), 0);
                 }
                 EXPECT_EQ(entry->extent, extent);
+                EXPECT_EQ(entry->largest_radius, format.radius ? *std::max_element(radii.begin(), radii.end()) : 0);
             }
     cache.release();
 }
