@@ -64,7 +64,7 @@ void add_append(CLI::App& app, int& result)
     command->add_option("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")->required();
     command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     arguments->reading.add_to(*command);
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = append(*arguments); });

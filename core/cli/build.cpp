@@ -73,7 +73,7 @@ void add_build(CLI::App& app, int& result)
     command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
         ->transform(CLI::AsSizeValue(false));
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     command->add_flag("--fast", arguments->fast, "Choose the points of levels by a grid: quicker, and less even");
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
     command->add_flag("!--no-resume", arguments->options.resume,

@@ -52,7 +52,7 @@ void add_compact(CLI::App& app, int& result)
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if there is a tree of this name");
     command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = compact(*arguments); });
 }

@@ -117,7 +117,7 @@ void add_convert(CLI::App& app, int& result)
     command->add_option("-m,--memory", arguments->memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
         ->transform(CLI::AsSizeValue(false))
         ->group(group);
-    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 100000)")->group(group);
+    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 25000)")->group(group);
     command->add_flag("--overwrite", options.overwrite, "Replace the output if it is there")->group(group);
     command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
     arguments->reading.add_to(*command);

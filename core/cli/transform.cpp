@@ -101,7 +101,7 @@ void add_transform(CLI::App& app, int& result)
     command->add_option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")->expected(12)->group(group);
     command->add_option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")->expected(3)->group(group);
     command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 100000)");
+    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");
     add_common(*command, arguments->common);

@@ -5,6 +5,7 @@
 #include "io/reader.h"
 #include "io/selection.h"
 #include "io/writer.h"
+#include "tree/chunk_points.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +35,7 @@ struct ConvertOptions {
     std::optional<Vec3d> scale;
     // Trees.
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;
-    std::uint32_t chunk_points = 100000;
+    std::uint32_t chunk_points = default_chunk_points;
     unsigned threads = 0;  // of a build; 0: one a processor
 
     bool overwrite = false;  // replace the output if it is there; never an input

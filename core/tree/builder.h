@@ -3,6 +3,7 @@
 
 #include "cloud/progress.h"
 #include "io/reader.h"
+#include "tree/chunk_points.h"
 #include "tree/tree.h"
 
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace pcm {
 struct BuildOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least 64 MiB
     unsigned threads = 0;                                 // 0: one a processor
-    std::uint32_t chunk_points = 100000;                  // most points of a chunk
+    std::uint32_t chunk_points = default_chunk_points;     // most points of a chunk
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
     bool resume = true;                                   // go on with an interrupted build, and be such a one that can be

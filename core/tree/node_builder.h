@@ -6,6 +6,7 @@
 #pragma once
 
 #include "bpc/bpc.h"
+#include "tree/chunk_points.h"
 #include "tree/lattice.h"
 #include "tree/row.h"
 #include "tree/tree.h"
@@ -51,7 +52,7 @@ struct NodeBuilderOptions {
     Lattice lattice;
     Schema schema;
     RowLayout layout;
-    std::uint32_t chunk_points = 100000;
+    std::uint32_t chunk_points = default_chunk_points;
     std::vector<double> spacings;  // of each level
     std::uint32_t part = 0, generation = 1;  // of the tree: what is built
 };

@@ -99,8 +99,8 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
                            "The tree folder to write, NAME.pct. Default: beside the first input, named like it."));
             add_work_parameters(parameters);
             parameters.addParam(
-                RichInt("ChunkPoints", 100000, "Points per chunk",
-                        "Most points of a chunk, the unit that is read and drawn, from 1000. Default 100000."));
+                RichInt("ChunkPoints", default_chunk_points, "Points per chunk",
+                        "Most points of a chunk, the unit that is read and drawn, from 1000. Default 25000."));
             parameters.addParam(
                 RichBool("Fast", false, "Fast levels",
                          "Choose the points of each level by a grid: about twice as quick a build, and less even a picture from "

@@ -15,7 +15,7 @@ namespace pcm {
 struct AppendOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole operation; at least 64 MiB
     unsigned threads = 0;                                 // 0: one a processor
-    std::uint32_t chunk_points = 100000;                  // most points of a chunk, as in a build
+    std::uint32_t chunk_points = default_chunk_points;     // most points of a chunk, as in a build
     ProgressFunction progress;
 };
 

@@ -13,7 +13,7 @@ struct CompactOptions {
     bool overwrite = false;                               // replace `output` if it is a tree
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // as in a build
     unsigned threads = 0;
-    std::uint32_t chunk_points = 100000;
+    std::uint32_t chunk_points = default_chunk_points;
     ProgressFunction progress;
 };
 
