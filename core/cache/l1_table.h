@@ -14,6 +14,7 @@
 
 #include "tree/tree.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <iterator>
@@ -103,6 +104,15 @@ public:
     {
         const auto latest = latest_frame_.find(owner);
         if (latest != latest_frame_.end()) latest->second = ++frame_;
+    }
+    // One frame that several owners share.
+    void begin_frame(const std::vector<Owner>& owners)
+    {
+        ++frame_;
+        for (const Owner owner : owners) {
+            const auto latest = latest_frame_.find(owner);
+            if (latest != latest_frame_.end()) latest->second = frame_;
+        }
     }
 
     // The entry, or null; valid until it is dropped. use() marks it as used in the owner's latest frame and counts a hit.
@@ -233,11 +243,13 @@ public:
     }
 
     // Pages in entries that other owners' latest frames, or pins, protect.
-    std::uint64_t pages_protected_by_others(Owner owner) const
+    std::uint64_t pages_protected_by_others(Owner owner) const { return pages_protected_by_others(std::vector<Owner>{owner}); }
+    std::uint64_t pages_protected_by_others(const std::vector<Owner>& owners) const
     {
         std::uint64_t pages = 0;
         for (const Entry* entry = newest_; entry; entry = entry->older_)
-            if (entry->key().owner != owner && is_protected(*entry)) pages += entry->pages_.size();
+            if (std::find(owners.begin(), owners.end(), entry->key().owner) == owners.end() && is_protected(*entry))
+                pages += entry->pages_.size();
         return pages;
     }
     std::uint32_t pages() const { return pages_; }

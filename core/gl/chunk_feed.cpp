@@ -8,10 +8,6 @@
 namespace pcm {
 namespace {
 
-// How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
-// upload is pinned in L2.
-constexpr std::size_t window_size = 32;
-
 // A chunk that could not be loaded is asked for again after this time: the network may be back.
 constexpr std::chrono::seconds retry_after{5};
 
@@ -96,11 +92,11 @@ std::vector<NodeId> ChunkFeed::window_of(const DetailSelection& selection, const
     return window;
 }
 
-std::vector<NodeId> ChunkFeed::ahead_of(const View& later, const DetailLimits& limits, std::size_t missing_now) const
+std::vector<NodeId> ChunkFeed::ahead_of(const DetailSelection& later, std::size_t missing_now) const
 {
     std::vector<NodeId> nodes;
     if (missing_now >= window_size / 2) return nodes;
-    for (const DetailNode& node : select_detail(cloud_->cache().tree(), later, limits).wanted) {
+    for (const DetailNode& node : later.wanted) {
         if (nodes.size() + missing_now >= window_size) break;
         if (!l1_->find(owner_, node.node) && !failed_.count(node.node)) nodes.push_back(node.node);
     }

@@ -28,6 +28,10 @@ public:
     ChunkFeed(const ChunkFeed&) = delete;
     ChunkFeed& operator=(const ChunkFeed&) = delete;
 
+    // How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
+    // upload is pinned in L2.
+    static constexpr std::size_t window_size = 32;
+
     L1Cache::Owner owner() const { return owner_; }
     const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
     static bool is_current(const VertexEntry* entry, const VertexFormat& format) { return entry && entry->format.serves(format); }
@@ -35,8 +39,10 @@ public:
     // The first nodes in `wanted` that video memory lacks (or has in another format): those that are not `current`; less what lies below a node
     // that cannot be loaded, as it could not be drawn anyway.
     std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current);
-    // What the view will want later and video memory has not got: the loader has time for it only when little is missing now.
-    std::vector<NodeId> ahead_of(const View& later, const DetailLimits& limits, std::size_t missing_now) const;
+    // What a view will want later and video memory has not got: the loader has time for it only when little is missing now.
+    std::vector<NodeId> ahead_of(const DetailSelection& later, std::size_t missing_now) const;
+    // Whether the node cannot be loaded for the time being.
+    bool has_failed(NodeId node);
 
     // Takes what has come of the window from L2 and asks for the rest, and then for what is `ahead`.
     void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
@@ -47,7 +53,7 @@ public:
     // Why some of it cannot be loaded for the time being; empty when all can.
     std::string error() const { return failed_.empty() ? std::string() : error_; }
 
-    // See CloudRenderer::set_wake().
+    // See DrawnCloud::set_wake().
     void set_wake(std::function<void()> wake);
     // Lets go of what has come and of what the L1 has.
     void release();
@@ -71,7 +77,6 @@ private:
 
     ColumnSet columns_of(const VertexFormat& format) const;
     VertexAttributes attributes_of(const Chunk& chunk, const VertexFormat& format);
-    bool has_failed(NodeId node);
     void fail(NodeId node, std::string error);
 
     const std::shared_ptr<PointCloud> cloud_;

@@ -278,7 +278,7 @@ struct CloudRenderer::Impl {
         std::optional<View> later;
         if (!resting && last_view && options.prefetch_frames) later = predict(*last_view, view, options.prefetch_frames);
         last_view = view;
-        feed->load(window, later ? feed->ahead_of(*later, limits, window.size()) : std::vector<NodeId>(), colour);
+        feed->load(window, later ? feed->ahead_of(select_detail(cloud->cache().tree(), *later, limits), window.size()) : std::vector<NodeId>(), colour);
 
         const GlStateGuard state;
         build_programs(state.compatibility());

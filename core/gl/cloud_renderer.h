@@ -23,6 +23,7 @@
 #include <string>
 
 namespace pcm {
+inline namespace single_cloud {
 
 struct RenderOptions {
     float point_size_px = 2;              // constant splats: squares with this side; clamped to what the driver can
@@ -89,4 +90,5 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
+}  // namespace single_cloud
 }  // namespace pcm

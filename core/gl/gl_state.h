@@ -4,8 +4,11 @@
 // its text overlay.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace pcm {
 
@@ -17,23 +20,49 @@ public:
     GlStateGuard& operator=(const GlStateGuard&) = delete;
     bool compatibility() const { return compatibility_; }
 
+    // What the host draws into.
+    std::uint32_t framebuffer() const { return static_cast<std::uint32_t>(draw_framebuffer_); }
+    const std::array<std::int32_t, 4>& viewport() const { return viewport_; }
+    std::array<float, 2> depth_range() const { return depth_range_; }
+
+    // The state that a picture of our own is drawn with: depth tested and written, no blending, clipping or masking of any kind.
+    void set_plain() const;
+
 private:
+    struct Texture {
+        std::uint32_t target;
+        std::int32_t name;
+    };
     bool compatibility_ = false;
+    std::vector<std::pair<std::uint32_t, bool>> switches_;  // capability: whether it is on
     std::int32_t program_ = 0;
     std::int32_t vertex_array_ = 0;
     std::int32_t array_buffer_ = 0;
     std::int32_t copy_write_buffer_ = 0;
+    std::int32_t draw_framebuffer_ = 0;
+    std::int32_t read_framebuffer_ = 0;
+    std::int32_t renderbuffer_ = 0;
+    std::int32_t active_texture_ = 0;
+    std::array<std::array<Texture, 2>, 2> textures_{};  // of the first two units
+    std::array<std::int32_t, 2> samplers_{};
+    std::array<std::int32_t, 4> viewport_{};
+    std::array<std::int32_t, 4> blend_{};  // source and destination, of colour and alpha
+    std::array<std::int32_t, 2> blend_equation_{};
+    std::array<std::int32_t, 2> polygon_mode_{};
+    std::array<std::int32_t, 2> clip_{};  // origin and depth mode
+    std::array<float, 4> clear_colour_{};
+    std::array<float, 2> depth_range_{};
+    float clear_depth_ = 1;
     std::int32_t depth_function_ = 0;
+    std::array<unsigned char, 4> colour_mask_{};
     unsigned char depth_mask_ = 0;
-    bool depth_test_ = false;
-    bool blend_ = false;
-    bool program_point_size_ = false;
-    bool point_sprite_ = false;
-    bool point_smooth_ = false;
 };
 
 // Whether the functions that this library calls are loaded.
 bool gl_functions_loaded();
+
+// Whether depth can run from 1 at the near plane to 0 at the far one with all the precision of float near 0 (OpenGL 4.5 or ARB_clip_control).
+bool gl_has_clip_control();
 
 // Takes all pending errors off the context; their names, empty if there was none.
 std::string drain_gl_errors();

@@ -168,6 +168,11 @@ void L1Cache::begin_frame(Owner owner)
     (*table_)([&](auto& table) { table.begin_frame(owner); });
 }
 
+void L1Cache::begin_frame(const std::vector<Owner>& owners)
+{
+    (*table_)([&](auto& table) { table.begin_frame(owners); });
+}
+
 const VertexEntry* L1Cache::use(Owner owner, NodeId node)
 {
     return (*table_)([&](auto& table) -> const VertexEntry* {
@@ -482,9 +487,11 @@ void L1Cache::discard_owner(const Owner* owner)
 void L1Cache::discard(Owner owner) { discard_owner(&owner); }
 void L1Cache::discard() { discard_owner(nullptr); }
 
-std::uint64_t L1Cache::pages_available(Owner owner) const
+std::uint64_t L1Cache::pages_available(Owner owner) const { return pages_available(std::vector<Owner>{owner}); }
+
+std::uint64_t L1Cache::pages_available(const std::vector<Owner>& owners) const
 {
-    const std::uint64_t others = (*table_)([&](auto& table) { return table.pages_protected_by_others(owner); });
+    const std::uint64_t others = (*table_)([&](auto& table) { return table.pages_protected_by_others(owners); });
     return max_blocks_ * pages_per_block_ - others;
 }
 

@@ -166,6 +166,7 @@ public:
     // A new frame of this owner: what it used in its last frame may be evicted from now on. What the others used in
     // their latest frames may not, unless they have drawn nothing for a while (frames_protected frames of all owners).
     void begin_frame(Owner owner);
+    void begin_frame(const std::vector<Owner>& owners);  // one frame that these share
     static constexpr std::uint64_t frames_protected = 16;
 
     // The entry if it is resident, whatever its format; use() also marks it as used in this frame and counts a hit. The
@@ -215,8 +216,9 @@ public:
     // Why the latest upload could write back nothing more; null if it did not fail so.
     std::exception_ptr write_back_error() const { return write_back_error_; }
 
-    // Pages that the owner can count on: all, less those that others' latest frames protect.
+    // Pages that the owner, or these together, can count on: all, less those that others' latest frames protect.
     std::uint64_t pages_available(Owner owner) const;
+    std::uint64_t pages_available(const std::vector<Owner>& owners) const;
 
     // Takes effect at once: the blocks above it are freed, and what lies in them is evicted, protected or not. Throws
     // Error(invalid_argument), and nothing is changed, below one block or when pinned entries lie there, and what a write-back threw.

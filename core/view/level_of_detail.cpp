@@ -1,8 +1,10 @@
 #include "view/level_of_detail.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <utility>
 
 namespace pcm {
 
@@ -178,54 +180,79 @@ double Frustum::pixels(double length, const Box3d& box) const
 
 Vec3d Frustum::eye() const { return {origin_[0] + eye_[0], origin_[1] + eye_[1], origin_[2] + eye_[2]}; }
 
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
-                              const DetailLimits& limits)
+SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits)
 {
-    DetailSelection selection;
-    const auto frustum = Frustum::of(view);
-    if (!frustum || nodes.empty()) return selection;
-    selection.viewport_px = std::max(view.width, view.height);
-
-    const auto before = [](const DetailNode& a, const DetailNode& b) {
-        return a.error_px != b.error_px ? a.error_px > b.error_px : a.node < b.node;
+    struct Candidate {
+        double rank;
+        std::uint32_t tree;
+        DetailNode node;
     };
-    const auto after = [&](const DetailNode& a, const DetailNode& b) { return before(b, a); };
-    std::priority_queue<DetailNode, std::vector<DetailNode>, decltype(after)> queue(after);
-    const auto consider = [&](NodeId id, std::uint32_t ancestor) {
+    const auto after = [](const Candidate& a, const Candidate& b) {
+        if (a.rank != b.rank) return a.rank < b.rank;
+        return a.tree != b.tree ? a.tree > b.tree : a.node.node > b.node.node;
+    };
+    std::priority_queue<Candidate, std::vector<Candidate>, decltype(after)> queue(after);
+    std::vector<std::optional<Frustum>> frusta(trees.size());
+    // A node without points is never drawn: it is kept for what is below it.
+    const auto gain = [&](std::uint32_t tree, NodeId node) {
+        return limits.kept && ((*trees[tree].nodes)[node].points == 0 || limits.kept(tree, node)) ? DetailLimits::kept_gain : 1.0;
+    };
+    const auto consider = [&](std::uint32_t tree, NodeId id, std::uint32_t ancestor) {
+        const std::vector<Node>& nodes = *trees[tree].nodes;
         const Node& node = nodes[id];
         if (node.subtree_points == 0) return;
-        const Box3d box = grid.to_source(node.box);
-        if (!frustum->intersects(box)) return;
-        const double error = ancestor == no_ancestor ? infinity : frustum->pixels(nodes[node.parent].spacing, box);
-        queue.push({id, ancestor, error});
+        const Box3d box = trees[tree].grid->to_source(node.box);
+        if (!frusta[tree]->intersects(box)) return;
+        const double error = ancestor == no_ancestor ? infinity : frusta[tree]->pixels(nodes[node.parent].spacing, box);
+        const double rank = limits.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
+        queue.push({rank, tree, {id, ancestor, error}});
     };
 
-    consider(0, no_ancestor);
+    SceneSelection scene;
+    scene.trees.resize(trees.size());
+    for (std::uint32_t t = 0; t < trees.size(); ++t) {
+        frusta[t] = Frustum::of(trees[t].view);
+        if (!frusta[t] || trees[t].nodes->empty()) continue;
+        scene.trees[t].viewport_px = std::max(trees[t].view.width, trees[t].view.height);
+        consider(t, 0, no_ancestor);
+    }
     const std::uint64_t page_points = std::max<std::uint64_t>(1, limits.page_points);
-    std::uint64_t pages = 0;
+    std::uint64_t points = 0, pages = 0;
     while (!queue.empty()) {
-        const DetailNode next = queue.top();
-        if (!(next.error_px > limits.target_px)) break;
-        const Node& node = nodes[next.node];
-        std::uint32_t ancestor = next.ancestor;
+        const Candidate next = queue.top();
+        DetailSelection& selection = scene.trees[next.tree];
+        if (!(next.node.error_px * gain(next.tree, next.node.node) > limits.target_px)) {
+            if (limits.order == DetailOrder::error) break;  // and so it is with all that follow
+            queue.pop();
+            selection.beyond.push_back(next.node);
+            continue;
+        }
+        const Node& node = (*trees[next.tree].nodes)[next.node.node];
+        std::uint32_t ancestor = next.node.ancestor;
         if (node.points > 0) {
             const std::uint64_t node_pages = (node.points + page_points - 1) / page_points;
-            if (selection.wanted_points + node.points > limits.point_budget ||
-                pages + node_pages > limits.page_budget) {
-                selection.budget_reached = true;
+            if (points + node.points > limits.point_budget || pages + node_pages > limits.page_budget) {
+                selection.budget_reached = scene.budget_reached = true;
                 break;
             }
-            selection.wanted_points += node.points;
+            points += node.points;
             pages += node_pages;
+            selection.wanted_points += node.points;
             ancestor = static_cast<std::uint32_t>(selection.wanted.size());
-            selection.wanted.push_back(next);
+            scene.order.push_back({next.tree, ancestor});
+            selection.wanted.push_back(next.node);
         }
         queue.pop();
         for (const NodeId child : node.children)
-            if (child != no_node) consider(child, ancestor);
+            if (child != no_node) consider(next.tree, child, ancestor);
     }
-    for (; !queue.empty(); queue.pop()) selection.beyond.push_back(queue.top());
-    return selection;
+    for (; !queue.empty(); queue.pop()) scene.trees[queue.top().tree].beyond.push_back(queue.top().node);
+    return scene;
+}
+
+DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view, const DetailLimits& limits)
+{
+    return std::move(select_scene({{&nodes, &grid, view}}, limits).trees.front());
 }
 
 DrawSet choose_drawable(const DetailSelection& selection, const std::function<bool(const DetailNode&)>& resident)

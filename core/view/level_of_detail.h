@@ -9,6 +9,7 @@
 #pragma once
 
 #include "tree/tree.h"
+#include "view/matrix.h"
 
 #include <array>
 #include <cstdint>
@@ -17,9 +18,6 @@
 #include <vector>
 
 namespace pcm {
-
-// Column-major 4x4, as OpenGL has them: element (row, column) is m[column * 4 + row].
-using Matrix4d = std::array<double, 16>;
 
 struct View {
     Matrix4d modelview{};   // affine and invertible; maps (source - origin) to eye space, eye at 0, looking down -z
@@ -66,12 +64,22 @@ private:
     double pixels_per_unit_ = 0;  // orthographic: anywhere; perspective: at distance 1
 };
 
+enum class DetailOrder : std::uint8_t {
+    error,  // best first: falling error
+    depth,  // the root, then all of depth 1, ...; what is coarser first whatever it is worth (for comparison)
+};
+
 struct DetailLimits {
     double target_px = 1.4;                   // no node is wanted for an error at or below this
     std::uint64_t point_budget = 20'000'000;  // of all wanted nodes together
     // Video memory is given out in pages of page_points points to a node; the wanted nodes need at most page_budget.
     std::uint32_t page_points = 4096;
     std::uint64_t page_budget = ~std::uint64_t(0);
+    DetailOrder order = DetailOrder::error;
+    // Hysteresis: a node for which `kept` says so counts as if its error were so many times larger, in the order and against the
+    // target, so that what was drawn in the last frame is not given up for what is hardly better. None when empty.
+    std::function<bool(std::uint32_t tree, NodeId node)> kept;
+    static constexpr double kept_gain = 1.25;
 };
 
 inline constexpr std::uint32_t no_ancestor = 0xffffffffu;
@@ -92,10 +100,31 @@ struct DetailSelection {
     double viewport_px = 0;       // the larger side of the viewport
 };
 
-// Best first, that is in order of falling error (ties: lower node number first), children only after their parent,
-// until no error is above the target or the next best node does not fit the budget; nodes outside the view are left
-// out. `nodes` must have parents before children. O(n log n) in the number of nodes that are visible and above the
-// target.
+// One tree of several that share a picture. `view` has the scene's projection and size, and a modelview and an origin of the tree's own.
+struct TreeInView {
+    const std::vector<Node>* nodes = nullptr;
+    const Grid* grid = nullptr;
+    View view;
+};
+
+// What is wanted of each tree, and in which order of all.
+struct SceneSelection {
+    struct Place {
+        std::uint32_t tree;
+        std::uint32_t index;  // in its `wanted`
+    };
+    std::vector<DetailSelection> trees;
+    std::vector<Place> order;
+    bool budget_reached = false;
+};
+
+// Best first over all trees, that is in the limits' order (ties: lower tree, lower node number first), children only after their parent,
+// until no error is above the target or the next best node does not fit the budget; nodes outside the view are left out. So what is
+// wanted under a budget is a beginning of what is wanted without. Nodes must have parents before children. O(n log n) in the
+// number of nodes that are visible and above the target.
+SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
+
+// Of one tree.
 DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
                               const DetailLimits& limits);
 inline DetailSelection select_detail(const Tree& tree, const View& view, const DetailLimits& limits)

@@ -104,15 +104,6 @@ std::vector<Pixel> Framebuffer::read() const
 
 Matrix identity() { return translation(0, 0, 0); }
 
-Matrix product(const Matrix& a, const Matrix& b)
-{
-    Matrix c{};
-    for (std::size_t column = 0; column < 4; ++column)
-        for (std::size_t row = 0; row < 4; ++row)
-            for (std::size_t k = 0; k < 4; ++k) c[column * 4 + row] += a[k * 4 + row] * b[column * 4 + k];
-    return c;
-}
-
 Matrix translation(double x, double y, double z) { return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1}; }
 
 Matrix rotation_x(double radians)

@@ -62,7 +62,6 @@ private:
 // Column-major matrices.
 using Matrix = std::array<double, 16>;
 Matrix identity();
-Matrix product(const Matrix& a, const Matrix& b);
 Matrix translation(double x, double y, double z);
 Matrix rotation_x(double radians);
 Matrix perspective(double vertical_angle, double aspect, double near, double far);

@@ -1,0 +1,48 @@
+// How long a frame takes on the device, without waiting for it where that can be had.
+//
+// With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it. Without, and on a
+// software rasteriser, whose queries leave out the vertices' share and which shares the processor with us anyway, end() waits.
+// GL thread only, one context.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+namespace pcm {
+
+class FrameClock {
+public:
+    struct Measure {
+        std::uint64_t points = 0;
+        double milliseconds = 0;
+    };
+
+    // Around what draws `points`.
+    void begin();
+    void end(std::uint64_t points);
+    // The latest frame whose time has become known since the last call.
+    std::optional<Measure> take();
+    bool waits() const { return !queries_are_used_; }
+
+    // Deletes the queries; what has not been taken is lost.
+    void release();
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Span {
+        std::uint32_t from = 0, to = 0;  // queries
+        std::uint64_t points = 0;
+        bool pending = false;
+    };
+    bool decided_ = false;
+    bool queries_are_used_ = false;
+    std::array<Span, 4> spans_{};
+    std::size_t next_ = 0;
+    bool open_ = false;  // a span was begun that has room
+    Clock::time_point start_{};
+    std::optional<Measure> known_;
+};
+
+}  // namespace pcm

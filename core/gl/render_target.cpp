@@ -1,0 +1,174 @@
+#include "gl/render_target.h"
+
+#include "cloud/error.h"
+
+#include <GL/glew.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace pcm {
+namespace {
+
+unsigned most_samples()
+{
+    GLint colour = 1, depth = 1;
+    glGetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &colour);
+    glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &depth);
+    return static_cast<unsigned>(std::max(1, std::min(colour, depth)));
+}
+
+GLuint make_texture(GLenum format, GLenum components, GLenum type, int width, int height, unsigned samples)
+{
+    GLuint texture = 0;
+    glGenTextures(1, &texture);
+    if (samples > 1) {
+        glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, texture);
+        glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, static_cast<GLsizei>(samples), format, width, height, GL_TRUE);
+    } else {
+        glBindTexture(GL_TEXTURE_2D, texture);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+        glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, components, type, nullptr);
+    }
+    return texture;
+}
+
+}  // namespace
+
+bool RenderTarget::prepare(int width, int height, unsigned samples)
+{
+    if (framebuffer_ && width == width_ && height == height_ && samples == asked_samples_) return false;
+    release();
+    drain_gl_errors();
+    width_ = width;
+    height_ = height;
+    asked_samples_ = samples;
+    samples_ = samples > 1 ? std::min(samples, most_samples()) : 1;
+    reversed_ = gl_has_clip_control();
+    const GLenum target = samples_ > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
+    colours_ = make_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height, samples_);
+    depths_ = make_texture(GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height, samples_);
+    glGenFramebuffers(1, &framebuffer_);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, target, colours_, 0);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, target, depths_, 0);
+    const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    const std::string errors = drain_gl_errors();
+    if (status != GL_FRAMEBUFFER_COMPLETE || !errors.empty()) {
+        release();
+        throw Error(ErrorCode::unsupported, {},
+                    "the driver makes no picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels with " +
+                        std::to_string(samples) + " samples each" + (errors.empty() ? "" : ": OpenGL error " + errors),
+                    "ask for fewer samples or a smaller picture");
+    }
+    return true;
+}
+
+void RenderTarget::bind() const
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glViewport(0, 0, width_, height_);
+}
+
+void RenderTarget::clear() const
+{
+    glClearColor(0, 0, 0, 0);
+    glClearDepth(reversed_ ? 0 : 1);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void RenderTarget::release()
+{
+    if (framebuffer_) glDeleteFramebuffers(1, &framebuffer_);
+    if (colours_) glDeleteTextures(1, &colours_);
+    if (depths_) glDeleteTextures(1, &depths_);
+    *this = RenderTarget();
+}
+
+std::array<double, 4> distance_of_depth(const Matrix4d& p)
+{
+    // z_ndc = (p10 z + p14) / (p11 z + p15), d = (1 - z_ndc) / 2, distance = -z.
+    return {p[14] - p[15], 2 * p[15], p[10] - p[11], 2 * p[11]};
+}
+
+const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into into)
+{
+    ShaderProgram& program = programs_[{samples, reversed, into}];
+    if (!program) {
+        std::vector<std::string> defines;
+        if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
+        if (reversed) defines.emplace_back("REVERSED");
+        if (into == the_host_shaded) defines.emplace_back("EYE_DOME");
+        if (into == another_target) defines.emplace_back("RESOLVE");
+        program = ShaderProgram("composite.vert", "composite.frag", defines);
+    }
+    return program;
+}
+
+void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection, float eye_dome)
+{
+    GLuint vertex_array = 0;
+    glGenVertexArrays(1, &vertex_array);
+    glBindVertexArray(vertex_array);
+    if (gl_has_clip_control()) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    const auto run = [&](const RenderTarget& from, Into into) {
+        const ShaderProgram& composite = program(from.samples(), from.reversed(), into);
+        glUseProgram(composite.id());
+        const GLenum target = from.samples() > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
+        glActiveTexture(GL_TEXTURE0);
+        glBindTexture(target, from.colours());
+        glActiveTexture(GL_TEXTURE1);
+        glBindTexture(target, from.depths());
+        glUniform1i(composite.uniform("colours"), 0);
+        glUniform1i(composite.uniform("depths"), 1);
+        const bool to_host = into != another_target;
+        glUniform2i(composite.uniform("corner"), to_host ? host.viewport()[0] : 0, to_host ? host.viewport()[1] : 0);
+        glUniform2f(composite.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
+        if (into == the_host_shaded) {
+            // Scaled, so that near planes of 1e-30 are no reason to leave the numbers.
+            std::array<double, 4> k = distance_of_depth(projection);
+            double largest = 0;
+            for (const double v : k) largest = std::max(largest, std::abs(v));
+            for (double& v : k) v /= largest > 0 ? largest : 1;
+            glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2]),
+                        static_cast<float>(k[3]));
+            const bool orthographic = projection[3] == 0 && projection[7] == 0 && projection[11] == 0;
+            const double height = projection[5] != 0 ? std::abs(2 * projection[15] / projection[5]) : 0;
+            glUniform1f(composite.uniform("relief_of_distance"), orthographic && height > 0 ? static_cast<float>(1 / height) : 0.0f);
+            glUniform1f(composite.uniform("strength"), eye_dome);
+            glUniform2i(composite.uniform("size"), from.width(), from.height());
+        }
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+    };
+
+    const RenderTarget* from = &picture;
+    if (eye_dome > 0 && picture.samples() > 1) {
+        resolved.prepare(picture.width(), picture.height(), 1);
+        resolved.bind();
+        resolved.clear();
+        glDisable(GL_BLEND);
+        glDepthFunc(GL_ALWAYS);
+        run(picture, another_target);
+        from = &resolved;
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    glViewport(host.viewport()[0], host.viewport()[1], host.viewport()[2], host.viewport()[3]);
+    glDepthFunc(GL_LEQUAL);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    run(*from, eye_dome > 0 ? the_host_shaded : the_host);
+    glBindVertexArray(0);
+    glDeleteVertexArrays(1, &vertex_array);
+}
+
+void Compositor::release()
+{
+    for (auto& [key, program] : programs_) program.release();
+    programs_.clear();
+}
+
+}  // namespace pcm

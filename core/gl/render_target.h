@@ -1,0 +1,60 @@
+// A picture of our own, colour and depth, and how it comes into the host's.
+//
+// Splats are drawn here and not into the host's framebuffer for three things that the host may not have: several samples a
+// pixel, depth as 32-bit float that runs from 1 at the near plane to 0 (so that its precision does not end a few metres from the
+// eye), and that it stays: a view that rests is drawn further, not anew. GL thread only; a target belongs to one context, a Compositor
+// to a share group.
+#pragma once
+
+#include "gl/gl_state.h"
+#include "gl/shader_program.h"
+#include "view/level_of_detail.h"
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+namespace pcm {
+
+class RenderTarget {
+public:
+    // Makes it this large, with so many samples a pixel or as many as the driver can have, whichever is fewer. True when what
+    // it held is lost. Throws Error(unsupported) when the driver makes no such framebuffer.
+    bool prepare(int width, int height, unsigned samples);
+    void bind() const;  // to draw into, with its whole as the viewport
+    void clear() const;
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    unsigned samples() const { return samples_; }
+    bool reversed() const { return reversed_; }
+    std::uint32_t colours() const { return colours_; }  // RGBA8; alpha 0 where nothing was drawn
+    std::uint32_t depths() const { return depths_; }    // 32-bit float
+
+    void release();
+
+private:
+    int width_ = 0, height_ = 0;
+    unsigned asked_samples_ = 0, samples_ = 0;
+    bool reversed_ = false;
+    std::uint32_t framebuffer_ = 0, colours_ = 0, depths_ = 0;
+};
+
+class Compositor {
+public:
+    // Draws the picture into what the host draws into, depth tested (GL_LEQUAL) and written as the host's projection and depth range
+    // have it; pixels partly covered are blended. `eye_dome`: strength of eye-dome lighting, 0: none. `resolved` is a target for
+    // pictures of several samples with eye-dome lighting.
+    void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection, float eye_dome);
+    void release();
+
+private:
+    enum Into { the_host, the_host_shaded, another_target };
+    const ShaderProgram& program(unsigned samples, bool reversed, Into into);
+    std::map<std::tuple<unsigned, bool, Into>, ShaderProgram> programs_;
+};
+
+// (x + y d) / (z + w d) is the distance from the eye, along its axis, of depth d: 1 at the near plane, 0 at the far one.
+std::array<double, 4> distance_of_depth(const Matrix4d& projection);
+
+}  // namespace pcm

@@ -1,0 +1,3 @@
+#version 330 core
+// A triangle that covers the viewport, from no attributes.
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
