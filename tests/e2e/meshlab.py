@@ -35,6 +35,11 @@ class Run:
         """What the driver's print-layers printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: layer (\{.*\})", self.text)]
 
+    def cameras(self):
+        """What the driver's print-camera printed, by name."""
+        found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))
+        return {camera["name"]: camera for camera in found}
+
     def memory(self):
         found = re.finditer(r"driver: memory (\S+) now (\d+) peak (\d+)", self.text)
         return {m[1]: (int(m[2]), int(m[3])) for m in found}

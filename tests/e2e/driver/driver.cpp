@@ -13,6 +13,7 @@
 #include <QJsonDocument>
 #include <QJsonObject>
 #include <QKeyEvent>
+#include <QKeySequence>
 #include <QLabel>
 #include <QLineEdit>
 #include <QMainWindow>
@@ -24,8 +25,10 @@
 #include <QVariantMap>
 
 #include <unistd.h>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 namespace {
 
@@ -145,6 +148,17 @@ void TestDriver::mouse(QEvent::Type type, const QPoint& at, Qt::MouseButton whic
     const auto button = type == QEvent::MouseMove ? Qt::NoButton : which;
     const auto buttons = type == QEvent::MouseButtonRelease ? Qt::NoButton : which;
     QMouseEvent event(type, at, area()->mapToGlobal(at), button, buttons, Qt::NoModifier);
+    qApp->sendEvent(area(), &event);
+}
+
+// `name` as shortcuts are written: W, Shift+W, Alt+Return; Shift alone is the key.
+void TestDriver::key(QEvent::Type type, const QString& name, bool repeated)
+{
+    int code = name == "Shift" ? int(Qt::Key_Shift) : QKeySequence::fromString(name)[0];
+    const auto modifiers = Qt::KeyboardModifiers(code & int(Qt::KeyboardModifierMask));
+    code &= ~int(Qt::KeyboardModifierMask);
+    if (code == 0 || code == Qt::Key_unknown) fail("no key '" + name + "'");
+    QKeyEvent event(type, code, modifiers, QString(), repeated);
     qApp->sendEvent(area(), &event);
 }
 
@@ -351,6 +365,58 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
                                     : QEvent::MouseButtonRelease,
               centre + QPoint(argument.section(' ', 0, 0).toInt(), argument.section(' ', 1, 1).toInt()),
               Qt::MiddleButton);
+        return Done::yes;
+    }
+    if (command == "double-click") {  // fractions of the view
+        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()), int(argument.section(' ', 1, 1).toDouble() * area()->height()));
+        for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease, QEvent::MouseButtonDblClick, QEvent::MouseButtonRelease})
+            mouse(type, at);
+        return Done::yes;
+    }
+    if (command == "key-down" || command == "key-repeat" || command == "key-up") {
+        // Window systems send a release before every repeated press.
+        if (command == "key-repeat") key(QEvent::KeyRelease, argument, true);
+        key(command == "key-up" ? QEvent::KeyRelease : QEvent::KeyPress, argument, command == "key-repeat");
+        return Done::yes;
+    }
+    if (command == "lose-focus") {
+        area()->clearFocus();
+        return Done::yes;
+    }
+    if (command == "wait-moving" || command == "wait-standing") {  // the first-person tool
+        const bool moving = area()->property("pcm_first_person").toMap()["moving"].toBool();
+        return until(moving == (command == "wait-moving"), command);
+    }
+    if (command == "wait-full-screen") return until(window()->isFullScreen() == (argument == "on"), "full screen " + argument);
+    if (command == "print-camera") {  // of MeshLab, in the document's coordinates; argument: a name for it
+        const vcg::Similarityf& track = area()->trackball.track;
+        const auto [distance, orthographic] =
+            area()->fov <= 5 ? std::pair(8.0, true) : std::pair(1.75 / std::tan(double(area()->fov) * M_PI / 360), false);
+        const auto to_scene = [&](const vcg::Point3f& p) {
+            const vcg::Point3f q = track.rot.Inverse().Rotate(p) / track.sca - track.tra;
+            return QJsonArray{q[0], q[1], q[2]};
+        };
+        const QVariantMap walk = area()->property("pcm_first_person").toMap();
+        const QJsonObject described{{"name", argument},
+                                    {"eye", to_scene(vcg::Point3f(0, 0, float(distance)))},
+                                    {"centre", to_scene(vcg::Point3f(0, 0, 0))},
+                                    {"above", to_scene(vcg::Point3f(0, 1, 0))},
+                                    {"scale", track.sca},
+                                    {"near", area()->nearPlane},
+                                    {"orthographic", orthographic},
+                                    {"keys", walk["keys"].toInt()},
+                                    {"moving", walk["moving"].toBool()},
+                                    {"factor", walk["factor"].toDouble()},
+                                    {"roll", walk["roll"].toDouble()},
+                                    {"reach", walk["reach"].toDouble()},
+                                    {"reach_error", walk["reach_error"].toDouble()},
+                                    {"window", QJsonArray{window()->width(), window()->height()}},
+                                    {"full_screen", window()->isFullScreen()}};
+        say("camera " + QJsonDocument(described).toJson(QJsonDocument::Compact));
+        return Done::yes;
+    }
+    if (command == "print-log") {
+        say("log " + log().replace('\n', " | "));
         return Done::yes;
     }
     if (command == "escape") {

@@ -38,6 +38,7 @@ private:
     int frame() const;       // number of the view's last frame with clouds
     QString log() const;
     void mouse(QEvent::Type type, const QPoint& at, Qt::MouseButton which = Qt::LeftButton);  // to the view
+    void key(QEvent::Type type, const QString& name, bool repeated = false);  // to the view, as the window system would
     QWidget* field(const QString& parameter) const;  // the widget of a filter's parameter, by its label
 
     QStringList script_;

@@ -1,0 +1,20 @@
+// The tools that MeshLab lists under Edit.
+#pragma once
+
+#include <common/interfaces.h>
+
+class PointCloudTools : public QObject, public MeshEditInterfaceFactory {
+    Q_OBJECT
+    MESHLAB_PLUGIN_IID_EXPORTER(MESH_EDIT_INTERFACE_FACTORY_IID)
+    Q_INTERFACES(MeshEditInterfaceFactory)
+
+public:
+    PointCloudTools();
+    QList<QAction*> actions() const override { return actions_; }
+    MeshEditInterface* getMeshEditInterface(QAction* action) override;  // one a view
+    QString getEditToolDescription(QAction* action) override;
+
+private:
+    QAction* first_person_;
+    QList<QAction*> actions_;
+};

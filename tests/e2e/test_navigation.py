@@ -1,0 +1,271 @@
+"""Cameras in MeshLab: walking through a scene, orbiting about a picked point, both projections, full screen."""
+
+import math
+import re
+import unittest
+
+from meshlab import FIXED_VIEW, MeshLabTest, different
+
+# The same view drawn twice is the same picture; a pixel or two may change where an angle of view is rounded differently.
+SAME_PICTURE = 0.002
+
+
+def distance(a, b):
+    return math.dist(a, b)
+
+
+def direction(camera):
+    length = distance(camera["eye"], camera["centre"])
+    return [(c - e) / length for e, c in zip(camera["eye"], camera["centre"])]
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+class Navigation(MeshLabTest):
+    def test_walk(self):
+        """In, forwards, aside, looking around, out: the picture jumps neither in nor out, and the keys do what they say."""
+        _, tree = self.generate("scene", 200000, "--seed", 5)
+        pictures = {name: self.result(f"{name}.png") for name in
+                    ("before", "inside", "walked", "looked", "outside", "orbited", "ortho", "ortho-walked")}
+        run = self.gui(f"""
+            wait-view
+            wait-layers 1
+            {FIXED_VIEW}
+            drag 0.5 0.5 0.5 0.2
+            wait-status complete
+            picture {pictures["before"]}
+            print-camera before
+            trigger First Person Navigation
+            wait-log First Person Navigation: W A S D
+            print-camera inside
+            wait-status complete
+            picture {pictures["inside"]}
+            key-down W
+            wait-moving
+            pause 300
+            key-repeat W
+            key-repeat W
+            key-up W
+            wait-standing
+            wait-status complete
+            print-camera walked
+            picture {pictures["walked"]}
+            screen {self.result("screen.png")}
+            key-down D
+            key-down E
+            wait-moving
+            print-camera two-keys
+            pause 200
+            key-up D
+            print-camera one-key
+            key-up E
+            wait-standing
+            print-camera aside
+            wheel 3
+            print-camera faster
+            drag 0.4 0.5 0.5 0.45
+            wait-standing
+            wait-status complete
+            print-camera looked
+            picture {pictures["looked"]}
+            key-down Shift+S
+            wait-moving
+            print-camera shift
+            lose-focus
+            print-camera lost
+            wait-standing
+            pause 100
+            print-camera still
+            pause 200
+            print-camera still-later
+            wait-status complete
+            picture {self.result("left-behind.png")}
+            trigger First Person Navigation
+            pause 100
+            print-camera outside
+            wait-status complete
+            picture {pictures["outside"]}
+            drag 0.5 0.5 0.6 0.5
+            wait-status complete
+            print-camera orbited
+            picture {pictures["orbited"]}
+            quit
+            """, tree)
+        self.assertDriven(run)
+        c = run.cameras()
+        # In and out: the camera is the same to the last bit.
+        for before, after in (("before", "inside"), ("still-later", "outside")):
+            for key in ("eye", "centre", "above", "scale", "near"):
+                self.assertEqual(c[before][key], c[after][key], f"{key} {after}")
+        self.assertEqual(different(pictures["before"], pictures["inside"]), 0)
+        self.assertEqual(different(self.result("left-behind.png"), pictures["outside"]), 0)
+        # W walks along the view, about as far as the points are away for so long; repeated keys change nothing.
+        ahead = direction(c["inside"])
+        way = [b - a for a, b in zip(c["inside"]["eye"], c["walked"]["eye"])]
+        length = math.hypot(*way)
+        self.assertGreater(length, 0)
+        self.assertAlmostEqual(dot(way, ahead) / length, 1, places=3)
+        self.assertGreater(c["walked"]["reach"], 0)
+        self.assertLessEqual(c["walked"]["reach_error"], c["walked"]["reach"])
+        self.assertEqual(c["walked"]["keys"], 0)
+        self.assertGreater(different(pictures["inside"], pictures["walked"]), 0.05)
+        # What is nearest is not cut off: the near plane is nearer.
+        near = c["walked"]["near"] / c["walked"]["scale"]
+        self.assertLess(near, 0.4 * c["walked"]["reach"])
+        # Two keys at once, one let go of, the other still held.
+        self.assertEqual(bin(c["two-keys"]["keys"]).count("1"), 2)
+        self.assertEqual(bin(c["one-key"]["keys"]).count("1"), 1)
+        self.assertTrue(c["one-key"]["moving"])
+        way = [b - a for a, b in zip(c["walked"]["eye"], c["aside"]["eye"])]
+        self.assertGreater(way[2], 0, "E goes up")
+        # The wheel changes the speed and nothing else.
+        self.assertAlmostEqual(c["faster"]["factor"] / c["aside"]["factor"], 1.25 ** 3, places=6)
+        self.assertEqual(c["faster"]["eye"], c["aside"]["eye"])
+        # Looking turns the view at its place, and levels the horizon.
+        self.assertLess(distance(c["looked"]["eye"], c["faster"]["eye"]), 1e-3)
+        self.assertLess(dot(direction(c["looked"]), direction(c["faster"])), 0.999)
+        self.assertAlmostEqual(c["looked"]["roll"], 0, places=6)
+        self.assertGreater(different(pictures["walked"], pictures["looked"]), 0.05)
+        # A view that loses the keyboard stands still, whatever was held.
+        self.assertEqual(bin(c["shift"]["keys"]).count("1"), 2)
+        self.assertEqual(c["lost"]["keys"], 0)
+        self.assertEqual(c["still"]["eye"], c["still-later"]["eye"])
+        self.assertGreater(distance(c["looked"]["eye"], c["still"]["eye"]), 0)
+        # The trackball goes on from there, about the point in front of the eye.
+        self.assertLess(distance(c["outside"]["centre"], c["orbited"]["centre"]), 1e-3 * distance(c["outside"]["eye"], c["outside"]["centre"]))
+        self.assertGreater(different(pictures["outside"], pictures["orbited"]), 0.02)
+
+    def test_projections_and_full_screen(self):
+        """The other projection and the full screen are at hand while one walks, without a restart."""
+        _, tree = self.generate("scene", 100000, "--seed", 5)
+        ortho, walked, perspective = (self.result(f"{name}.png") for name in ("ortho", "ortho-walked", "perspective"))
+        run = self.gui(f"""
+            wait-view
+            wait-layers 1
+            {FIXED_VIEW}
+            drag 0.5 0.5 0.5 0.2
+            trigger First Person Navigation
+            wait-log First Person Navigation: W A S D
+            print-camera perspective
+            trigger Toggle Orthographic Camera
+            pause 100
+            wait-status complete
+            print-camera ortho
+            picture {ortho}
+            key-down W
+            wait-moving
+            pause 200
+            key-up W
+            wait-standing
+            print-camera zoomed
+            key-down A
+            wait-moving
+            pause 100
+            key-up A
+            wait-standing
+            drag 0.5 0.5 0.55 0.5
+            wait-standing
+            print-camera turned
+            wait-status complete
+            picture {walked}
+            trigger Toggle Orthographic Camera
+            pause 100
+            key-down Alt+Return
+            key-up Alt+Return
+            wait-full-screen on
+            print-camera full
+            wait-status complete
+            key-down W
+            wait-moving
+            pause 100
+            key-up W
+            wait-standing
+            print-camera full-walked
+            wait-status complete
+            picture {perspective}
+            screen {self.result("full-screen.png")}
+            trigger FullScreen
+            wait-full-screen off
+            trigger Not editing
+            pause 100
+            drag 0.5 0.5 0.6 0.5
+            print-camera suspended
+            trigger Not editing
+            pause 100
+            key-down S
+            wait-moving
+            pause 100
+            key-up S
+            wait-standing
+            print-camera resumed
+            trigger First Person Navigation
+            pause 100
+            quit
+            """, tree)
+        self.assertDriven(run)
+        c = run.cameras()
+        self.assertEqual([c[name]["orthographic"] for name in ("perspective", "ortho", "zoomed", "turned", "full")],
+                         [False, True, True, True, False])
+        # In an orthographic view W makes things larger about the middle of the picture, which turning leaves where it is.
+        self.assertGreater(c["zoomed"]["scale"], 1.05 * c["ortho"]["scale"])
+        size = distance(c["zoomed"]["eye"], c["zoomed"]["centre"])
+        self.assertLess(distance(c["zoomed"]["centre"], c["ortho"]["centre"]), 1e-4 * size)
+        self.assertLess(dot(direction(c["turned"]), direction(c["zoomed"])), 0.999)
+        self.assertGreater(different(ortho, walked), 0.05)
+        self.assertTrue(c["full"]["full_screen"])
+        self.assertFalse(c["suspended"]["full_screen"])
+        self.assertGreater(distance(c["full"]["eye"], c["full-walked"]["eye"]), 0)
+        # The trackball moved the eye while the tool was suspended; the tool went on from there, backwards.
+        self.assertGreater(distance(c["full-walked"]["eye"], c["suspended"]["eye"]), 0)
+        way = [b - a for a, b in zip(c["suspended"]["eye"], c["resumed"]["eye"])]
+        self.assertGreater(math.hypot(*way), 0)
+        self.assertAlmostEqual(dot(way, direction(c["suspended"])) / math.hypot(*way), -1, places=2)
+
+    def test_orbit_about_the_picked_point(self):
+        """A double click makes the point under it what the trackball turns about, at map coordinates too."""
+        picked = {}
+        for name, origin in (("near", "0,0,0"), ("far", "5000000,5000000,5000000")):
+            _, tree = self.generate(name, 200000, "--seed", 7, "--origin", origin)
+            run = self.gui(f"""
+                wait-view
+                {FIXED_VIEW}
+                parameter MeshLab::PointCloud::SplatSize = 6
+                open {tree}
+                wait-layers 1
+                wait-status complete
+                drag 0.5 0.5 0.5 0.25
+                wait-status complete
+                print-camera before
+                picture {self.result(f"{name}-before.png")}
+                double-click 0.45 0.55
+                wait-log Recentering on point
+                wait-status complete
+                print-camera centred
+                picture {self.result(f"{name}-centred.png")}
+                drag 0.5 0.5 0.65 0.5
+                wait-status complete
+                print-camera orbited
+                picture {self.result(f"{name}-orbited.png")}
+                print-log
+                quit
+                """)
+            self.assertDriven(run)
+            c = run.cameras()
+            point = [float(v) for v in re.search(r"Recentering on point \[(\S+) (\S+) (\S+)\]", run.text).groups()]
+            size = distance(c["before"]["eye"], c["before"]["centre"])
+            # MeshLab unprojects the depth under the mouse; what it takes for its new centre is that point, and stays it.
+            self.assertGreater(distance(point, c["before"]["centre"]), 0.01 * size)
+            self.assertLess(distance(c["centred"]["centre"], point), 1e-3 * size)
+            self.assertLess(distance(c["orbited"]["centre"], c["centred"]["centre"]), 1e-4 * size)
+            self.assertGreater(distance(c["orbited"]["eye"], c["centred"]["eye"]), 0.05 * size)
+            picked[name] = point
+        # Both clouds have the same points, shown around origins that are whole units: so the same point was picked, to what depth and
+        # position in single precision tell (millimetres here).
+        for near, far in zip(picked["near"], picked["far"]):
+            self.assertAlmostEqual(near - far, round(near - far), delta=0.005)
+
+
+if __name__ == "__main__":
+    unittest.main()
