@@ -1,5 +1,61 @@
 #version 330 core
+// Fills a splat. Permutations as in splat.vert, and SAMPLES: how many samples a pixel has, where discs are antialiased.
+#if defined(SAMPLES)
+#extension GL_ARB_sample_shading : require
+#endif
+
 flat in vec3 splat_colour;
 layout(location = 0) out vec4 fragment;
 
+#if defined(AFFINE) || defined(DISC)
+
+// See splat.vert.
+flat in vec4 base_and_rest;
+flat in vec4 along;
+flat in vec2 origin;
+flat in vec3 divisor;
+flat in vec3 depth_line;
+
+// False also where something is not a number.
+bool is_inside(vec2 p)
+{
+    vec2 place = (origin + p.x * along.xy + p.y * along.zw) / (divisor.x + dot(p, divisor.yz));
+    return dot(place, place) <= 1.0;
+}
+
+#if defined(SAMPLES)
+uniform vec2 sample_places[SAMPLES];  // relative to the pixel's centre
+#endif
+
+#if defined(AFFINE)
+uniform vec2 depth_of;
+#endif
+
+void main()
+{
+    vec2 p = (gl_FragCoord.xy - base_and_rest.xy) - base_and_rest.zw;
+#if defined(SAMPLES)
+    int mask = 0;
+    for (int i = 0; i < SAMPLES; ++i)
+        if (is_inside(p + sample_places[i])) mask |= 1 << i;
+    if (mask == 0) discard;
+    gl_SampleMask[0] = mask;
+#else
+    if (!is_inside(p)) discard;
+#endif
+    float depth = depth_line.x + dot(p, depth_line.yz);
+#if defined(AFFINE)
+    if (!(depth > 0.0)) discard;
+    depth = depth_of.x + depth_of.y / depth;
+#endif
+    // The clip volume's two planes. What lies behind the eye is beyond the near one.
+    if (!(depth >= 0.0 && depth <= 1.0)) discard;
+    gl_FragDepth = depth;
+    fragment = vec4(splat_colour, 1.0);
+}
+
+#else
+
 void main() { fragment = vec4(splat_colour, 1.0); }
+
+#endif

@@ -1,17 +1,35 @@
 #version 330 core
-// A point becomes a square splat. Permutations: VERTEX_COLOUR, HEIGHT_COLOUR, or neither for one colour.
+// A point becomes a splat. Permutations:
+//   colour: VERTEX_COLOUR, HEIGHT_COLOUR, or neither for one colour;
+//   kind: none for a square of a constant size; DYNAMIC a square as large as the point's sphere; AFFINE and DISC the point's disc,
+//     found in splat.frag;
+//   ORTHOGRAPHIC (of DISC): parallel rays;
+//   QUADS: drawn as an instanced strip of four vertices in place of a point, which has a largest size and goes when its centre leaves
+//     the clip volume;
+//   DOUBLE (of DISC): what is common to a splat's fragments is computed in double.
 //
 // `reference` is a point of the chunk near the eye, in the chunk's coordinates, exact in float; `translation` is where
 // it lies in eye space, computed in double. Near the reference the subtraction is exact, so the rounding error of
 // the result shrinks with the distance from the eye, wherever on earth and however large the chunk is.
+#if defined(DOUBLE)
+#extension GL_ARB_gpu_shader_fp64 : require
+#define real double
+#define rvec2 dvec2
+#define rvec3 dvec3
+#define rmat3 dmat3
+#else
+#define real float
+#define rvec2 vec2
+#define rvec3 vec3
+#define rmat3 mat3
+#endif
 
 layout(location = 0) in vec3 position;
 
 uniform vec3 reference;
-uniform mat3 to_eye;
-uniform vec3 translation;
+uniform rmat3 to_eye;
+uniform rvec3 translation;
 uniform mat4 projection;
-uniform float point_size;
 
 flat out vec3 splat_colour;
 
@@ -38,6 +56,10 @@ uniform vec3 uniform_colour;
 vec3 colour_of_point() { return uniform_colour; }
 #endif
 
+#if !defined(DYNAMIC) && !defined(AFFINE) && !defined(DISC)
+
+uniform float point_size;
+
 void main()
 {
     vec3 eye = to_eye * (position - reference) + translation;
@@ -45,3 +67,277 @@ void main()
     gl_PointSize = point_size;
     splat_colour = colour_of_point();
 }
+
+#else
+
+layout(location = 2) in float radius;  // source units; 0 for a point without one
+
+uniform float radius_scale;
+uniform float least_radius;
+uniform float eye_scale;  // eye units in a source unit
+uniform vec2 viewport;    // pixels
+
+float radius_of_splat() { return max(radius * radius_scale, least_radius); }
+
+// Outside of the clip volume, whatever convention it has.
+void draw_nothing()
+{
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = 1.0;
+}
+
+#if defined(QUADS)
+// The corner of a box that this vertex is.
+vec2 corner(vec2 low, vec2 high) { return vec2((gl_VertexID & 1) == 0 ? low.x : high.x, (gl_VertexID & 2) == 0 ? low.y : high.y); }
+#endif
+
+#if defined(DYNAMIC)
+
+uniform float pixels;  // that a radius of 1 has as a square's side: at a depth of 1, or, when the view is parallel, anywhere
+uniform vec2 guard;    // x and y of the clip volume are made wider by as many pixels as half the largest point
+
+void main()
+{
+    vec3 eye = to_eye * (position - reference) + translation;
+    vec4 place = projection * vec4(eye, 1.0);
+    // Equation 7.1 as it is meant: the side is a diameter. No point vanishes for being small.
+    float side = max(radius_of_splat() * eye_scale * pixels / place.w, 1.0);
+    splat_colour = colour_of_point();
+    if (!(place.w > 0.0)) {
+        draw_nothing();
+        return;
+    }
+#if defined(QUADS)
+    vec2 centre = place.xy / place.w;
+    gl_Position = vec4(corner(centre - side / viewport, centre + side / viewport), place.z / place.w, 1.0);
+#else
+    gl_Position = vec4(place.xy * guard, place.zw);
+    gl_PointSize = side;
+#endif
+}
+
+#else
+
+// A fragment's place in its disc is linear in its pixel, or a quotient of linear functions. With p the fragment's pixel relative to a
+// base pixel (`base` is a pixel's centre, exact; `rest` what is added to it):
+//   place = (origin + p.x * along_x + p.y * along_y) / (divisor.x + dot(p, divisor.yz)),   inside where |place| <= 1
+//   depth = depth_line.x + dot(p, depth_line.yz)
+// of AFFINE, whose divisor is 1, the last is the distance from the eye along the view, from which the depth follows.
+flat out vec4 base_and_rest;
+flat out vec4 along;  // along_x, along_y
+flat out vec2 origin;
+flat out vec3 divisor;
+flat out vec3 depth_line;
+
+layout(location = 3) in vec3 normal;  // source axes; 0 for a point without one
+
+uniform rvec2 focal;      // pixels: window = principal + focal * eye.xy / depth; when the view is parallel, without the quotient
+uniform rvec2 principal;
+uniform vec2 depth_of;    // window depth is x + y / depth; when the view is parallel, x + y * depth
+
+// Two directions that are perpendicular to n and to each other, all of length 1 (Duff et al. 2017).
+void tangents(vec3 n, out vec3 t1, out vec3 t2)
+{
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    t1 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
+    t2 = vec3(b, s + n.y * n.y * a, -n.y);
+}
+
+// Draws what lies in a box (normalised device coordinates) and in the viewport, with a pixel to spare. The box of what can be seen lies
+// in the clip volume with its centre, so it does not matter where that of the splat lies.
+void draw_box(vec2 low, vec2 high)
+{
+    vec2 pixel = 2.0 / viewport;
+    low = max(low - pixel, vec2(-1.0));
+    high = min(high + pixel, vec2(1.0));
+    if (!(low.x < high.x && low.y < high.y)) {
+        draw_nothing();
+        return;
+    }
+#if defined(QUADS)
+    gl_Position = vec4(corner(low, high), 0.5, 1.0);
+#else
+    gl_Position = vec4(0.5 * (low + high), 0.5, 1.0);
+    vec2 size = (high - low) / pixel;
+    gl_PointSize = max(size.x, size.y);
+#endif
+}
+
+void set_base(rvec2 window)
+{
+    rvec2 centre = floor(window) + real(0.5);
+    base_and_rest = vec4(vec2(centre), vec2(window - centre));
+}
+
+#if defined(AFFINE)
+
+uniform mat3 normal_to_eye;
+
+// Equations 7.2 to 7.4: around the splat's centre rays are taken as parallel to the view.
+void main()
+{
+    splat_colour = colour_of_point();
+    vec3 eye = to_eye * (position - reference) + translation;
+    float depth = -eye.z;
+    float r = radius_of_splat() * eye_scale;
+    vec3 n = normal == vec3(0.0) ? vec3(0.0, 0.0, 1.0) : normalize(normal_to_eye * normal);
+    if (!(depth > 0.0 && r > 0.0 && n.z != 0.0)) {
+        draw_nothing();
+        return;
+    }
+    vec2 pixel = depth / focal;  // eye units
+    vec2 slope = -n.xy / n.z;    // equation 7.2
+    vec3 t1, t2;
+    tangents(n, t1, t2);
+    vec3 x = vec3(pixel.x, 0.0, slope.x * pixel.x) / r;
+    vec3 y = vec3(0.0, pixel.y, slope.y * pixel.y) / r;
+    along = vec4(dot(x, t1), dot(x, t2), dot(y, t1), dot(y, t2));
+    origin = vec2(0.0);
+    divisor = vec3(1.0, 0.0, 0.0);
+    depth_line = vec3(depth, -slope * pixel);
+    set_base(principal + focal * eye.xy / depth);
+    vec4 place = projection * vec4(eye, 1.0);
+    vec2 centre = place.xy / place.w;
+    vec2 extent = r * sqrt(max(1.0 - n.xy * n.xy, 0.0)) / pixel * 2.0 / viewport * 1.001;
+    draw_box(centre - extent, centre + extent);
+}
+
+#else
+
+uniform rvec3 from_eye;     // from the eye to the reference
+uniform rvec3 pixel_x;      // how far, and where to, a pixel's step goes at a depth of 1 (parallel: anywhere)
+uniform rvec3 pixel_y;
+uniform rvec3 centre_ray;   // through the centre of the pixel at `centre_pixel`, a depth of 1 long (parallel: every ray)
+uniform vec2 centre_pixel;
+uniform vec4 pixel_bounds;  // the centres of the viewport's first and last pixel
+uniform float near;         // depth of the near plane; of a perspective
+// All of them but `near` in the cloud's own axes: there the disc is round and its normal the one that was uploaded, whatever the
+// modelview is.
+
+// The projected disc lies in the box. `centre`, and the ends of two perpendicular radii `u` and `v` relative to it, are in clip space.
+void draw_disc(vec4 centre, vec4 u, vec4 v)
+{
+#if defined(ORTHOGRAPHIC)
+    vec2 extent = sqrt(u.xy * u.xy + v.xy * v.xy) * 1.001;
+    draw_box(centre.xy - extent, centre.xy + extent);
+#else
+    float along_view = length(vec2(u.w, v.w));
+    float nearest = centre.w - along_view;
+    float farthest = centre.w + along_view;
+    if (!(farthest > near)) {
+        draw_nothing();
+        return;
+    }
+    if (nearest > near && nearest > 1e-3 * centre.w) {
+        // Box of the ellipse, relative to the projected centre: where the lines x = const touch the disc.
+        vec2 middle = centre.xy / centre.w;
+        vec2 du = u.xy - middle * u.w;
+        vec2 dv = v.xy - middle * v.w;
+        float ww = nearest * farthest;
+        vec2 xw = du * u.w + dv * v.w;
+        vec2 xx = du * du + dv * dv;
+        vec2 extent = sqrt(xw * xw + ww * xx) / ww * 1.01;
+        vec2 shifted = middle - xw / ww;
+        draw_box(shifted - extent, shifted + extent);
+        return;
+    }
+    // Through the near plane, or close to the eye: of the square around the disc, sides along and across the view, what lies behind
+    // the near plane.
+    vec4 along_side = (u.w * u + v.w * v) / along_view;
+    vec4 across_side = (u.w * v - v.w * u) / along_view;
+    float first = max((near - centre.w) / along_view, -1.0);
+    float first_w = max(centre.w + first * along_view, near);
+    if (!(first_w > 1e-4 * (abs(centre.w) + along_view))) {
+        draw_box(vec2(-1.0), vec2(1.0));  // too near for such numbers to tell
+        return;
+    }
+    vec2 low = vec2(1e30);
+    vec2 high = vec2(-1e30);
+    for (int i = 0; i < 4; ++i) {
+        float side = (i & 1) == 0 ? -1.0 : 1.0;
+        bool at_first = (i & 2) == 0;
+        vec2 place = (centre.xy + (at_first ? first : 1.0) * along_side.xy + side * across_side.xy) / (at_first ? first_w : farthest);
+        low = min(low, place);
+        high = max(high, place);
+    }
+    vec2 spare = 0.01 * (high - low);
+    draw_box(low - spare, high + spare);
+#endif
+}
+
+// Equations 7.5 to 7.8. With v from the eye to the splat's centre, n its normal, h = v.n, and D the ray of a pixel, a depth of 1 long, the
+// hit is t D with t = h / D.n, and relative to the centre it is (D h - v D.n) / D.n, whose numerator is linear in the pixel. The base
+// pixel keeps it exact:
+//   far away (beyond four radii) the base is the projected centre. There the numerator is 0, so that everything is relative to the
+//     centre, and no two large numbers are subtracted;
+//   nearer, where v is no large number compared with the radius and the centre may lie beside or behind the eye, the base is the
+//     pixel that is nearest to the plane's horizon, where D.n is smallest.
+void main()
+{
+    splat_colour = colour_of_point();
+    float r = radius_of_splat();
+    rvec3 local = rvec3(position) - rvec3(reference);
+#if defined(ORTHOGRAPHIC)
+    rvec3 view = centre_ray;
+    rvec3 eye = to_eye * local + translation;
+#else
+    rvec3 view = local + from_eye;
+    rvec3 eye = to_eye * view;
+#endif
+    real depth = -eye.z;
+    vec3 n = normal == vec3(0.0) ? normalize(vec3(view)) : normal;
+    vec3 t1, t2;
+    tangents(n, t1, t2);
+    rvec3 rn = rvec3(n);
+    rvec3 r1 = rvec3(t1);
+    rvec3 r2 = rvec3(t2);
+    real h = dot(view, rn);
+    if (!(r > 0.0) || h == real(0.0)) {  // seen from exactly the side
+        draw_nothing();
+        return;
+    }
+    rvec2 steps = rvec2(dot(pixel_x, rn), dot(pixel_y, rn));
+    rvec2 view_t = rvec2(dot(view, r1), dot(view, r2));
+    rvec2 x_t = rvec2(dot(pixel_x, r1), dot(pixel_x, r2));
+    rvec2 y_t = rvec2(dot(pixel_y, r1), dot(pixel_y, r2));
+    real per_radius = real(1.0) / real(r);
+#if !defined(ORTHOGRAPHIC)
+    if (depth <= real(4.0 * r * eye_scale)) {
+        rvec2 centre = rvec2(centre_pixel);
+        real m = dot(centre_ray, rn);
+        rvec2 to_horizon = -m * steps / max(dot(steps, steps), real(1e-30));
+        set_base(rvec2(clamp(floor(vec2(centre + to_horizon)) + 0.5, pixel_bounds.xy, pixel_bounds.zw)));
+        rvec2 moved = rvec2(base_and_rest.xy) - centre;
+        m += dot(moved, steps);
+        rvec3 ray = centre_ray + moved.x * pixel_x + moved.y * pixel_y;
+        origin = vec2((rvec2(dot(ray, r1), dot(ray, r2)) * h - view_t * m) * per_radius);
+        along = vec4((x_t * h - view_t * steps.x) * per_radius, (y_t * h - view_t * steps.y) * per_radius);
+        divisor = vec3(m, steps);
+        depth_line = vec3(real(depth_of.x) + real(depth_of.y) * m / h, real(depth_of.y) / h * steps);
+    } else
+#endif
+    {
+        rvec2 slope = steps / h;
+        origin = vec2(0.0);
+#if defined(ORTHOGRAPHIC)
+        set_base(principal + focal * eye.xy);
+        real scale = per_radius;
+        divisor = vec3(1.0, 0.0, 0.0);
+        depth_line = vec3(real(depth_of.x) + real(depth_of.y) * depth, -real(depth_of.y) * slope);
+#else
+        set_base(principal + focal * eye.xy / depth);
+        real scale = per_radius * depth;
+        divisor = vec3(1.0, depth * slope);
+        depth_line = vec3(real(depth_of.x) + real(depth_of.y) / depth, real(depth_of.y) * slope);
+#endif
+        along = vec4((x_t - view_t * slope.x) * scale, (y_t - view_t * slope.y) * scale);
+    }
+    mat3 turn = mat3(to_eye);
+    draw_disc(projection * vec4(vec3(eye), 1.0), projection * vec4(turn * (r * t1), 0.0), projection * vec4(turn * (r * t2), 0.0));
+}
+
+#endif
+#endif
+#endif

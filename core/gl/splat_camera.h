@@ -1,0 +1,43 @@
+// A view as the splats' shaders want it. No OpenGL here.
+#pragma once
+
+#include "cloud/geometry.h"
+#include "view/level_of_detail.h"
+
+#include <array>
+#include <optional>
+
+namespace pcm {
+
+// Window coordinates are pixels as gl_FragCoord has them. Depth along the view is in eye units. Column-major matrices.
+struct SplatCamera {
+    // Nothing when Frustum::of() gives nothing. The viewport's lower left corner is at (x, y).
+    static std::optional<SplatCamera> of(const View& view, int x, int y, bool reversed);
+
+    View view;  // modelview and projection with a last element, or factor of w, of 1
+    bool orthographic = false;
+    Vec3d eye{};                           // relative to the view's origin
+    double scale = 1;                      // eye units in a source unit: the most of any direction
+    double near = 0;                       // depth of the near plane, of a perspective
+    std::array<float, 16> projection{};    // to clip space, whose z is that of the depth convention
+    std::array<double, 9> to_eye{};        // from source axes
+    std::array<double, 9> normal_to_eye{};
+    std::array<double, 2> focal{}, principal{};  // window = principal + focal * eye.xy / depth; parallel: without the quotient
+    std::array<double, 2> depth_of{};            // window depth = [0] + [1] / depth; parallel: [0] + [1] * depth
+    // Source axes: a pixel's step to the right and up, and the ray through the centre of `centre_pixel`, at a depth of 1.
+    Vec3d pixel_x{}, pixel_y{}, centre_ray{};
+    std::array<double, 2> centre_pixel{};
+
+    Vec3d eye_of(const Vec3d& local) const;  // eye space, of a place relative to the view's origin
+    // Side, in pixels, of a square for a radius of 1 source unit at depth 1 (parallel: anywhere), for eq. 7.1, less `scale`.
+    double square_pixels() const { return 2 * focal[1]; }
+    // At least the side, in pixels, of the largest dynamic splat, or of the box of the largest disc, of points in a box (relative to
+    // the view's origin) that is not outside of the clip volume. Infinite when there is no bound.
+    double largest_square(const Box3d& box, double radius) const;
+    double largest_box(const Box3d& box, double radius) const;
+
+private:
+    double least_depth(const Box3d& box) const;
+};
+
+}  // namespace pcm

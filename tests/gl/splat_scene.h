@@ -1,0 +1,69 @@
+// Discs in video memory, drawn by the splat pass alone, beside what the oracle knows of them.
+#pragma once
+
+#include "gl_support.h"
+#include "oracle/disc_oracle.h"
+
+#include "gl/splat_pass.h"
+
+#include <memory>
+#include <vector>
+
+namespace pcm::test {
+
+// A framebuffer with a float depth buffer, multisampled if need be; bound and its viewport set while it lives.
+class DepthFramebuffer {
+public:
+    DepthFramebuffer(int width, int height, unsigned samples = 1);
+    ~DepthFramebuffer();
+    void clear(bool reversed) const;
+    std::vector<Pixel> colours() const;  // averaged over the samples
+    std::vector<float> depths() const;   // of one sample a pixel only
+
+private:
+    int width_, height_;
+    unsigned samples_;
+    GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
+};
+
+// Points of one chunk on a grid. Disc number d has the colour of d + 1 in base 256, so that a picture tells which one is seen.
+class SplatScene {
+public:
+    // Centres are source coordinates and are rounded to the grid.
+    SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format = {VertexColour::rgb, true, true});
+    ~SplatScene();
+
+    // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii and normals as floats.
+    std::vector<Disc> discs(const View& view) const;
+    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1, const ChunkLook& look = {}) const;
+    const TreeInfo& info() const { return info_; }
+    const VertexEntry& entry() const;
+    static int disc_of(const Pixel& pixel) { return pixel.r + 256 * pixel.g + 65536 * pixel.b - 1; }  // -1: none
+
+private:
+    TreeInfo info_;
+    std::vector<Vec3i> places_;
+    std::vector<float> radii_, normals_;
+    L1Cache l1_;
+    L1Cache::Owner owner_;
+};
+
+// The depth along the view of a value of the depth buffer.
+double depth_of(const View& view, bool reversed, float value);
+
+CloudStyle style_of(SplatMode mode);
+View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin = {0, 0, 0});
+
+struct Agreement {
+    std::size_t covered = 0;        // pixels that the oracle is certain about and that are covered
+    std::size_t certain = 0;        // of them and the empty ones
+    std::size_t wrong_coverage = 0;
+    std::size_t wrong_disc = 0;
+    std::size_t not_numbers = 0;
+    double worst_depth = 0;         // of the hit, along its ray, in radii of the disc
+};
+
+// Draws the scene in the perspective mode and compares each fragment with the oracle.
+Agreement compare(const SplatScene& scene, const View& view, bool reversed, bool doubles, double margin = 0.01);
+
+}  // namespace pcm::test
