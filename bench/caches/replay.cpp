@@ -2,7 +2,7 @@
 #include "modes.h"
 #include "storage.h"
 
-#include "gl/cloud_renderer.h"
+#include "gl/renderer.h"
 #include "offscreen/offscreen.h"
 #include "view/camera_path.h"
 
@@ -18,17 +18,6 @@
 
 namespace pcm::bench {
 namespace {
-
-// As the renderer has it.
-Camera camera_of(const View& view)
-{
-    Camera camera{};
-    std::copy(view.modelview.begin(), view.modelview.end(), camera.modelview);
-    std::copy(view.projection.begin(), view.projection.end(), camera.projection);
-    camera.viewport[2] = view.width;
-    camera.viewport[3] = view.height;
-    return camera;
-}
 
 template <class Enum>
 using Names = std::array<std::pair<const char*, Enum>, 2>;
@@ -71,19 +60,27 @@ struct Drawn {
 class Player {
 public:
     Player(const Settings& settings, std::shared_ptr<PointCloud> cloud, const Offscreen& screen)
-        : settings_(settings), screen_(screen), renderer_(cloud, l1_options(settings)), box_(cloud->info().bounds()), origin_(cloud->info().grid.offset)
+        : settings_(settings), screen_(screen), l1_(std::make_shared<L1Cache>(l1_options(settings))), cloud_(cloud, l1_), renderer_(l1_),
+          box_(cloud->info().bounds()), origin_(cloud->info().grid.offset)
     {
-        // What to draw depends on the view alone and not on how quick the machine is.
-        options_.frame_budget_ms = options_.rest_budget_ms = 1e6;
+        // What to draw depends on the view alone and not on how quick the machine is; and it is what a moving view wants.
+        options_.frame_budget_ms = 1e6;
+        options_.converge = false;
         options_.point_budget = settings.point_budget;
         options_.target_spacing_px = settings.target_px;
         options_.upload_budget_ms = settings.upload_ms;
     }
-    ~Player() { renderer_.release(); }
+    ~Player()
+    {
+        picture_.release();
+        renderer_.release();
+        cloud_.release();
+        l1_->release();
+    }
     Player(const Player&) = delete;
     Player& operator=(const Player&) = delete;
 
-    CloudRenderer& renderer() { return renderer_; }
+    const L1Cache& l1() const { return *l1_; }
 
     // Shaders are built by the first frame that draws; it shows nothing of the cloud.
     void warm_up()
@@ -101,9 +98,9 @@ public:
     {
         for (std::size_t i = 0; i < path.frames.size(); ++i) {
             const auto start = Clock::now();
-            const std::uint64_t hits_before = renderer_.l1()->statistics().hits;
+            const std::uint64_t hits_before = l1_->statistics().hits;
             FrameReport report = frame(path.frames[i]);
-            drawn.found += static_cast<double>(renderer_.l1()->statistics().hits - hits_before);
+            drawn.found += static_cast<double>(l1_->statistics().hits - hits_before);
             drawn.frame_ms.push_back(1000 * seconds_since(start));
             drawn.draw_ms.push_back(report.frame_ms);
             drawn.points.push_back(static_cast<double>(report.points_drawn));
@@ -127,7 +124,10 @@ private:
     FrameReport frame(const CameraFrame& at)
     {
         screen_.clear();
-        const FrameReport report = renderer_.draw(camera_of(view_of(at, origin_, box_, settings_.width, settings_.height)), origin_, options_);
+        SceneItem item;
+        item.cloud = &cloud_;
+        item.origin = origin_;
+        const FrameReport report = renderer_.draw(picture_, view_of(at, origin_, box_, settings_.width, settings_.height), {item}, options_);
         if (!report.error.empty()) throw std::runtime_error("a frame could not be drawn: " + report.error);
         glFinish();
         return report;
@@ -135,7 +135,10 @@ private:
 
     const Settings& settings_;
     const Offscreen& screen_;
-    CloudRenderer renderer_;
+    std::shared_ptr<L1Cache> l1_;
+    DrawnCloud cloud_;
+    Renderer renderer_;
+    Picture picture_;
     Box3d box_;
     Vec3d origin_;
     RenderOptions options_;
@@ -233,7 +236,7 @@ void measure_replay(const Settings& settings, Row& row)
     row["converged_ms_median"] = quantile(drawn.rest_ms, 0.5);
     row["converged_ms_max"] = quantile(drawn.rest_ms, 1);
     row["given_up"] = drawn.given_up;
-    put_caches(row, player.renderer().l1()->statistics(), cloud->cache().statistics(), drawn);
+    put_caches(row, player.l1().statistics(), cloud->cache().statistics(), drawn);
     row["gl"] = screen.renderer();
 }
 

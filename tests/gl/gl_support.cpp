@@ -141,14 +141,14 @@ Matrix orthographic(double half_width, double half_height, double near, double f
             1};
 }
 
-Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, int height)
+View view_of(const Matrix& modelview, const Matrix& projection, int width, int height)
 {
-    Camera camera{};
-    std::copy(modelview.begin(), modelview.end(), camera.modelview);
-    std::copy(projection.begin(), projection.end(), camera.projection);
-    camera.viewport[2] = width;
-    camera.viewport[3] = height;
-    return camera;
+    View view;
+    view.modelview = modelview;
+    view.projection = projection;
+    view.width = width;
+    view.height = height;
+    return view;
 }
 
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
@@ -163,13 +163,41 @@ std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std:
     return PointCloud::open(folder / (name + ".pct"));
 }
 
-FrameReport draw_until_done(CloudRenderer& renderer, const Framebuffer& framebuffer, const Camera& camera,
-                            const Vec3d& origin, const RenderOptions& options, int most)
+Drawing::Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1) : Drawing(std::move(cloud), std::make_shared<L1Cache>(l1))
+{
+    l1_is_own_ = true;
+}
+
+Drawing::Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1) : drawn(std::move(cloud), l1), renderer(l1)
+{
+    style.colour = ColourMode::uniform;
+    style.uniform_colour = {1, 1, 1};
+}
+
+FrameReport Drawing::draw(const View& view, const Vec3d& origin, const RenderOptions& options)
+{
+    SceneItem item;
+    item.cloud = &drawn;
+    item.origin = origin;
+    item.style = style;
+    return renderer.draw(picture, view, {item}, options);
+}
+
+void Drawing::release()
+{
+    picture.release();
+    renderer.release();
+    drawn.release();
+    if (l1_is_own_) l1()->release();
+}
+
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin, const RenderOptions& options,
+                            int most)
 {
     FrameReport report;
     for (int frame = 0; frame < most; ++frame) {
         framebuffer.clear();
-        report = renderer.draw(camera, origin, options);
+        report = drawing.draw(view, origin, options);
         if (!report.error.empty()) {
             ADD_FAILURE() << report.error;
             return report;

@@ -4,7 +4,7 @@
 #include "las_points.h"
 #include "support.h"
 
-#include "gl/cloud_renderer.h"
+#include "gl/renderer.h"
 
 #include <GL/glew.h>
 
@@ -12,9 +12,11 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace pcm::test {
@@ -66,15 +68,34 @@ Matrix translation(double x, double y, double z);
 Matrix rotation_x(double radians);
 Matrix perspective(double vertical_angle, double aspect, double near, double far);
 Matrix orthographic(double half_width, double half_height, double near, double far);
-Camera camera_of(const Matrix& modelview, const Matrix& projection, int width, int height);
+View view_of(const Matrix& modelview, const Matrix& projection, int width, int height);
 
 // Writes the points as LAS on the grid, builds a tree and opens it.
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
                                        const std::vector<LasPoint>& points, std::uint32_t chunk_points = 5000);
 
+// One cloud in one view, and all that drawing it takes. White squares of two pixels unless the style is changed.
+class Drawing {
+public:
+    explicit Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1 = {});
+    Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1);
+    FrameReport draw(const View& view, const Vec3d& origin, const RenderOptions& options);
+    void set_wake(std::function<void()> wake) { drawn.set_wake(std::move(wake)); }
+    const std::shared_ptr<L1Cache>& l1() const { return drawn.l1(); }
+    void release();  // an L1 of its own too
+
+    CloudStyle style;
+    DrawnCloud drawn;
+    Renderer renderer;
+    Picture picture;
+
+private:
+    bool l1_is_own_ = false;
+};
+
 // Draws until nothing more will come; the last report. Fails the test after `most` frames.
-FrameReport draw_until_done(CloudRenderer& renderer, const Framebuffer& framebuffer, const Camera& camera,
-                            const Vec3d& origin, const RenderOptions& options, int most = 5000);
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin, const RenderOptions& options,
+                            int most = 5000);
 
 }  // namespace pcm::test
 

@@ -48,8 +48,6 @@ RenderOptions everything()
 {
     RenderOptions options;
     options.target_spacing_px = 0;
-    options.colour = ColourMode::uniform;
-    options.uniform_colour = {1, 1, 1};
     options.upload_budget_ms = 1000;
     return options;
 }
@@ -59,7 +57,7 @@ struct Window {
     bool inside;
 };
 
-Window project(const Camera& camera, const Vec3d& local)
+Window project(const View& camera, const Vec3d& local)
 {
     const double v[4] = {local[0], local[1], local[2], 1};
     double eye[4] = {};
@@ -69,7 +67,7 @@ Window project(const Camera& camera, const Vec3d& local)
     for (std::size_t r = 0; r < 4; ++r)
         for (std::size_t c = 0; c < 4; ++c) clip[r] += camera.projection[c * 4 + r] * eye[c];
     const bool inside = std::abs(clip[0]) <= clip[3] && std::abs(clip[1]) <= clip[3] && std::abs(clip[2]) <= clip[3];
-    return {(clip[0] / clip[3] + 1) / 2 * camera.viewport[2], (clip[1] / clip[3] + 1) / 2 * camera.viewport[3],
+    return {(clip[0] / clip[3] + 1) / 2 * camera.width, (clip[1] / clip[3] + 1) / 2 * camera.height,
             clip[2] / clip[3], inside};
 }
 
@@ -81,12 +79,12 @@ std::size_t count_lit(const std::vector<Pixel>& pixels)
 
 }  // namespace
 
-class CloudRendererIn : public testing::TestWithParam<Profile> {};
-INSTANTIATE_TEST_SUITE_P(Profiles, CloudRendererIn, testing::Values(Profile::compatibility, Profile::core),
+class RendererIn : public testing::TestWithParam<Profile> {};
+INSTANTIATE_TEST_SUITE_P(Profiles, RendererIn, testing::Values(Profile::compatibility, Profile::core),
                          [](const auto& info) { return info.param == Profile::core ? "Core" : "Compatibility"; });
 
 // What a moving view comes to see is in RAM before; nothing of it when that is not asked for.
-TEST_P(CloudRendererIn, AMovingViewLoadsAhead)
+TEST_P(RendererIn, AMovingViewLoadsAhead)
 {
     PCM_REQUIRE_GL(context, GetParam());
     const TemporaryFolder folder;
@@ -94,11 +92,11 @@ TEST_P(CloudRendererIn, AMovingViewLoadsAhead)
     const Framebuffer framebuffer(320, 240);
     for (const bool ahead : {true, false}) {
         const auto cloud = PointCloud::open(cloud_file->tree()->folder());
-        CloudRenderer renderer(cloud);
+        Drawing renderer(cloud);
         RenderOptions options = everything();
         options.prefetch_frames = ahead ? 8 : 0;
         const auto camera_at = [&](double x) {
-            return camera_of(product(translation(-x, -50, -160), translation(0, 0, 0)), perspective(0.25, 4.0 / 3, 0.1, 1000), 320, 240);
+            return view_of(product(translation(-x, -50, -160), translation(0, 0, 0)), perspective(0.25, 4.0 / 3, 0.1, 1000), 320, 240);
         };
         draw_until_done(renderer, framebuffer, camera_at(20), map_offset, options);
         for (double x = 21; x <= 24; ++x) {
@@ -110,13 +108,9 @@ TEST_P(CloudRendererIn, AMovingViewLoadsAhead)
             cloud->cache().wait_idle();
         }
         // Seen eight frames of half a metre from here.
-        const Camera later = camera_at(24.5 + 8 * 0.5);
-        View view;
-        std::copy_n(later.modelview, 16, view.modelview.begin());
-        std::copy_n(later.projection, 16, view.projection.begin());
+        const View later = camera_at(24.5 + 8 * 0.5);
+        View view = later;
         view.origin = map_offset;
-        view.width = 320;
-        view.height = 240;
         DetailLimits limits;
         limits.target_px = 0;
         std::size_t seen = 0, there = 0;
@@ -132,19 +126,19 @@ TEST_P(CloudRendererIn, AMovingViewLoadsAhead)
     }
 }
 
-TEST_P(CloudRendererIn, ConstantSplatsCoverExactlyTheirSquares)
+TEST_P(RendererIn, ConstantSplatsCoverExactlyTheirSquares)
 {
     PCM_REQUIRE_GL(context, GetParam());
     const TemporaryFolder folder;
     const auto points = random_points(2500, 10000, 1);
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), points, 1000);
     const Framebuffer framebuffer(320, 240);
-    CloudRenderer renderer(cloud);
+    Drawing renderer(cloud);
     for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(8, 6, -100, 100)})
         for (const float size : {1.0f, 2.0f, 3.6f, 5.0f}) {
-            const Camera camera = camera_of(overview(10), projection, 320, 240);
+            const View camera = view_of(overview(10), projection, 320, 240);
             RenderOptions options = everything();
-            options.point_size_px = size;
+            renderer.style.point_size_px = size;
             const FrameReport report = draw_until_done(renderer, framebuffer, camera, map_offset, options);
             EXPECT_EQ(report.points_drawn, points.size());
             EXPECT_EQ(report.screen_error_px, 0);
@@ -177,26 +171,26 @@ TEST_P(CloudRendererIn, ConstantSplatsCoverExactlyTheirSquares)
     renderer.release();
 }
 
-TEST_P(CloudRendererIn, MapCoordinatesDrawTheSamePicture)
+TEST_P(RendererIn, MapCoordinatesDrawTheSamePicture)
 {
     PCM_REQUIRE_GL(context, GetParam());
     const TemporaryFolder folder;
     const auto points = random_points(20000, 10000, 2);
     const Framebuffer framebuffer(320, 240);
-    const Camera camera = camera_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
-    RenderOptions options = everything();
-    options.colour = ColourMode::rgb;
+    const View camera = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
+    const RenderOptions options = everything();
     std::vector<std::vector<Pixel>> pictures;
     for (const Vec3d& offset : {Vec3d{0, 0, 0}, Vec3d{5000000, 5000000, 5000000}}) {
-        CloudRenderer renderer(
+        Drawing renderer(
             make_cloud(folder, "at" + std::to_string(static_cast<int>(offset[0])), grid_at(offset), points));
+        renderer.style.colour = ColourMode::rgb;
         draw_until_done(renderer, framebuffer, camera, offset, options);
         pictures.push_back(framebuffer.read());
         if (offset[0] > 0) {
             // Another local origin, as when several clouds share one: coordinates round to 1e-9 of the scene's metre,
             // so only a pixel whose edge a splat all but touches may change.
             const Vec3d other{offset[0] - 1234.567, offset[1] + 77.7, offset[2] + 3.3};
-            const Camera moved = camera_of(
+            const View moved = view_of(
                 product(overview(10), translation(other[0] - offset[0], other[1] - offset[1], other[2] - offset[2])),
                 perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
             draw_until_done(renderer, framebuffer, moved, other, options);
@@ -211,7 +205,7 @@ TEST_P(CloudRendererIn, MapCoordinatesDrawTheSamePicture)
     EXPECT_TRUE(pictures[0] == pictures[1]);
 }
 
-TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
+TEST(Renderer, ASlowPanDoesNotMakePointsTremble)
 {
     // One point seen from 2 m, in a tile of 20 km at map coordinates, through a projection that magnifies the
     // surroundings of where it should appear 64 times: the place of the lit pixel tells its place in the picture to
@@ -223,12 +217,12 @@ TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
         for (const std::size_t which : {0u, 100u, 200u, 399u}) {
             const std::string name = std::to_string(ortho) + std::to_string(which);
             const auto cloud = make_cloud(folder, name, grid_at(map_offset), points);
-            CloudRenderer renderer(cloud);
+            Drawing renderer(cloud);
             const int size = 512;
             const double zoom = 64;
             const Framebuffer framebuffer(size, size);
             RenderOptions options = everything();
-            options.point_size_px = 1;
+            renderer.style.point_size_px = 1;
             const Vec3d local{points[which].x * 0.001, points[which].y * 0.001, points[which].z * 0.001};
             double least[2] = {1e9, 1e9};
             double most[2] = {-1e9, -1e9};
@@ -237,7 +231,7 @@ TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
                 const Matrix modelview =
                     product(rotation_x(-0.7), translation(-(local[0] + aside), -(local[1] - 1.4), -(local[2] + 1.5)));
                 const Matrix plain = ortho ? orthographic(1.2, 1.2, -50, 50) : perspective(1.0, 1, 0.05, 1000);
-                Camera camera = camera_of(modelview, plain, 1000, 1000);
+                View camera = view_of(modelview, plain, 1000, 1000);
                 const Window w = project(camera, local);
                 ASSERT_TRUE(w.inside);
                 // 8 pixels of the plain picture around w fill the 512 of this one.
@@ -245,7 +239,7 @@ TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
                 const Matrix magnify{
                     scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, 1, 0, -(w.x / 500 - 1) * scale, -(w.y / 500 - 1) * scale,
                     0,     1};
-                camera = camera_of(modelview, product(magnify, plain), size, size);
+                camera = view_of(modelview, product(magnify, plain), size, size);
                 draw_until_done(renderer, framebuffer, camera, map_offset, options);
                 const auto pixels = framebuffer.read();
                 ASSERT_EQ(count_lit(pixels), 1u) << "step " << step;
@@ -268,17 +262,19 @@ TEST(CloudRenderer, ASlowPanDoesNotMakePointsTremble)
         }
 }
 
-TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
+TEST_P(RendererIn, LeavesTheStateOfTheHostAsItWas)
 {
     PCM_REQUIRE_GL(context, GetParam());
     const bool compatibility = GetParam() == Profile::compatibility;
     const TemporaryFolder folder;
-    CloudRenderer renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(5000, 10000, 4)));
+    Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(5000, 10000, 4)));
     const Framebuffer framebuffer(64, 64);
     GLuint array = 0;
     GLuint buffers[3] = {};
     glGenVertexArrays(1, &array);
     glGenBuffers(3, buffers);
+    GLuint textures[2] = {};
+    glGenTextures(2, textures);
 
     std::vector<GLenum> integers{GL_CURRENT_PROGRAM,
                                  GL_VERTEX_ARRAY_BINDING,
@@ -295,6 +291,16 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
                                  GL_ACTIVE_TEXTURE,
                                  GL_TEXTURE_BINDING_2D,
                                  GL_BLEND_SRC_RGB,
+                                 GL_BLEND_DST_ALPHA,
+                                 GL_BLEND_EQUATION_RGB,
+                                 GL_DEPTH_RANGE,
+                                 GL_COLOR_CLEAR_VALUE,
+                                 GL_DEPTH_CLEAR_VALUE,
+                                 GL_RENDERBUFFER_BINDING,
+                                 GL_TEXTURE_BINDING_2D_MULTISAMPLE,
+                                 GL_SAMPLER_BINDING,
+                                 GL_CLIP_DEPTH_MODE,
+                                 GL_CLIP_ORIGIN,
                                  GL_CULL_FACE_MODE,
                                  GL_FRONT_FACE,
                                  GL_POLYGON_MODE,
@@ -340,7 +346,7 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
         return state;
     };
 
-    const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 64, 64);
+    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 64, 64);
     for (int host = 0; host < 4; ++host) {
         const auto toggle = [&](GLenum what, bool on) { on ? glEnable(what) : glDisable(what); };
         const bool odd = host % 2;
@@ -352,6 +358,19 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
             toggle(GL_POINT_SMOOTH, !odd);
             glPointSize(3.5f);
         }
+        toggle(GL_SCISSOR_TEST, odd);
+        toggle(GL_STENCIL_TEST, odd);
+        toggle(GL_CULL_FACE, odd);
+        glScissor(3, 4, 5, 6);
+        glCullFace(GL_FRONT_AND_BACK);
+        glBlendFuncSeparate(GL_ONE, GL_ZERO, GL_DST_ALPHA, GL_ONE);
+        glBlendEquation(odd ? GL_FUNC_SUBTRACT : GL_FUNC_ADD);
+        glPolygonMode(GL_FRONT_AND_BACK, odd ? GL_LINE : GL_FILL);
+        glColorMask(GL_TRUE, odd ? GL_FALSE : GL_TRUE, GL_TRUE, GL_TRUE);
+        glClearColor(0.25f, 0.5f, 0.75f, 1);
+        glDepthRange(odd ? 0.25 : 0, odd ? 0.5 : 1);
+        glActiveTexture(odd ? GL_TEXTURE1 : GL_TEXTURE0);
+        glBindTexture(GL_TEXTURE_2D, textures[odd]);
         glDepthFunc(odd ? GL_GEQUAL : GL_LEQUAL);
         glDepthMask(odd ? GL_FALSE : GL_TRUE);
         glBindVertexArray(host >= 2 ? array : 0);
@@ -366,7 +385,10 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
             }                  // core contexts do not know all of the names
             glEnable(0xdead);  // an error that the host left behind is not reported as ours
             RenderOptions options = everything();
-            options.colour = mode;
+            renderer.style.colour = mode;
+            // All that may be switched on, in one of the hosts.
+            options.samples = host >= 2 ? 4 : 1;
+            options.eye_dome = odd ? 1.0f : 0.0f;
             FrameReport report;
             for (int frame = 0; frame < 200; ++frame) {
                 report = renderer.draw(camera, map_offset, options);
@@ -380,15 +402,16 @@ TEST_P(CloudRendererIn, LeavesTheStateOfTheHostAsItWas)
             }
             EXPECT_FALSE(report.refining);
             EXPECT_EQ(report.points_drawn, 5000u);
-            EXPECT_EQ(report.colour_used, mode);
+            EXPECT_EQ(report.clouds[0].style.colour, mode);
         }
     }
     renderer.release();
     glDeleteVertexArrays(1, &array);
     glDeleteBuffers(3, buffers);
+    glDeleteTextures(2, textures);
 }
 
-TEST(CloudRenderer, RefinesWithoutEverShowingLess)
+TEST(Renderer, RefinesWithoutEverShowingLess)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
@@ -397,13 +420,14 @@ TEST(CloudRenderer, RefinesWithoutEverShowingLess)
     ASSERT_GT(cloud->tree()->nodes().size(), 60u);  // more than one window of requests
     std::atomic<int> wakes{0};
     for (const double target : {0.0, 3.0}) {
-        CloudRenderer renderer(cloud);
+        Drawing renderer(cloud);
         renderer.set_wake([&] { ++wakes; });
         cloud->cache().clear();
         const Framebuffer framebuffer(200, 200);
-        const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 200, 200);
+        const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 200, 200);
         RenderOptions options = everything();
         options.target_spacing_px = target;
+        options.converge = false;
         options.upload_budget_ms = 0;  // one chunk a frame
         FrameReport last;
         last.screen_error_px = 1e9;
@@ -441,20 +465,20 @@ TEST(CloudRenderer, RefinesWithoutEverShowingLess)
     EXPECT_GT(wakes, 0);
 }
 
-TEST(CloudRenderer, ChangingTheColourShowsEveryPointAllTheTime)
+TEST(Renderer, ChangingTheColourShowsEveryPointAllTheTime)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(30000, 10000, 6), 2000);
-    CloudRenderer renderer(cloud);
+    Drawing renderer(cloud);
     const Framebuffer framebuffer(100, 100);
-    const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     RenderOptions options = everything();
     draw_until_done(renderer, framebuffer, camera, map_offset, options);
     const std::size_t lit = count_lit(framebuffer.read());
     options.upload_budget_ms = 0;
     for (const ColourMode mode : {ColourMode::rgb, ColourMode::intensity, ColourMode::height, ColourMode::rgb}) {
-        options.colour = mode;
+        renderer.style.colour = mode;
         for (int frame = 0;; ++frame) {
             ASSERT_LT(frame, 5000);
             framebuffer.clear();
@@ -468,14 +492,14 @@ TEST(CloudRenderer, ChangingTheColourShowsEveryPointAllTheTime)
     renderer.release();
 }
 
-TEST(CloudRenderer, ColoursAreTheCloudsOwn)
+TEST(Renderer, ColoursAreTheCloudsOwn)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
     // Four points far apart, looked at straight down, 1 unit a pixel.
     std::vector<LasPoint> points(4);
     const std::uint16_t bytes[4][3] = {{255, 0, 10}, {1, 128, 254}, {77, 200, 0}, {0, 0, 33}};
-    const Camera camera = camera_of(identity(), product(translation(-1, -1, 0), orthographic(20, 20, -10, 10)), 40, 40);
+    const View camera = view_of(identity(), product(translation(-1, -1, 0), orthographic(20, 20, -10, 10)), 40, 40);
     for (const bool eight_bit : {false, true}) {
         for (std::size_t i = 0; i < 4; ++i) {
             points[i].x = static_cast<std::int32_t>(5500 + 8000 * i);
@@ -487,11 +511,11 @@ TEST(CloudRenderer, ColoursAreTheCloudsOwn)
             points[i].blue = static_cast<std::uint16_t>(bytes[i][2] * factor);
             points[i].intensity = static_cast<std::uint16_t>(1000 + 100 * i);
         }
-        CloudRenderer renderer(make_cloud(folder, eight_bit ? "eight" : "sixteen", grid_at({0, 0, 0}), points));
+        Drawing renderer(make_cloud(folder, eight_bit ? "eight" : "sixteen", grid_at({0, 0, 0}), points));
         const Framebuffer framebuffer(40, 40);
         RenderOptions options = everything();
-        options.point_size_px = 1;
-        options.colour = ColourMode::rgb;
+        renderer.style.point_size_px = 1;
+        renderer.style.colour = ColourMode::rgb;
         draw_until_done(renderer, framebuffer, camera, {0, 0, 0}, options);
         auto pixels = framebuffer.read();
         EXPECT_EQ(count_lit(pixels), 4u);
@@ -502,7 +526,7 @@ TEST(CloudRenderer, ColoursAreTheCloudsOwn)
             EXPECT_EQ(p.b, bytes[i][2]);
         }
         for (const ColourMode mode : {ColourMode::intensity, ColourMode::height}) {
-            options.colour = mode;
+            renderer.style.colour = mode;
             draw_until_done(renderer, framebuffer, camera, {0, 0, 0}, options);
             pixels = framebuffer.read();
             int before = -1;
@@ -516,39 +540,43 @@ TEST(CloudRenderer, ColoursAreTheCloudsOwn)
     }
 }
 
-TEST(CloudRenderer, LivesWithLittleVideoMemory)
+// Video memory for a third of what is in view: a moving view shows what fits, a resting one everything.
+TEST(Renderer, LivesWithLittleVideoMemory)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(300000, 10000, 7), 4000);
     L1Options l1;
     l1.block_bytes = 1u << 20;
-    l1.capacity_bytes = 2u << 20;  // 32 pages; the cloud needs more than 75
-    CloudRenderer renderer(cloud, l1);
+    l1.capacity_bytes = 2u << 20;  // 34 pages; the cloud needs more than 75
+    Drawing renderer(cloud, l1);
     const Framebuffer framebuffer(100, 100);
     RenderOptions options = everything();
-    options.colour = ColourMode::rgb;
-    for (int step = 0; step < 10; ++step) {
-        const Camera camera =
-            camera_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
-        const FrameReport report = draw_until_done(renderer, framebuffer, camera, map_offset, options);
-        EXPECT_GT(report.points_drawn, 20000u);
-        EXPECT_GT(report.screen_error_px, 0);
-        EXPECT_EQ(report.nodes_missing, 0u);
-        EXPECT_LE(renderer.l1()->statistics().allocated_bytes, l1.capacity_bytes);
+    renderer.style.colour = ColourMode::rgb;
+    for (const bool converge : {false, true}) {
+        options.converge = converge;
+        for (int step = 0; step < 6; ++step) {
+            const View view = view_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
+            const FrameReport report = draw_until_done(renderer, framebuffer, view, map_offset, options);
+            EXPECT_GT(report.points_drawn, 20000u);
+            EXPECT_EQ(report.nodes_missing, 0u);
+            EXPECT_EQ(report.full_resolution, converge);
+            EXPECT_EQ(report.screen_error_px == 0, converge);
+            EXPECT_LE(renderer.l1()->statistics().allocated_bytes, l1.capacity_bytes);
+        }
     }
     renderer.release();
 }
 
-TEST(CloudRenderer, TwoCloudsShareOneCache)
+TEST(Renderer, TwoCloudsShareOneCache)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const auto shared = std::make_shared<L1Cache>();
-    CloudRenderer a(make_cloud(folder, "a", grid_at(map_offset), random_points(20000, 10000, 8), 2000), shared);
-    CloudRenderer b(make_cloud(folder, "b", grid_at(map_offset), random_points(10000, 10000, 9), 2000), shared);
+    Drawing a(make_cloud(folder, "a", grid_at(map_offset), random_points(20000, 10000, 8), 2000), shared);
+    Drawing b(make_cloud(folder, "b", grid_at(map_offset), random_points(10000, 10000, 9), 2000), shared);
     const Framebuffer framebuffer(100, 100);
-    const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     EXPECT_EQ(draw_until_done(a, framebuffer, camera, map_offset, everything()).points_drawn, 20000u);
     EXPECT_EQ(draw_until_done(b, framebuffer, camera, map_offset, everything()).points_drawn, 10000u);
     const std::uint64_t both = shared->statistics().resident_chunks;
@@ -563,7 +591,7 @@ TEST(CloudRenderer, TwoCloudsShareOneCache)
     EXPECT_EQ(shared->statistics().allocated_bytes, 0u);
 }
 
-TEST(CloudRenderer, ContextsOfOneGroupTakeTurns)
+TEST(Renderer, ContextsOfOneGroupTakeTurns)
 {
     std::string why;
     const auto first = GlContext::make(Profile::compatibility, why);
@@ -571,8 +599,8 @@ TEST(CloudRenderer, ContextsOfOneGroupTakeTurns)
     const auto second = GlContext::make(Profile::compatibility, why, first.get());
     ASSERT_TRUE(second) << why;
     const TemporaryFolder folder;
-    CloudRenderer renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 10), 2000));
-    const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 10), 2000));
+    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     second->make_current();
     const auto in_second = std::make_unique<Framebuffer>(100, 100);
     first->make_current();
@@ -592,7 +620,7 @@ TEST(CloudRenderer, ContextsOfOneGroupTakeTurns)
     EXPECT_EQ(renderer.l1()->statistics().allocated_bytes, 0u);
 }
 
-TEST(CloudRenderer, ABrokenChunkIsReportedAndTheRestDrawn)
+TEST(Renderer, ABrokenChunkIsReportedAndTheRestDrawn)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
@@ -606,11 +634,11 @@ TEST(CloudRenderer, ABrokenChunkIsReportedAndTheRestDrawn)
         const std::string junk(16, '\x55');
         file.write(junk.data(), 16);
     }
-    CloudRenderer renderer(cloud);
+    Drawing renderer(cloud);
     const Framebuffer framebuffer(100, 100);
-    const Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     RenderOptions options = everything();
-    options.colour = ColourMode::rgb;
+    renderer.style.colour = ColourMode::rgb;
     FrameReport report;
     for (int frame = 0; frame < 3000; ++frame) {
         report = renderer.draw(camera, map_offset, options);
@@ -625,7 +653,7 @@ TEST(CloudRenderer, ABrokenChunkIsReportedAndTheRestDrawn)
     renderer.release();
 }
 
-TEST(CloudRenderer, DrawsWidePositions)
+TEST(Renderer, DrawsWidePositions)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
@@ -645,14 +673,14 @@ TEST(CloudRenderer, DrawsWidePositions)
     build_tree({folder / "wide.ply"}, folder / "wide.pct", build);
     const auto cloud = PointCloud::open(folder / "wide.pct");
     EXPECT_TRUE(cloud->cache().get(0, ColumnSet::only_positions())->positions->wide);
-    CloudRenderer renderer(cloud);
+    Drawing renderer(cloud);
     const Framebuffer framebuffer(200, 200);
-    const Camera camera = camera_of(translation(-0.5, -0.5, -2), perspective(0.7, 1, 0.1, 10), 200, 200);
+    const View camera = view_of(translation(-0.5, -0.5, -2), perspective(0.7, 1, 0.1, 10), 200, 200);
     RenderOptions options = everything();
-    options.colour = ColourMode::rgb;
-    options.point_size_px = 3;
+    renderer.style.colour = ColourMode::rgb;
+    renderer.style.point_size_px = 3;
     const FrameReport report = draw_until_done(renderer, framebuffer, camera, {0, 0, 0}, options);
-    EXPECT_EQ(report.colour_used, ColourMode::height);  // it has neither colour nor intensity
+    EXPECT_EQ(report.clouds[0].style.colour, ColourMode::height);  // it has neither colour nor intensity
     EXPECT_EQ(report.points_drawn, 500u);
     const auto pixels = framebuffer.read();
     for (const Vec3d& p : points) {
@@ -664,21 +692,21 @@ TEST(CloudRenderer, DrawsWidePositions)
     renderer.release();
 }
 
-TEST(CloudRenderer, ViewsThatShowNothingAreHarmless)
+TEST(Renderer, ViewsThatShowNothingAreHarmless)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
-    CloudRenderer renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(1000, 10000, 13)));
+    Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(1000, 10000, 13)));
     const Framebuffer framebuffer(50, 50);
-    Camera camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 50, 50);
+    View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 50, 50);
     camera.modelview[0] = std::nan("");
     FrameReport report = renderer.draw(camera, map_offset, everything());
     EXPECT_EQ(report.points_drawn, 0u);
     EXPECT_FALSE(report.refining);
-    camera = camera_of(overview(10), perspective(0.9, 1, 0.1, 1000), 0, 0);
+    camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 0, 0);
     EXPECT_EQ(renderer.draw(camera, map_offset, everything()).points_drawn, 0u);
     // The cloud behind the eye: nothing is loaded.
-    camera = camera_of(product(translation(0, 0, 300), overview(10)), perspective(0.9, 1, 0.1, 1000), 50, 50);
+    camera = view_of(product(translation(0, 0, 300), overview(10)), perspective(0.9, 1, 0.1, 1000), 50, 50);
     report = renderer.draw(camera, map_offset, everything());
     EXPECT_EQ(report.nodes_wanted, 0u);
     EXPECT_EQ(report.screen_error_px, 0);

@@ -1,0 +1,457 @@
+// What a picture becomes while its view rests, and how it comes into the host's framebuffer.
+#include "gl_support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace pcm;
+using namespace pcm::test;
+
+namespace {
+
+constexpr Vec3d map_offset{500000, 5000000, 100};
+
+std::vector<LasPoint> coloured_points(std::size_t count, std::int32_t extent, std::uint64_t seed)
+{
+    std::mt19937_64 random(seed);
+    std::vector<LasPoint> points(count);
+    for (LasPoint& p : points) {
+        p.x = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.y = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.z = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.red = static_cast<std::uint16_t>(random());
+        p.green = static_cast<std::uint16_t>(random());
+        p.blue = static_cast<std::uint16_t>(random());
+    }
+    return points;
+}
+
+// `count` x `count` points, 0.1 apart, in a plane z = height(x).
+template <class Height>
+std::vector<LasPoint> sheet(std::int32_t count, const Height& height)
+{
+    std::vector<LasPoint> points;
+    for (std::int32_t y = 0; y < count; ++y)
+        for (std::int32_t x = 0; x < count; ++x) {
+            LasPoint p;
+            p.x = 100 * x;
+            p.y = 100 * y;
+            p.z = height(x);
+            points.push_back(p);
+        }
+    return points;
+}
+
+Grid grid_at(const Vec3d& offset) { return {{0.001, 0.001, 0.001}, offset}; }
+
+Matrix overview(double extent)
+{
+    return product(translation(0, 0, -3 * extent), product(rotation_x(-0.9), translation(-extent / 2, -extent / 2, -extent / 2)));
+}
+
+RenderOptions everything()
+{
+    RenderOptions options;
+    options.target_spacing_px = 0;
+    options.frame_budget_ms = 1e9;
+    options.upload_budget_ms = 1000;
+    return options;
+}
+
+std::vector<float> depths_of(const Framebuffer& framebuffer)
+{
+    std::vector<float> depths(static_cast<std::size_t>(framebuffer.width() * framebuffer.height()));
+    glReadPixels(0, 0, framebuffer.width(), framebuffer.height(), GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+    return depths;
+}
+
+double mean_brightness(const std::vector<Pixel>& pixels)
+{
+    double sum = 0, lit = 0;
+    for (const Pixel& p : pixels)
+        if (p.a) {
+            sum += p.g;
+            ++lit;
+        }
+    return lit > 0 ? sum / lit : 0;
+}
+
+}  // namespace
+
+// Whatever the budgets and the caches are, a view that rests comes to the picture of all points, pixel for pixel; and that is the one a
+// z-buffer in double gives.
+TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto points = coloured_points(60000, 10000, 21);
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), points, 1500);
+    const Framebuffer framebuffer(160, 120);
+    for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(4, 3, -100, 100)}) {
+        const View view = view_of(overview(10), projection, 160, 120);
+        std::vector<Pixel> at_once;
+        {
+            Drawing drawing(cloud);
+            drawing.style.colour = ColourMode::rgb;
+            const FrameReport report = draw_until_done(drawing, framebuffer, view, map_offset, everything());
+            EXPECT_TRUE(report.full_resolution);
+            at_once = framebuffer.read();
+            drawing.release();
+        }
+        for (int way = 0; way < 3; ++way) {
+            L1Options l1;
+            l1.block_bytes = 1u << 20;
+            if (way > 0) l1.capacity_bytes = 1u << 20;  // a third of the points have room
+            Drawing drawing(cloud, l1);
+            drawing.style.colour = ColourMode::rgb;
+            RenderOptions options;
+            options.target_spacing_px = way == 1 ? 20 : 4;
+            options.frame_budget_ms = 1e9;
+            options.point_budget = way == 2 ? 5000 : 30000;
+            options.upload_budget_ms = way == 0 ? 0 : 3;
+            cloud->cache().clear();
+            std::uint64_t before = 0;
+            FrameReport report;
+            int frames = 0;
+            for (; frames < 5000; ++frames) {
+                framebuffer.clear();
+                report = drawing.draw(view, map_offset, options);
+                ASSERT_EQ(report.error, "");
+                EXPECT_LE(report.points_added, options.point_budget);
+                EXPECT_GE(report.points_drawn, before);
+                before = report.points_drawn;
+                if (!report.refining) break;
+                if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            EXPECT_GT(frames, 2);
+            EXPECT_TRUE(report.full_resolution);
+            EXPECT_EQ(report.screen_error_px, 0);
+            EXPECT_TRUE(framebuffer.read() == at_once) << "way " << way;
+            // From now on nothing is drawn but the picture itself.
+            framebuffer.clear();
+            report = drawing.draw(view, map_offset, options);
+            EXPECT_EQ(report.points_added, 0u);
+            EXPECT_TRUE(report.full_resolution);
+            EXPECT_FALSE(report.refining);
+            EXPECT_TRUE(framebuffer.read() == at_once);
+            drawing.release();
+        }
+
+        // Squares of two pixels; points whose edges or depths are too near to one another to tell are left out.
+        struct Nearest {
+            double depth = 2, second = 2;
+            const LasPoint* point = nullptr;
+            bool unsure = false;
+        };
+        std::vector<Nearest> buffer(160 * 120);
+        for (const LasPoint& p : points) {
+            const double local[4] = {p.x * 0.001, p.y * 0.001, p.z * 0.001, 1};
+            double eye[4] = {}, clip[4] = {};
+            for (std::size_t r = 0; r < 4; ++r)
+                for (std::size_t c = 0; c < 4; ++c) eye[r] += view.modelview[c * 4 + r] * local[c];
+            for (std::size_t r = 0; r < 4; ++r)
+                for (std::size_t c = 0; c < 4; ++c) clip[r] += projection[c * 4 + r] * eye[c];
+            if (std::max({std::abs(clip[0]), std::abs(clip[1]), std::abs(clip[2])}) > clip[3]) continue;
+            const double x = (clip[0] / clip[3] + 1) * 80, y = (clip[1] / clip[3] + 1) * 60, depth = clip[2] / clip[3];
+            for (int py = static_cast<int>(y) - 2; py <= static_cast<int>(y) + 2; ++py)
+                for (int px = static_cast<int>(x) - 2; px <= static_cast<int>(x) + 2; ++px) {
+                    if (px < 0 || py < 0 || px >= 160 || py >= 120) continue;
+                    Nearest& at = buffer[static_cast<std::size_t>(py * 160 + px)];
+                    const double away = std::max(std::abs(px + 0.5 - x), std::abs(py + 0.5 - y));
+                    if (away > 1 + 1.0 / 128) continue;
+                    if (away > 1 - 1.0 / 128) {
+                        if (depth < at.depth + 1e-6) at.unsure = true;
+                        continue;
+                    }
+                    if (depth < at.depth) {
+                        at.second = at.depth;
+                        at.depth = depth;
+                        at.point = &p;
+                    } else {
+                        at.second = std::min(at.second, depth);
+                    }
+                }
+        }
+        std::size_t compared = 0, wrong = 0;
+        for (std::size_t i = 0; i < buffer.size(); ++i) {
+            const Nearest& at = buffer[i];
+            if (at.unsure || (at.point && at.second - at.depth < 1e-5)) continue;
+            ++compared;
+            const auto byte = [](std::uint16_t v) { return static_cast<int>(v * 255.0 / 65535 + 0.5); };
+            const Pixel& p = at_once[i];
+            if (!at.point)
+                wrong += p.a != 0;
+            else
+                wrong += p.a != 255 || std::abs(p.r - byte(at.point->red)) > 1 || std::abs(p.g - byte(at.point->green)) > 1 ||
+                         std::abs(p.b - byte(at.point->blue)) > 1;
+        }
+        EXPECT_GT(compared, 5000u);
+        EXPECT_EQ(wrong, 0u);
+    }
+}
+
+// The host's own things before and behind the cloud; the depth that is left is the host's.
+TEST(Picture, IsComposedWithWhatTheHostHasDrawn)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
+    const Framebuffer framebuffer(100, 100);
+    const Matrix projection = perspective(0.9, 1, 0.5, 100);
+    const View view = view_of(translation(-5, -5, -10), projection, 100, 100);
+    const auto window_depth = [&](double z) { return ((projection[10] * z + projection[14]) / -z + 1) / 2; };
+    for (const unsigned samples : {1u, 4u})
+        for (const float eye_dome : {0.0f, 1.0f})
+            for (const double range_end : {1.0, 0.5}) {
+                Drawing drawing(cloud);
+                drawing.style.point_size_px = 4;
+                RenderOptions options = everything();
+                options.samples = samples;
+                options.eye_dome = eye_dome;
+                FrameReport report;
+                for (int frame = 0; frame < 1000; ++frame) {
+                    framebuffer.clear();
+                    // Left half: something of the host's 2 before the sheet; right half: 2 behind it.
+                    glEnable(GL_SCISSOR_TEST);
+                    for (const bool right : {false, true}) {
+                        glScissor(right ? 50 : 0, 0, 50, 100);
+                        glClearColor(1, 0, 0, 1);
+                        glClearDepth(range_end * window_depth(right ? -12 : -8));
+                        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+                    }
+                    glClearDepth(1);
+                    glScissor(10, 10, 80, 80);  // it is not ours, and does not cut us
+                    glDepthRange(0, range_end);
+                    report = drawing.draw(view, {0, 0, 0}, options);
+                    EXPECT_TRUE(glIsEnabled(GL_SCISSOR_TEST));
+                    glDepthRange(0, 1);
+                    glDisable(GL_SCISSOR_TEST);
+                    ASSERT_EQ(report.error, "");
+                    if (!report.refining) break;
+                }
+                EXPECT_TRUE(report.full_resolution);
+                EXPECT_EQ(report.samples, samples);
+                const auto pixels = framebuffer.read();
+                const auto depths = depths_of(framebuffer);
+                const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * 100 + x); };
+                for (int y = 20; y < 80; y += 7) {
+                    EXPECT_EQ(pixels[at(30, y)].g, 0) << "the sheet shines through";
+                    EXPECT_NEAR(depths[at(30, y)], range_end * window_depth(-8), 1e-6);
+                    EXPECT_GT(pixels[at(70, y)].g, 200) << "the sheet is not there";
+                    EXPECT_NEAR(depths[at(70, y)], range_end * window_depth(-10), 1e-6);
+                }
+                drawing.release();
+            }
+}
+
+// Partly covered pixels at the edges of squares, none inside.
+TEST(Picture, SeveralSamplesSmoothEdges)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    std::vector<LasPoint> points(1);
+    points[0].x = points[0].y = 5033;
+    points.push_back({});
+    points[1].x = points[1].y = 1000;
+    const auto cloud = make_cloud(folder, "two", grid_at({0, 0, 0}), points, 1000);
+    const Framebuffer framebuffer(100, 100);
+    const View view = view_of(translation(-5, -5, -10), orthographic(5, 5, 1, 100), 100, 100);
+    for (const unsigned samples : {1u, 4u, 1000u}) {
+        Drawing drawing(cloud);
+        drawing.style.point_size_px = 20;
+        RenderOptions options = everything();
+        options.samples = samples;
+        const FrameReport report = draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+        if (samples > 4) {
+            EXPECT_LT(report.samples, samples);  // what the driver has
+            EXPECT_GE(report.samples, 4u);
+        }
+        std::size_t partly = 0, whole = 0;
+        for (const Pixel& p : framebuffer.read()) {
+            partly += p.a > 0 && p.a < 255;
+            whole += p.a == 255;
+            if (p.a == 255) EXPECT_EQ(p.r, 255);
+        }
+        EXPECT_GE(whole, 2u * 19 * 19);
+        if (samples == 1)
+            EXPECT_EQ(partly, 0u);
+        else
+            EXPECT_GT(partly, 15u);
+        drawing.release();
+    }
+}
+
+// A plane seen face on stays as it is, a step gets a shadow on its lower side, whatever the unit of length and the projection.
+TEST(Picture, EyeDomeLightingShowsSteps)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto flat = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
+    const auto step = make_cloud(folder, "step", grid_at({0, 0, 0}), sheet(101, [](std::int32_t x) { return x < 50 ? 0 : 1500; }), 2000);
+    const Framebuffer framebuffer(100, 100);
+    double darkest = 1e9;
+    for (const bool parallel : {false, true})
+        for (const double unit : {1.0, 1e-4, 1e4})
+            for (const unsigned samples : {1u, 4u}) {
+                Matrix scaled = translation(-5 * unit, -5 * unit, -12 * unit);
+                for (const std::size_t k : {0u, 5u, 10u}) scaled[k] = unit;
+                const Matrix projection =
+                    parallel ? orthographic(4 * unit, 4 * unit, unit, 100 * unit) : perspective(0.7, 1, 0.1 * unit, 100 * unit);
+                const View view = view_of(scaled, projection, 100, 100);
+                const auto brightness = [&](const std::shared_ptr<PointCloud>& cloud, float strength) {
+                    Drawing drawing(cloud);
+                    drawing.style.point_size_px = 5;
+                    RenderOptions options = everything();
+                    options.samples = samples;
+                    options.eye_dome = strength;
+                    draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+                    const auto pixels = framebuffer.read();
+                    drawing.release();
+                    return pixels;
+                };
+                EXPECT_NEAR(mean_brightness(brightness(flat, 1)), 255, 1);
+                EXPECT_NEAR(mean_brightness(brightness(step, 0)), 255, 1);
+                const auto shaded = brightness(step, 1);
+                const auto stronger = brightness(step, 3);
+                EXPECT_LT(mean_brightness(shaded), 254);
+                EXPECT_LT(mean_brightness(stronger), mean_brightness(shaded));
+                // Row in the middle: dark on the lower side of the step alone.
+                int least = 255, place = 0;
+                for (int x = 5; x < 95; ++x) {
+                    const int g = shaded[static_cast<std::size_t>(50 * 100 + x)].g;
+                    if (g < least) {
+                        least = g;
+                        place = x;
+                    }
+                }
+                EXPECT_LT(least, 200) << parallel << " " << unit << " " << samples;
+                EXPECT_NEAR(place, 48, 6);
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 250);
+                darkest = std::min(darkest, static_cast<double>(least));
+            }
+    EXPECT_GE(darkest, 0);
+}
+
+// What both trees need most is drawn first, under one budget; and each may be placed anywhere.
+TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto near_cloud = make_cloud(folder, "near", grid_at(map_offset), coloured_points(40000, 10000, 31), 1000);
+    const auto far_cloud = make_cloud(folder, "far", grid_at({0, 0, 0}), coloured_points(40000, 10000, 32), 1000);
+    const auto l1 = std::make_shared<L1Cache>();
+    Renderer renderer(l1);
+    DrawnCloud a(near_cloud, l1), b(far_cloud, l1);
+    Picture picture;
+    const Framebuffer framebuffer(200, 100);
+    SceneItem near_item, far_item;
+    near_item.cloud = &a;
+    near_item.origin = map_offset;
+    near_item.placement = translation(-12, -5, 0);
+    far_item.cloud = &b;
+    far_item.placement = translation(20, -5, -80);
+    const View view = view_of(translation(0, 0, -20), perspective(0.9, 2, 0.1, 1000), 200, 100);
+    RenderOptions options;
+    options.frame_budget_ms = 1e9;
+    options.target_spacing_px = 0.1;
+    options.point_budget = 30000;
+    options.upload_budget_ms = 1000;
+    options.converge = false;
+    const auto until_done = [&](const std::vector<SceneItem>& items) {
+        FrameReport report;
+        for (int frame = 0; frame < 3000; ++frame) {
+            framebuffer.clear();
+            report = renderer.draw(picture, view, items, options);
+            EXPECT_EQ(report.error, "");
+            if (!report.refining) return report;
+            if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        ADD_FAILURE() << "still refining";
+        return report;
+    };
+    FrameReport report = until_done({near_item, far_item});
+    ASSERT_EQ(report.clouds.size(), 2u);
+    EXPECT_LE(report.points_drawn, 30000u);
+    EXPECT_EQ(report.points_drawn, report.clouds[0].points_drawn + report.clouds[1].points_drawn);
+    EXPECT_GT(report.clouds[0].points_drawn, 3 * report.clouds[1].points_drawn);
+    EXPECT_GT(report.clouds[1].points_drawn, 0u);
+    const std::uint64_t near_points = report.clouds[0].points_drawn;
+    // The nearer one alone has the budget to itself.
+    report = until_done({near_item});
+    EXPECT_GT(report.clouds[0].points_drawn, near_points);
+    // And all of both in the end, in two places.
+    options.converge = true;
+    report = until_done({near_item, far_item});
+    EXPECT_TRUE(report.full_resolution);
+    EXPECT_EQ(report.points_drawn, 80000u);
+    const auto pixels = framebuffer.read();
+    std::size_t left = 0, right = 0;
+    for (int y = 0; y < 100; ++y)
+        for (int x = 0; x < 200; ++x) (x < 100 ? left : right) += pixels[static_cast<std::size_t>(y * 200 + x)].a > 0;
+    EXPECT_GT(left, 500u);
+    EXPECT_GT(right, 50u);
+    EXPECT_LT(right, left / 4);
+    picture.release();
+    renderer.release();
+    a.release();
+    b.release();
+    l1->release();
+}
+
+// A flight through a cloud with an L1 far too small for it: no place that has points is ever empty.
+TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    auto points = sheet(400, [](std::int32_t x) { return x % 40 < 20 ? 0 : 400; });
+    const auto cloud = make_cloud(folder, "sheet", grid_at(map_offset), points, 2000);
+    L1Options l1;
+    l1.block_bytes = 1u << 20;
+    l1.capacity_bytes = 1u << 20;
+    Drawing drawing(cloud, l1);
+    drawing.style.point_size_px = 3;
+    const Framebuffer framebuffer(160, 120);
+    RenderOptions options;
+    options.frame_budget_ms = 1e9;
+    options.point_budget = 25000;
+    for (int frame = 0; frame < 120; ++frame) {
+        const double along = 4 + 0.5 * (frame < 60 ? frame : 119 - frame);  // there and back
+        const View view = view_of(product(rotation_x(-0.6), translation(-along, -12, -6)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
+        framebuffer.clear();
+        const FrameReport report = drawing.draw(view, map_offset, options);
+        ASSERT_EQ(report.error, "");
+        cloud->cache().wait_idle();
+        if (frame == 0) {  // the first picture may have nothing yet
+            draw_until_done(drawing, framebuffer, view, map_offset, options);
+            continue;
+        }
+        EXPECT_LE(report.points_drawn, 25000u);
+        // Tiles that lie on the sheet, well inside.
+        const auto pixels = framebuffer.read();
+        std::size_t blank = 0, tiles = 0;
+        for (int ty = 0; ty < 120; ty += 20)
+            for (int tx = 0; tx < 160; tx += 20) {
+                bool inside = true;
+                for (const auto& [dx, dy] : {std::pair{0, 0}, {20, 0}, {0, 20}, {20, 20}}) {
+                    // The ray of this corner, cut with z = 0.
+                    const double ndc[2] = {(tx + dx) / 80.0 - 1, (ty + dy) / 60.0 - 1};
+                    const double d[3] = {ndc[0] / view.projection[0], ndc[1] / view.projection[5], -1};
+                    const double c = std::cos(0.6), s = std::sin(0.6);  // back by rotation_x(0.6)
+                    const double world[3] = {d[0], c * d[1] - s * d[2], s * d[1] + c * d[2]};
+                    const double t = -6 / world[2];
+                    inside = inside && t > 0 && along + t * world[0] > 1 && along + t * world[0] < 38.5 && 12 + t * world[1] > 1 && 12 + t * world[1] < 38.5;
+                }
+                if (!inside) continue;
+                ++tiles;
+                std::size_t lit = 0;
+                for (int y = 0; y < 20; ++y)
+                    for (int x = 0; x < 20; ++x) lit += pixels[static_cast<std::size_t>((ty + y) * 160 + tx + x)].a > 0;
+                blank += lit == 0;
+            }
+        EXPECT_GT(tiles, 4u);
+        EXPECT_EQ(blank, 0u) << "frame " << frame;
+    }
+    EXPECT_GT(drawing.l1()->statistics().capacity_misses, 0u);
+    drawing.release();
+}
