@@ -141,13 +141,14 @@ Matrix orthographic(double half_width, double half_height, double near, double f
             1};
 }
 
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height)
+View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin)
 {
     View view;
     view.modelview = modelview;
     view.projection = projection;
     view.width = width;
     view.height = height;
+    view.origin = origin;
     return view;
 }
 

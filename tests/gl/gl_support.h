@@ -68,7 +68,7 @@ Matrix translation(double x, double y, double z);
 Matrix rotation_x(double radians);
 Matrix perspective(double vertical_angle, double aspect, double near, double far);
 Matrix orthographic(double half_width, double half_height, double near, double far);
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height);
+View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin = {0, 0, 0});
 
 // Writes the points as LAS on the grid, builds a tree and opens it.
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,

@@ -146,17 +146,6 @@ CloudStyle style_of(SplatMode mode)
     return style;
 }
 
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin)
-{
-    View view;
-    view.modelview = modelview;
-    view.projection = projection;
-    view.width = width;
-    view.height = height;
-    view.origin = origin;
-    return view;
-}
-
 Agreement compare(const SplatScene& scene, const View& view, bool reversed, bool doubles, double margin)
 {
     SplatPass pass(doubles);

@@ -52,7 +52,6 @@ private:
 double depth_of(const View& view, bool reversed, float value);
 
 CloudStyle style_of(SplatMode mode);
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin = {0, 0, 0});
 
 struct Agreement {
     std::size_t covered = 0;        // pixels that the oracle is certain about and that are covered
