@@ -2,7 +2,7 @@
 //
 // The kinds, for a point p with radius r, normal n and depth |pz| (source: Botsch, Spernat, Kobbelt 2004, and the thesis's chapter 7 with
 // its errata; h is the viewport's height in pixels, n, t, b the near, top and bottom of the frustum):
-//   constant     a square of point_size_px, whatever the point.
+//   constant     a square of point_size_px, whatever the point; seen while its centre is in the view, as OpenGL has it.
 //   dynamic      an image-aligned square of 2 r n h / (|pz| (t - b)) pixels (eq. 7.1 with a diameter), parallel views alike; at least
 //                one pixel, so no point vanishes. Its depth is its centre's.
 //   affine       the point's disc under rays that are parallel to the view around its centre (eqs 7.2 to 7.4). Exact for a parallel
@@ -23,8 +23,8 @@
 // With several samples a pixel discs are antialiased: coverage is found for each sample, colour and depth for the pixel's centre. Where the
 // driver has no ARB_sample_shading, coverage is that of the pixel's centre.
 //
-// Discs of any size are right: a chunk that may hold one beyond the driver's largest point is drawn as quads. What is drawn of a disc does
-// not depend on where its centre lies.
+// Splats of any size are right: a chunk that may hold one beyond the driver's largest point is drawn as quads. What is seen of one that is
+// not constant does not depend on whether its centre is in the view.
 //
 // Projections are perspective, off-axis too, or orthographic; a mix of x and y in them is not looked at. The depth range is 0 to 1.
 //
