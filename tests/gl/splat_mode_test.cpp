@@ -134,23 +134,23 @@ std::vector<DiscHit> picture_of(const View& view, const std::vector<Splat>& spla
     return pixels;
 }
 
-struct Picture {
+struct Drawn {
     std::vector<Pixel> colours;
     std::vector<float> depths;
 };
 
-Picture draw(const SplatScene& scene, const View& view, const CloudStyle& style, bool reversed = true, const ChunkLook& look = {})
+Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, bool reversed = true, const ChunkLook& look = {})
 {
     SplatPass pass;
     const DepthFramebuffer framebuffer(view.width, view.height);
     framebuffer.clear(reversed);
     scene.draw(pass, view, style, reversed, 1, look);
-    Picture picture{framebuffer.colours(), framebuffer.depths()};
+    Drawn picture{framebuffer.colours(), framebuffer.depths()};
     pass.release();
     return picture;
 }
 
-void expect_same(const Picture& picture, const std::vector<DiscHit>& truth, const View& view, bool reversed, std::size_t least_covered)
+void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const View& view, bool reversed, std::size_t least_covered)
 {
     std::size_t covered = 0, wrong = 0;
     double worst = 0;
@@ -232,7 +232,7 @@ TEST(SplatMode, DynamicSquaresOfAnySizeAtTheBorder)
     std::vector<Disc> tiny;
     for (int d = 0; d < 50; ++d) tiny.push_back({{-4 + 0.16 * d, 0.013 * d, -9}, {0, 0, 1}, d % 2 ? 0.0 : 1e-9});
     const SplatScene scene(fine_grid(), tiny);
-    const Picture picture = draw(scene, perspective_view(), style_of(SplatMode::dynamic));
+    const Drawn picture = draw(scene, perspective_view(), style_of(SplatMode::dynamic));
     EXPECT_EQ(std::count_if(picture.colours.begin(), picture.colours.end(), [](const Pixel& p) { return p.a == 255; }), 50);
 }
 
@@ -244,7 +244,7 @@ TEST(SplatMode, ErrorsAreOrdered)
     const SplatScene scene(fine_grid(), field(40, 3));
     const auto truth = DiscOracle(view).picture(scene.discs(view));
     const auto wrong = [&](SplatMode mode) {
-        const Picture picture = draw(scene, view, style_of(mode));
+        const Drawn picture = draw(scene, view, style_of(mode));
         std::size_t pixels = 0;
         for (std::size_t i = 0; i < truth.size(); ++i) pixels += (picture.colours[i].a != 0) != (truth[i].disc >= 0);
         return pixels;
@@ -262,8 +262,8 @@ TEST(SplatMode, TwoFramesAreTheSameBitForBit)
     PCM_REQUIRE_GL(context, Profile::core);
     const SplatScene scene(fine_grid(), field(80, 4));
     for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
-        const Picture one = draw(scene, perspective_view(), style_of(mode));
-        const Picture two = draw(scene, perspective_view(), style_of(mode));
+        const Drawn one = draw(scene, perspective_view(), style_of(mode));
+        const Drawn two = draw(scene, perspective_view(), style_of(mode));
         EXPECT_TRUE(one.colours == two.colours && one.depths == two.depths) << name_of(mode);
     }
 }
@@ -360,12 +360,12 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     const SplatScene no_normals(fine_grid(), discs, {VertexColour::rgb, true, false});
     const SplatScene bare(fine_grid(), discs, {VertexColour::rgb, false, false});
     const SplatScene no_colours(fine_grid(), discs, {VertexColour::none, true, true});
-    const auto same = [](const Picture& a, const Picture& b) { return a.colours == b.colours && a.depths == b.depths; };
+    const auto same = [](const Drawn& a, const Drawn& b) { return a.colours == b.colours && a.depths == b.depths; };
     EXPECT_TRUE(same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::dynamic))));
     EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::affine)), draw(all, view, style_of(SplatMode::constant))));
     EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::dynamic)), draw(all, view, style_of(SplatMode::constant))));
-    const Picture uncoloured = draw(no_colours, view, style_of(SplatMode::perspective));
-    const Picture coloured = draw(all, view, style_of(SplatMode::perspective));
+    const Drawn uncoloured = draw(no_colours, view, style_of(SplatMode::perspective));
+    const Drawn coloured = draw(all, view, style_of(SplatMode::perspective));
     EXPECT_EQ(uncoloured.depths, coloured.depths);
     for (const Pixel& p : uncoloured.colours) EXPECT_TRUE(p.a == 0 || (p.r == 191 && p.g == 191 && p.b == 191));
 
@@ -375,8 +375,8 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     odd.resize(2);
     for (Disc& disc : odd) disc.normal = disc.centre;
     const SplatScene facing(fine_grid(), odd);
-    const Picture a = draw(scene, view, style_of(SplatMode::perspective));
-    const Picture b = draw(facing, view, style_of(SplatMode::perspective));
+    const Drawn a = draw(scene, view, style_of(SplatMode::perspective));
+    const Drawn b = draw(facing, view, style_of(SplatMode::perspective));
     std::size_t different = 0, covered = 0;
     for (std::size_t i = 0; i < a.colours.size(); ++i) {
         different += !(a.colours[i] == b.colours[i]);
@@ -387,7 +387,7 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     // A least radius is one that even such points have.
     ChunkLook look;
     look.least_radius = 0.25f;
-    const Picture c = draw(scene, view, style_of(SplatMode::perspective), true, look);
+    const Drawn c = draw(scene, view, style_of(SplatMode::perspective), true, look);
     for (int d = 0; d < 4; ++d)
         EXPECT_TRUE(std::any_of(c.colours.begin(), c.colours.end(), [&](const Pixel& p) { return SplatScene::disc_of(p) == d; })) << d;
 }
@@ -399,7 +399,7 @@ TEST(SplatMode, ColoursByLevelErrorHeightAndOneForAll)
     const SplatScene scene(fine_grid(), {{{0, -2, -6}, {0, 0, 1}, 0.5}, {{0, 2, -6.5}, {0, 0, 1}, 0.5}, {{1, 0, -5}, {0, 0, 1}, 0.5}});
     CloudStyle style = style_of(SplatMode::perspective);
     const auto pixel_at = [&](double x, double y, double z, const ChunkLook& look) {
-        const Picture picture = draw(scene, view, style, true, look);
+        const Drawn picture = draw(scene, view, style, true, look);
         const double focal = height / 2 / std::tan(0.5);
         return picture.colours[static_cast<std::size_t>(height / 2 + y / z * focal) * width + static_cast<std::size_t>(width / 2 + x / z * focal)];
     };
