@@ -77,7 +77,10 @@ uniform float least_radius;
 uniform float eye_scale;  // eye units in a source unit
 uniform vec2 viewport;    // pixels
 
-float radius_of_splat() { return max(radius * radius_scale, least_radius); }
+uniform float least_pixels;  // of its diameter on the screen
+
+// `pixel` is what a pixel covers where the point is, in source units.
+float radius_of_splat(float pixel) { return max(max(radius * radius_scale, least_radius), 0.5 * least_pixels * pixel); }
 
 // Outside of the clip volume, whatever convention it has.
 void draw_nothing()
@@ -101,7 +104,7 @@ void main()
     vec3 eye = to_eye * (position - reference) + translation;
     vec4 place = projection * vec4(eye, 1.0);
     // Equation 7.1 as it is meant: the side is a diameter. No point vanishes for being small.
-    float side = max(radius_of_splat() * eye_scale * pixels / place.w, 1.0);
+    float side = max(max(radius_of_splat(0.0) * eye_scale * pixels / place.w, least_pixels), 1.0);
     splat_colour = colour_of_point();
     if (!(place.w > 0.0)) {
         draw_nothing();
@@ -181,7 +184,7 @@ void main()
     splat_colour = colour_of_point();
     vec3 eye = to_eye * (position - reference) + translation;
     float depth = -eye.z;
-    float r = radius_of_splat() * eye_scale;
+    float r = radius_of_splat(abs(depth / focal.y) / eye_scale) * eye_scale;
     vec3 n = normal == vec3(0.0) ? vec3(0.0, 0.0, 1.0) : normalize(normal_to_eye * normal);
     if (!(depth > 0.0 && r > 0.0 && n.z != 0.0)) {
         draw_nothing();
@@ -277,7 +280,6 @@ void draw_disc(vec4 centre, vec4 u, vec4 v)
 void main()
 {
     splat_colour = colour_of_point();
-    float r = radius_of_splat();
     rvec3 local = rvec3(position) - rvec3(reference);
 #if defined(ORTHOGRAPHIC)
     rvec3 view = centre_ray;
@@ -287,6 +289,11 @@ void main()
     rvec3 eye = to_eye * view;
 #endif
     real depth = -eye.z;
+#if defined(ORTHOGRAPHIC)
+    float r = radius_of_splat(abs(float(1.0 / focal.y)) / eye_scale);
+#else
+    float r = radius_of_splat(abs(float(depth / focal.y)) / eye_scale);
+#endif
     vec3 n = normal == vec3(0.0) ? normalize(vec3(view)) : normal;
     vec3 t1, t2;
     tangents(n, t1, t2);

@@ -37,14 +37,14 @@ struct PictureKey {
     Matrix4d modelview, projection;
     int width, height;
     double target_px;
-    bool converge;
+    bool converge, fill_gaps;
     DetailOrder order;
     std::vector<Shown> items;
 
     bool operator==(const PictureKey& o) const
     {
         return modelview == o.modelview && projection == o.projection && width == o.width && height == o.height && target_px == o.target_px &&
-               converge == o.converge && order == o.order && items == o.items;
+               converge == o.converge && fill_gaps == o.fill_gaps && order == o.order && items == o.items;
     }
     // Whether a point costs the same to draw.
     bool looks_as(const PictureKey& o) const
@@ -57,7 +57,10 @@ struct PictureKey {
 };
 
 struct Picture::Impl {
-    RenderTarget target, resolved;
+    RenderTarget target;   // what is shown
+    RenderTarget next;     // what a resting view is drawn into while `target` shows larger splats than it will have
+    RenderTarget resolved;
+    unsigned asked_samples = 1;
     FrameClock clock;
     FrameBudget budget;
     std::optional<PictureKey> key;
@@ -81,6 +84,10 @@ struct Picture::Impl {
         std::uint64_t points = 0, nodes = 0;
         std::vector<std::uint64_t> points_of;  // of each item
         std::size_t held = 0;              // of `lod.order`, that L1 is asked to hold on to
+        bool behind = false;               // it is drawn into `next`, and what is shown is what follows
+        std::uint64_t shown_points = 0, shown_nodes = 0;
+        std::vector<std::uint64_t> shown_points_of;
+        double shown_error_px = 0;
     };
     std::optional<Rest> rest;
 

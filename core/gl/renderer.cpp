@@ -27,6 +27,17 @@ double milliseconds_since(Clock::time_point start)
 // So many nodes of a resting view are on their way into the picture at a time.
 constexpr std::size_t rest_window = 64;
 
+// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the spacing and leave no
+// disc of that radius empty. Beyond `largest_fill` pixels a picture says nothing whatever its splats are.
+constexpr double fill_of_spacing = 1.43;
+constexpr double largest_fill = 32;
+
+// The spacing on the screen that a style's own splats are taken to cover.
+double spacing_covered(const CloudStyle& style)
+{
+    return style.splats == SplatMode::constant ? static_cast<double>(style.point_size_px) / fill_of_spacing : 1;
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -43,7 +54,8 @@ struct Renderer::Impl {
         VertexFormat format;
         std::vector<bool> current;      // of its `wanted`: in L1 with the attributes of the style
         std::vector<NodeId> window;     // to be loaded
-        std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn
+        std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn, pixels
+        float fill_px = 0;              // see ChunkLook::least_px
         bool refused = false;
     };
 
@@ -141,7 +153,7 @@ struct Renderer::Impl {
         {
             if (cloud_) impl_.splats.end();
         }
-        void draw(const Cloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual)
+        void draw(const Cloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual, float fill_px)
         {
             if (cloud_ != &cloud) {
                 if (cloud_) impl_.splats.end();
@@ -152,6 +164,7 @@ struct Renderer::Impl {
             ChunkLook look;
             look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
             look.error_px = residual;
+            look.least_px = fill_px;
             impl_.splats.draw(entry, look);
             points += entry.points;
         }
@@ -219,7 +232,12 @@ struct Renderer::Impl {
             };
             for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
                 if (!drawn[t][i]) leave(wanted.wanted[i]);
-            for (const DetailNode& node : wanted.beyond) leave(node);
+            double left_out = 0;  // best first leaves out what has about the same error everywhere
+            for (const DetailNode& node : wanted.beyond) {
+                leave(node);
+                if (std::isfinite(node.error_px)) left_out = std::max(left_out, node.error_px);
+            }
+            cloud.fill_px = frame.options.fill_gaps ? fill_of(left_out, cloud.style) : 0;
         }
 
         p.target.clear();
@@ -232,7 +250,7 @@ struct Renderer::Impl {
                 const DetailNode& node = selection.trees[place.tree].wanted[place.index];
                 const VertexEntry* const entry = cloud.feed->find(node.node);
                 if (!entry) continue;
-                strokes.draw(cloud, node, *entry, cloud.residual[place.index]);
+                strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.fill_px);
                 ++report.nodes_drawn;
                 report.clouds[place.tree].points_drawn += entry->points;
                 p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
@@ -272,6 +290,19 @@ struct Renderer::Impl {
             report.refining = report.repaint = !everything;
             if (resting && all_current) begin_rest(frame, selection, drawn);
         }
+    }
+
+    // Whole pixels; 0 where the style's own splats do.
+    static float fill_of(double spacing_px, const CloudStyle& style)
+    {
+        if (spacing_px <= spacing_covered(style)) return 0;
+        return static_cast<float>(std::ceil(fill_of_spacing * std::min(spacing_px, largest_fill)));
+    }
+
+    // Whether splats of their own sizes cover this spacing in all clouds.
+    static bool has_no_gaps(const Frame& frame, double spacing_px)
+    {
+        return std::all_of(frame.clouds.begin(), frame.clouds.end(), [&](const Cloud& c) { return fill_of(spacing_px, c.style) == 0; });
     }
 
     static bool can_converge(const Frame& frame)
@@ -315,6 +346,19 @@ struct Renderer::Impl {
         rest.added = lod.order.size();
         rest.held = lod.order.size();
         rest.points_of.assign(frame.clouds.size(), 0);
+        if (std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const Cloud& cloud) { return cloud.fill_px > 0; })) {
+            rest.behind = true;
+            rest.added = 0;
+            const FrameReport& report = frame.report;
+            rest.shown_points = report.points_drawn;
+            rest.shown_nodes = report.nodes_drawn;
+            for (const CloudReport& cloud : report.clouds) rest.shown_points_of.push_back(cloud.points_drawn);
+            rest.shown_error_px = report.screen_error_px;
+            Picture::Impl& p = frame.picture;
+            p.next.prepare(p.target.width(), p.target.height(), p.asked_samples);
+            p.next.bind();
+            p.next.clear();
+        }
         for (std::size_t i = 0; i < rest.added; ++i) {
             const SceneSelection::Place& place = rest.all.order[i];
             const Cloud& cloud = frame.clouds[place.tree];
@@ -378,6 +422,7 @@ struct Renderer::Impl {
         std::uint64_t budget = p.budget.points(frame.options.frame_budget_ms, 1, frame.options.point_budget);
         report.effective_point_budget = budget;
         if (!next.empty()) {
+            if (rest.behind) p.next.bind();
             timed(frame, [&](Strokes& strokes) {
                 std::set<std::size_t> had;
                 for (const std::size_t i : next) {
@@ -387,7 +432,7 @@ struct Renderer::Impl {
                     const bool ready = ChunkFeed::is_current(entry, cloud.format);
                     if (ready && strokes.points > 0 && strokes.points + entry->points > budget) break;
                     if (ready) {
-                        strokes.draw(cloud, node, *entry, 0);
+                        strokes.draw(cloud, node, *entry, 0, 0);
                         ++rest.nodes;
                         rest.points += entry->points;
                         rest.points_of[rest.all.order[i].tree] += entry->points;
@@ -411,15 +456,20 @@ struct Renderer::Impl {
         if (refused) rest.held /= 2;
 
         const std::size_t total = rest.all.order.size();
-        report.points_drawn = rest.points;
-        report.nodes_drawn = rest.nodes;
+        double error = rest.added < total ? node_at(rest.added).error_px : 0;
+        for (const std::size_t i : rest.left_out) error = std::max(error, node_at(i).error_px);
+        if (rest.behind && (rest.added == total || has_no_gaps(frame, node_at(rest.added).error_px))) {
+            std::swap(p.target, p.next);
+            rest.behind = false;
+        }
+        report.clouds.resize(frame.clouds.size());
+        for (std::size_t t = 0; t < frame.clouds.size(); ++t)
+            report.clouds[t].points_drawn = rest.behind ? rest.shown_points_of[t] : rest.points_of[t];
+        report.points_drawn = rest.behind ? rest.shown_points : rest.points;
+        report.nodes_drawn = rest.behind ? rest.shown_nodes : rest.nodes;
         report.nodes_wanted = total;
         report.nodes_missing = total - rest.nodes;
-        report.clouds.resize(frame.clouds.size());
-        for (std::size_t t = 0; t < frame.clouds.size(); ++t) report.clouds[t].points_drawn = rest.points_of[t];
-        for (const std::size_t i : rest.left_out) report.screen_error_px = std::max(report.screen_error_px, node_at(i).error_px);
-        if (rest.added < total) report.screen_error_px = std::max(report.screen_error_px, node_at(rest.added).error_px);
-        report.screen_error_px = std::min<double>(report.screen_error_px, std::max(p.target.width(), p.target.height()));
+        report.screen_error_px = std::min<double>(rest.behind ? rest.shown_error_px : error, std::max(p.target.width(), p.target.height()));
         report.full_resolution = rest.added == total && rest.left_out.empty();
         const bool more = rest.added < total;
         if (stuck && more) report.error = "the video memory is too small for the rest of the points in view";
@@ -436,7 +486,7 @@ struct Renderer::Impl {
         Frame frame{Clock::now(), p, options, {}, {}, {}, {}, 0};
         FrameReport& report = frame.report;
         PictureKey key{scene.modelview, scene.projection,        scene.width,   scene.height,
-                       options.target_spacing_px, options.converge, options.order, {}};
+                       options.target_spacing_px, options.converge, options.fill_gaps, options.order, {}};
         std::vector<CloudReport> clouds;
         for (const SceneItem& item : items) {
             Cloud cloud{};
@@ -463,7 +513,11 @@ struct Renderer::Impl {
 
         const GlStateGuard state;
         state.set_plain();
-        if (p.target.prepare(scene.width, scene.height, std::max(1u, options.samples))) p.forget();
+        p.asked_samples = std::max(1u, options.samples);
+        if (p.target.prepare(scene.width, scene.height, p.asked_samples)) {
+            p.next.release();
+            p.forget();
+        }
         report.samples = p.target.samples();
         if (!p.key || !key.looks_as(*p.key)) {
             p.unmeasured = 2;
@@ -535,6 +589,7 @@ void Picture::invalidate() { impl_->forget(); }
 void Picture::release()
 {
     impl_->target.release();
+    impl_->next.release();
     impl_->resolved.release();
     impl_->clock.release();
     impl_->forget();

@@ -44,6 +44,7 @@ struct RenderOptions {
     unsigned samples = 1;                     // a pixel: 1 to what the driver has (FrameReport::samples)
     float eye_dome = 0;                       // strength of eye-dome lighting, 1 is usual; 0: none
     bool converge = true;                     // a view that rests goes on to the full-resolution picture; else to the target
+    bool fill_gaps = true;                    // while finer points are not drawn, splats are as large as the gaps that leaves
     DetailOrder order = DetailOrder::error;
 };
 

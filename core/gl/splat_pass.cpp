@@ -54,7 +54,7 @@ struct Permutation {
 struct Program {
     ShaderProgram program;
     bool doubles = false;
-    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_radius = -1;
+    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_radius = -1, least_pixels = -1, point_size = -1;
 
     void set(GLint place, const Vec3d& v) const
     {
@@ -241,7 +241,9 @@ struct SplatPass::Impl {
         if (p.mode != SplatMode::constant) {
             const double radius = std::max(static_cast<double>(entry.largest_radius) * static_cast<double>(style.radius_scale), static_cast<double>(look.least_radius));
             const Box3d box = box_of(entry);
-            const double largest = p.mode == SplatMode::dynamic ? camera->largest_square(box, radius) : camera->largest_box(box, radius);
+            double largest = p.mode == SplatMode::dynamic ? camera->largest_square(box, radius) : camera->largest_box(box, radius);
+            // A disc of so few pixels, seen in perspective, is hardly larger than they say.
+            largest = std::max(largest, 1.1 * static_cast<double>(look.least_px) + 4);
             p.quads = !(largest <= device->point_most) || (p.mode == SplatMode::dynamic && !(largest <= 2 * guard));
         }
         return p;
@@ -273,6 +275,8 @@ struct SplatPass::Impl {
         program.uniform_colour = program.program.uniform("uniform_colour");
         program.from_eye = program.program.uniform("from_eye");
         program.least_radius = program.program.uniform("least_radius");
+        program.least_pixels = program.program.uniform("least_pixels");
+        program.point_size = program.program.uniform("point_size");
         return programs.emplace(p, std::move(program)).first->second;
     }
 
@@ -283,10 +287,7 @@ struct SplatPass::Impl {
         const SplatCamera& c = *camera;
         glUniformMatrix4fv(place("projection"), 1, GL_FALSE, c.projection.data());
         program.set_matrix(program.to_eye, c.to_eye);
-        if (p.mode == SplatMode::constant) {
-            glUniform1f(place("point_size"), std::clamp(style.point_size_px, 1.0f, static_cast<float>(device->point_most)));
-            return;
-        }
+        if (p.mode == SplatMode::constant) return;
         const auto width = static_cast<float>(viewport[2]);
         const auto height = static_cast<float>(viewport[3]);
         glUniform1f(place("radius_scale"), style.radius_scale);
@@ -338,6 +339,9 @@ struct SplatPass::Impl {
         program.set(program.translation, camera->eye_of(local));
         program.set(program.from_eye, {local[0] - camera->eye[0], local[1] - camera->eye[1], local[2] - camera->eye[2]});
         glUniform1f(program.least_radius, look.least_radius);
+        glUniform1f(program.least_pixels, look.least_px);
+        if (program.point_size >= 0)
+            glUniform1f(program.point_size, std::clamp(std::max(style.point_size_px, look.least_px), 1.0f, static_cast<float>(device->point_most)));
         if (program.height >= 0) {
             const double bottom = static_cast<double>(info->box.min[2]);
             const double top = static_cast<double>(info->box.max[2]);

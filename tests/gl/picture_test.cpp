@@ -455,3 +455,57 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     EXPECT_GT(drawing.l1()->statistics().capacity_misses, 0u);
     drawing.release();
 }
+
+// A coarse picture has no holes where the full one has none: splats are as large as what is missing between them. At rest they shrink, and
+// no frame in between shows less of the surface.
+TEST(Picture, CoarsePicturesHaveNoHoles)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "sheet", grid_at(map_offset), sheet(400, [](std::int32_t) { return 0; }), 2000);
+    const Framebuffer framebuffer(160, 120);
+    const View view = view_of(product(rotation_x(-0.5), translation(-20, -15, -10)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
+    const auto holes = [&](const std::vector<Pixel>& picture, const std::vector<Pixel>& full) {
+        std::size_t covered = 0, missing = 0;
+        for (std::size_t i = 0; i < full.size(); ++i) {
+            covered += full[i].a > 0;
+            missing += full[i].a > 0 && picture[i].a == 0;
+        }
+        EXPECT_GT(covered, 5000u);
+        return static_cast<double>(missing) / static_cast<double>(covered);
+    };
+    Drawing reference(cloud);
+    draw_until_done(reference, framebuffer, view, map_offset, everything());
+    const auto full = framebuffer.read();
+    reference.release();
+
+    double share[2];
+    for (const bool fill : {false, true}) {
+        Drawing drawing(cloud);
+        RenderOptions options = everything();
+        options.point_budget = 8000;
+        options.fill_gaps = fill;
+        options.converge = false;
+        const FrameReport coarse = draw_until_done(drawing, framebuffer, view, map_offset, options);
+        EXPECT_LT(coarse.points_drawn, 8001u);
+        share[fill] = holes(framebuffer.read(), full);
+        if (fill) {
+            options.converge = true;
+            options.upload_budget_ms = 0;
+            FrameReport report;
+            for (int frame = 0; frame < 5000; ++frame) {
+                framebuffer.clear();
+                report = drawing.draw(view, map_offset, options);
+                ASSERT_EQ(report.error, "");
+                EXPECT_LT(holes(framebuffer.read(), full), 0.02) << "frame " << frame;
+                if (!report.refining) break;
+                if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            EXPECT_TRUE(report.full_resolution);
+            EXPECT_TRUE(framebuffer.read() == full);
+        }
+        drawing.release();
+    }
+    EXPECT_GT(share[0], 0.2);
+    EXPECT_LT(share[1], 0.02);
+}

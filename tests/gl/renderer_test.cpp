@@ -428,6 +428,7 @@ TEST(Renderer, RefinesWithoutEverShowingLess)
         RenderOptions options = everything();
         options.target_spacing_px = target;
         options.converge = false;
+        options.fill_gaps = false;
         options.upload_budget_ms = 0;  // one chunk a frame
         FrameReport last;
         last.screen_error_px = 1e9;
