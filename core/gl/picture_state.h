@@ -56,7 +56,7 @@ struct PictureKey {
     }
 };
 
-struct Picture::Impl {
+struct PictureState {
     RenderTarget target;   // what is shown
     RenderTarget next;     // what a resting view is drawn into while `target` shows larger splats than it will have
     RenderTarget resolved;

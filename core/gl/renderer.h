@@ -107,6 +107,8 @@ struct FrameReport {
     std::vector<CloudReport> clouds;    // as the items
 };
 
+struct PictureState;
+
 // What a view shows. Belongs to the context it was first drawn in; GL objects that release() has not freed are abandoned to it.
 class Picture {
 public:
@@ -120,8 +122,7 @@ public:
 
 private:
     friend class Renderer;
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<PictureState> impl_;
 };
 
 class Renderer {

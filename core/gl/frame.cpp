@@ -1,0 +1,110 @@
+#include "gl/frame.h"
+
+#include "gl/gl_state.h"
+
+#include <GL/glew.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the spacing and leave no
+// disc of that radius empty. Beyond `largest_fill` pixels a picture says nothing whatever its splats are.
+constexpr double fill_of_spacing = 1.43;
+constexpr double largest_fill = 32;
+
+// The spacing on the screen that a style's own splats are taken to cover.
+double spacing_covered(const CloudStyle& style)
+{
+    return style.splats == SplatMode::constant ? static_cast<double>(style.point_size_px) / fill_of_spacing : 1;
+}
+
+}  // namespace
+
+double milliseconds_since(Frame::Clock::time_point start)
+{
+    return std::chrono::duration<double, std::milli>(Frame::Clock::now() - start).count();
+}
+
+float fill_of(double spacing_px, const CloudStyle& style)
+{
+    if (spacing_px <= spacing_covered(style)) return 0;
+    return static_cast<float>(std::ceil(fill_of_spacing * std::min(spacing_px, largest_fill)));
+}
+
+std::vector<TreeInView> Frame::trees() const
+{
+    std::vector<TreeInView> trees;
+    for (const FrameCloud& cloud : clouds) trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view});
+    return trees;
+}
+
+DetailLimits Frame::current_limits()
+{
+    DetailLimits allowed;
+    allowed.target_px = options.target_spacing_px;
+    allowed.order = options.order;
+    std::uint64_t roots = 0;
+    allowed.page_points = L1Cache::points_per_page({});
+    for (const FrameCloud& cloud : clouds) {
+        if (!cloud.tree->nodes().empty()) roots += cloud.tree->nodes()[0].points;
+        // Counted as if all entries had colour: those of another style stay until there is need for their room.
+        VertexFormat format = cloud.format;
+        if (format.colour == VertexColour::none) format.colour = VertexColour::rgb;
+        allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
+    }
+    allowed.point_budget = picture.budget.points(options.frame_budget_ms, roots, options.point_budget);
+    report.effective_point_budget = allowed.point_budget;
+    const std::uint64_t pages = l1.pages_available(owners);
+    // The coarsest chunks in any case.
+    const std::uint64_t least = roots / std::max<std::uint64_t>(1, allowed.page_points) + clouds.size();
+    allowed.page_budget = std::min(pages, std::max(static_cast<std::uint64_t>(picture.page_share * static_cast<double>(pages)), least));
+    return allowed;
+}
+
+Served Frame::upload(const SceneSelection& selection)
+{
+    std::vector<std::size_t> turns;
+    for (const SceneSelection::Place& place : selection.order)
+        if (!clouds[place.tree].window.empty() && std::find(turns.begin(), turns.end(), place.tree) == turns.end())
+            turns.push_back(place.tree);
+    Served sum;
+    const auto begun = Clock::now();
+    for (const std::size_t turn : turns) {
+        // One is uploaded whatever it takes.
+        const double left = std::max(0.0, options.upload_budget_ms - milliseconds_since(begun));
+        if (left == 0 && sum.uploaded > 0) {
+            sum.out_of_time = true;
+            break;
+        }
+        FrameCloud& cloud = clouds[turn];
+        const Served served = cloud.feed->upload(cloud.window, cloud.format, left);
+        sum.uploaded += served.uploaded;
+        sum.out_of_time = sum.out_of_time || served.out_of_time;
+        sum.refused = sum.refused || served.refused;
+    }
+    report.upload_ms = milliseconds_since(begun);
+    return sum;
+}
+
+void begin_strokes(Frame& frame)
+{
+    const RenderTarget& target = frame.picture.target;
+    if (gl_has_clip_control()) glClipControl(GL_LOWER_LEFT, target.reversed() ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+    frame.picture.clock.begin();
+}
+
+void end_strokes(Frame& frame, std::uint64_t points)
+{
+    PictureState& p = frame.picture;
+    p.clock.end(points);
+    const auto measure = p.clock.take();
+    if (p.unmeasured > 0)
+        --p.unmeasured;
+    else if (measure)
+        p.budget.measured(measure->points, measure->milliseconds);
+}
+
+}  // namespace pcm

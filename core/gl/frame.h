@@ -1,0 +1,107 @@
+// One frame of a Renderer: what it draws, and the steps that moving and resting views share.
+#pragma once
+
+#include "gl/picture_state.h"
+#include "gl/splat_pass.h"
+#include "gl/vertex_format.h"
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// One item, ready for a frame.
+struct FrameCloud {
+    ChunkFeed* feed;
+    const Tree* tree;
+    View view;
+    CloudStyle style;
+    VertexFormat format;
+    std::vector<bool> current;      // of its `wanted`: in L1 with the attributes of the style
+    std::vector<NodeId> window;     // to be loaded
+    std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn, pixels
+    float fill_px = 0;              // see ChunkLook::least_px
+};
+
+struct Frame {
+    using Clock = std::chrono::steady_clock;
+
+    PictureState& picture;
+    const RenderOptions& options;
+    L1Cache& l1;
+    SplatPass& splats;
+    Clock::time_point start = Clock::now();
+    std::vector<FrameCloud> clouds{};
+    std::vector<L1Cache::Owner> owners{};
+    DetailLimits limits{};  // of a moving view
+    FrameReport report{};
+    double drawing_ms = 0;  // where the clock waits for it
+
+    std::vector<TreeInView> trees() const;
+    // What the budgets of time, points and video memory allow.
+    DetailLimits current_limits();
+    // Uploads what has come of the clouds' windows, for the cloud first that lacks what is worth most.
+    Served upload(const SceneSelection& selection);
+};
+
+double milliseconds_since(Frame::Clock::time_point start);
+
+// How large splats are to be, in whole pixels, so that this spacing shows no gaps; 0 where the style's own do.
+float fill_of(double spacing_px, const CloudStyle& style);
+
+// Draws entries one after the other; neighbours of one cloud share what is set once.
+class Strokes {
+public:
+    explicit Strokes(Frame& frame) : frame_(frame) {}
+    ~Strokes()
+    {
+        if (cloud_) frame_.splats.end();
+    }
+    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual, float fill_px)
+    {
+        if (cloud_ != &cloud) {
+            if (cloud_) frame_.splats.end();
+            cloud_ = &cloud;
+            const RenderTarget& target = frame_.picture.target;
+            frame_.splats.begin(cloud.view, cloud.tree->info(), cloud.style, target.reversed(), target.samples());
+        }
+        ChunkLook look;
+        look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
+        look.error_px = residual;
+        look.least_px = fill_px;
+        frame_.splats.draw(entry, look);
+        points += entry.points;
+    }
+    std::uint64_t points = 0;
+
+private:
+    Frame& frame_;
+    const FrameCloud* cloud_ = nullptr;
+};
+
+// Draws, measures it and learns from it. The picture's target, or `next`, is bound.
+void begin_strokes(Frame& frame);
+void end_strokes(Frame& frame, std::uint64_t points);
+template <class Draw>
+void timed(Frame& frame, const Draw& draw)
+{
+    begin_strokes(frame);
+    const auto start = Frame::Clock::now();
+    {
+        Strokes strokes(frame);
+        draw(strokes);
+        frame.report.points_added = strokes.points;
+    }
+    end_strokes(frame, frame.report.points_added);
+    if (frame.picture.clock.waits()) frame.drawing_ms = milliseconds_since(start);
+}
+
+// What a view that has moved, or whose chunks are still coming, shows. When a resting one shows all that it should, `picture.rest` begins.
+void draw_moving(Frame& frame, const SceneSelection& selection, bool resting);
+
+// The picture holds all of `rest->lod` that can be had, `drawn` of each tree's `wanted`; what follows is added to it.
+void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::vector<bool>>& drawn);
+void draw_resting(Frame& frame);
+
+}  // namespace pcm

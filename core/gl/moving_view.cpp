@@ -1,0 +1,144 @@
+#include "gl/frame.h"
+#include "view/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace pcm {
+namespace {
+
+// What of each tree is there; asks for what is not, and for what a moving view will need.
+void load(Frame& frame, const SceneSelection& selection, const SceneSelection* later)
+{
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        FrameCloud& cloud = frame.clouds[t];
+        cloud.window = cloud.feed->window_of(selection.trees[t], cloud.current);
+        std::vector<NodeId> ahead;
+        if (later) ahead = cloud.feed->ahead_of(later->trees[t], cloud.window.size());
+        cloud.feed->load(cloud.window, ahead, cloud.format);
+    }
+}
+
+bool can_converge(const Frame& frame)
+{
+    // What a chunk's colour shows changes with what is drawn below it.
+    return frame.options.order == DetailOrder::error &&
+           std::none_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& c) { return c.style.colour == ColourMode::error; });
+}
+
+void adapt_page_share(PictureState& p, bool refused)
+{
+    p.page_share = refused ? std::max(0.05, 0.9 * p.page_share) : std::min(p.most_page_share, 1.01 * p.page_share);
+}
+
+std::optional<SceneSelection> predicted(const Frame& frame)
+{
+    const PictureState& p = frame.picture;
+    if (!frame.options.prefetch_frames || p.views.size() != frame.clouds.size()) return std::nullopt;
+    std::vector<TreeInView> trees = frame.trees();
+    bool moves = false;
+    for (std::size_t t = 0; t < trees.size(); ++t)
+        if (const auto later = predict(p.views[t], trees[t].view, frame.options.prefetch_frames)) {
+            trees[t].view = *later;
+            moves = true;
+        }
+    if (!moves) return std::nullopt;
+    return select_scene(trees, frame.limits);
+}
+
+}  // namespace
+
+void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
+{
+    PictureState& p = frame.picture;
+    FrameReport& report = frame.report;
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        FrameCloud& cloud = frame.clouds[t];
+        const DetailSelection& wanted = selection.trees[t];
+        cloud.current.assign(wanted.wanted.size(), false);
+        for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
+            cloud.current[i] = ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted.wanted[i].node), cloud.format);
+    }
+    const std::optional<SceneSelection> later = resting ? std::nullopt : predicted(frame);
+    load(frame, selection, later ? &*later : nullptr);
+    const Served served = frame.upload(selection);
+
+    std::vector<std::vector<bool>> drawn(frame.clouds.size());
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        FrameCloud& cloud = frame.clouds[t];
+        const DetailSelection& wanted = selection.trees[t];
+        const DrawSet set =
+            choose_drawable(wanted, [&](const DetailNode& node) { return cloud.feed->find(node.node) != nullptr; });
+        report.screen_error_px = std::max(report.screen_error_px, set.error_px);
+        drawn[t].assign(wanted.wanted.size(), false);
+        for (const std::uint32_t i : set.drawn) drawn[t][i] = true;
+        cloud.residual.assign(wanted.wanted.size(), 0.0f);
+        const auto leave = [&](const DetailNode& node) {
+            if (node.ancestor == no_ancestor) return;
+            float& residual = cloud.residual[node.ancestor];
+            residual = std::max(residual, static_cast<float>(node.error_px));
+        };
+        for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
+            if (!drawn[t][i]) leave(wanted.wanted[i]);
+        double left_out = 0;  // best first leaves out what has about the same error everywhere
+        for (const DetailNode& node : wanted.beyond) {
+            leave(node);
+            if (std::isfinite(node.error_px)) left_out = std::max(left_out, node.error_px);
+        }
+        cloud.fill_px = frame.options.fill_gaps ? fill_of(left_out, cloud.style) : 0;
+    }
+
+    p.target.clear();
+    p.kept.clear();
+    report.clouds.resize(frame.clouds.size());
+    timed(frame, [&](Strokes& strokes) {
+        for (const SceneSelection::Place& place : selection.order) {
+            const FrameCloud& cloud = frame.clouds[place.tree];
+            if (!drawn[place.tree][place.index]) continue;
+            const DetailNode& node = selection.trees[place.tree].wanted[place.index];
+            const VertexEntry* const entry = cloud.feed->find(node.node);
+            if (!entry) continue;
+            strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.fill_px);
+            ++report.nodes_drawn;
+            report.clouds[place.tree].points_drawn += entry->points;
+            p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
+        }
+    });
+    report.points_drawn = report.points_added;
+
+    bool more_to_come = false, waits = false, all_current = true, everything = true;
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        FrameCloud& cloud = frame.clouds[t];
+        const DetailSelection& wanted = selection.trees[t];
+        report.nodes_wanted += wanted.wanted.size();
+        for (std::size_t i = 0; i < wanted.wanted.size(); ++i) {
+            cloud.current[i] = ChunkFeed::is_current(cloud.feed->find(wanted.wanted[i].node), cloud.format);
+            report.nodes_missing += !cloud.current[i];
+            all_current = all_current && (cloud.current[i] || !drawn[t][i]);
+            everything = everything && cloud.current[i] && drawn[t][i];
+        }
+        everything = everything && wanted.beyond.empty();
+        // What failed is missing for the time being and not waited for.
+        more_to_come = more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
+        waits = waits || cloud.feed->waits();
+    }
+    adapt_page_share(p, served.refused);
+    // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
+    more_to_come = more_to_come && !served.refused;
+    const bool budget_grows = selection.budget_reached && report.effective_point_budget < frame.options.point_budget &&
+                              p.budget.can_grow(frame.options.frame_budget_ms, frame.options.point_budget);
+    // Also when the window is through and the next one has not been asked for.
+    report.repaint = served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !waits);
+    report.refining = report.repaint || more_to_come;
+    if (selection.order.empty() && selection.budget_reached)
+        report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
+    report.full_resolution = everything;
+    if (frame.options.converge && !report.refining && can_converge(frame)) {
+        // Another frame of this view goes on from here.
+        report.refining = report.repaint = !everything;
+        if (resting && all_current) begin_rest(frame, selection, drawn);
+    }
+}
+
+}  // namespace pcm
