@@ -1,51 +1,70 @@
-// One cloud's renderer in one GL share group.
+// What a GL share group draws point clouds with.
 //
-// The views of a MeshLab project share buffers, so they share renderers too; two projects share nothing. All clouds of
-// a share group live in one L1. GUI thread only, except that loader threads wake it.
+// The views of a MeshLab project share buffers and programs, so they share a renderer, an L1 and the clouds in it; two projects share
+// nothing. GUI thread only, except that loader threads wake the views.
 #pragma once
 
-#include "gl/cloud_renderer.h"
+#include "gl/renderer.h"
 
 #include <QObject>
 #include <QPointer>
 #include <QWidget>
 
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace pcm::host {
 
-class Painter : public QObject {
-    Q_OBJECT
+class PaintedCloud;
 
+// One a share group.
+class Painter {
 public:
-    // The painter of `cloud` in the current context's share group, with an L1 of this capacity.
-    static std::shared_ptr<Painter> of(const std::shared_ptr<PointCloud>& cloud, std::uint64_t l1_bytes);
-    ~Painter() override;
-
+    // The painter of the current context's share group, with an L1 of this capacity: a new one when the capacity has changed, while those
+    // who hold the former one may go on drawing with it, or give it back.
+    static std::shared_ptr<Painter> current(std::uint64_t l1_bytes);
     // A context of the share group is current. When nobody else holds the painter, its GL objects are freed.
     static void give_back(std::shared_ptr<Painter>& painter);
 
-    // Whether of() would still return this painter for this capacity.
-    bool is_current(std::uint64_t l1_bytes) const;
+    Renderer& renderer() { return renderer_; }
+    L1Statistics statistics() const { return renderer_.l1()->statistics(); }
 
-    FrameReport draw(const Camera& camera, const Vec3d& local_origin, const RenderOptions& options);
+    Painter(const Painter&) = delete;
+    Painter& operator=(const Painter&) = delete;
+
+private:
+    friend class PaintedCloud;
+    explicit Painter(std::shared_ptr<L1Cache> l1) : renderer_(std::move(l1)) {}
+
+    Renderer renderer_;
+    std::map<std::pair<const PointCloud*, int>, std::weak_ptr<PaintedCloud>> clouds_;
+};
+
+// A layer's cloud in a share group, for all views. Two layers may show the same tree, and a picture has a cloud once; so a layer, not a
+// tree, has one.
+class PaintedCloud : public QObject {
+    Q_OBJECT
+
+public:
+    static std::shared_ptr<PaintedCloud> of(const std::shared_ptr<PointCloud>& cloud, int mesh_id, const std::shared_ptr<Painter>& painter);
+    ~PaintedCloud() override;
+    // As Painter::give_back.
+    static void give_back(std::shared_ptr<PaintedCloud>& cloud);
+
+    DrawnCloud& drawn() { return *drawn_; }
+    PointCloud& cloud() const { return *drawn_->cloud(); }
 
     // Repaints `view` when points have arrived; views may die at any time.
     void add_view(QWidget* view);
 
-    // Of all clouds of the share group.
-    L1Statistics statistics() const { return l1_->statistics(); }
-
-    PointCloud& cloud() const { return *renderer_->cloud(); }
-
 private:
-    Painter(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1, const void* share_group);
+    PaintedCloud(const std::shared_ptr<PointCloud>& cloud, const std::shared_ptr<Painter>& painter);
     void wake_views();
 
-    std::unique_ptr<CloudRenderer> renderer_;
-    std::shared_ptr<L1Cache> l1_;
-    const void* share_group_;
+    std::shared_ptr<Painter> painter_;
+    std::unique_ptr<DrawnCloud> drawn_;
     std::vector<QPointer<QWidget>> views_;
 };
 

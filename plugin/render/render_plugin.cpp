@@ -9,7 +9,6 @@
 #include <QPointer>
 #include <QTimer>
 
-using namespace pcm;
 using namespace pcm::host;
 
 PointCloudDecorator::PointCloudDecorator()

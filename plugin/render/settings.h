@@ -1,7 +1,8 @@
 // What a user can set about the drawing of point clouds, as MeshLab's parameters.
 #pragma once
 
-#include "gl/cloud_renderer.h"
+#include "gl/renderer.h"
+#include "gl/splat_style.h"
 
 #include <common/interfaces.h>
 
@@ -9,6 +10,7 @@ namespace pcm::host {
 
 struct Settings {
     RenderOptions render;
+    CloudStyle style;
     std::uint64_t l1_bytes = 0;
     std::uint64_t l2_bytes = 0;
 };

@@ -18,22 +18,28 @@ namespace {
 // and what one asks for replaces what another did.
 constexpr int look_again_ms = 250;
 
-// Model-view of the layer, composed in double: MeshLab applies the layer's own matrix for its own drawing only.
-Camera camera_of(const MeshModel& layer)
+// The scene as MeshLab has set it up for decorators: without any layer's matrix.
+pcm::View scene_view()
 {
-    Camera camera{};
-    double view[16];
-    glGetDoublev(GL_MODELVIEW_MATRIX, view);
-    glGetDoublev(GL_PROJECTION_MATRIX, camera.projection);
-    glGetIntegerv(GL_VIEWPORT, camera.viewport);
+    pcm::View view;
+    GLint viewport[4];
+    glGetDoublev(GL_MODELVIEW_MATRIX, view.modelview.data());
+    glGetDoublev(GL_PROJECTION_MATRIX, view.projection.data());
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    view.width = viewport[2];
+    view.height = viewport[3];
+    return view;
+}
+
+// In double: MeshLab applies a layer's matrix for its own drawing only.
+Matrix4d placement_of(const MeshModel& layer)
+{
+    Matrix4d placement;
     const auto& transform = layer.cm.Tr;  // row, column
     for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) {
-            double sum = 0;
-            for (int k = 0; k < 4; ++k) sum += view[k * 4 + row] * static_cast<double>(transform[k][column]);
-            camera.modelview[column * 4 + row] = sum;
-        }
-    return camera;
+        for (int row = 0; row < 4; ++row)
+            placement[static_cast<std::size_t>(column * 4 + row)] = static_cast<double>(transform[row][column]);
+    return placement;
 }
 
 std::string megabytes(std::uint64_t bytes) { return grouped((bytes + (1u << 19)) >> 20); }
@@ -45,16 +51,19 @@ std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_
     return name + " " + megabytes(used) + " of " + megabytes(capacity) + " MB, " + (asked ? grouped(100 * hits / asked) : "0") + " % hits";
 }
 
-QString status_text(const FrameReport& report, std::uint64_t total, double target_px, const std::string& caches)
+// Points of this layer, of all; what the picture is worth; time.
+QString status_text(const FrameReport& report, const CloudReport& cloud, std::uint64_t total, double target_px, const std::string& caches)
 {
-    const std::string detail = report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
-                                                                " px (target " + brief(target_px) + ")"
-                                                          : std::string("all that is in view");
-    const std::string points = grouped(report.points_drawn) + " of " + grouped(total) + " points, " + detail;
-    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame, " +
-                             (report.refining ? "refining" : "complete");
+    std::string points = grouped(cloud.points_drawn) + " of " + grouped(total) + " points";
+    if (report.clouds.size() > 1) points += "; all layers: " + grouped(report.points_drawn);
+    const std::string detail = report.full_resolution       ? std::string("full resolution")
+                               : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) + " px (target " + brief(target_px) + ")"
+                                                            : std::string("all that is in view");
+    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame" +
+                             (report.refining ? ", refining" : "") +
+                             (report.samples > 1 ? ", " + std::to_string(report.samples) + " samples a pixel" : "");
     QString rows;
-    for (const std::string& row : {points, time, caches, report.error})
+    for (const std::string& row : {points, detail + ", " + time, cloud.notice, caches, cloud.error.empty() ? report.error : cloud.error})
         if (!row.empty()) rows += "<tr><td>" + QString::fromStdString(row).toHtmlEscaped() + "</td></tr>";
     return "<table>" + rows + "</table>";
 }
@@ -85,34 +94,88 @@ void View::begin(MeshModel& layer)
 
 QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings)
 {
-    Layer& entry = layers_[layer.id()];
-    if (entry.painter && (&entry.painter->cloud() != tree.cloud.get() || !entry.painter->is_current(settings.l1_bytes)))
-        Painter::give_back(entry.painter);
-    if (!entry.painter) {
-        entry.painter = Painter::of(tree.cloud, settings.l1_bytes);
-        entry.painter->add_view(area_);
+    if (!drawn_) {
+        drawn_ = true;  // also when it throws: once a paint is enough
+        draw_scene(settings);
+        publish_state();
     }
-    tree.cloud->cache().set_capacity(settings.l2_bytes);
-    RenderOptions options = settings.render;
-    if (options.colour == ColourMode::rgb && !tree.has_rgb) options.colour = ColourMode::intensity;
-    entry.report = entry.painter->draw(camera_of(layer), tree.origin, options);
-    entry.drawn = true;
-    if (entry.report.repaint) {
+    const Layer& entry = layers_[layer.id()];
+    if (!entry.report) return {};
+    const L1Statistics l1 = painter_->statistics();
+    const L2Statistics l2 = tree.cloud->cache().statistics();
+    const std::string caches =
+        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses) + "; " +
+        cache_text("RAM", l2.resident_bytes, settings.l2_bytes, l2.hits, l2.compulsory_misses + l2.capacity_misses);
+    return status_text(report_, report_.clouds[*entry.report], tree.cloud->info().points, settings.render.target_spacing_px, caches);
+}
+
+void View::draw_scene(const Settings& settings)
+{
+    report_ = {};
+    for (auto& [mesh_id, layer] : layers_) layer.report.reset();
+    if (auto painter = Painter::current(settings.l1_bytes); painter != painter_) {
+        drop_picture();
+        painter_ = std::move(painter);
+    }
+    std::vector<SceneItem> items;
+    std::vector<MeshModel*> drawn;
+    for (MeshModel* layer : area_->md()->meshList) {
+        if (!layer || !area_->meshVisibilityMap.value(layer->id()) || !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
+            continue;
+        const auto tree = Registry::instance().find(*layer);
+        if (!tree) continue;
+        Layer& entry = layers_[layer->id()];
+        if (entry.painted && &entry.painted->cloud() != tree->cloud.get()) drop(entry);
+        if (!entry.painted) {
+            entry.painted = PaintedCloud::of(tree->cloud, layer->id(), painter_);
+            entry.painted->add_view(area_);
+        }
+        tree->cloud->cache().set_capacity(settings.l2_bytes);
+        SceneItem item;
+        item.cloud = &entry.painted->drawn();
+        item.origin = tree->origin;
+        item.placement = placement_of(*layer);
+        item.style = settings.style;
+        if (item.style.colour == ColourMode::rgb && !tree->has_rgb) item.style.colour = ColourMode::intensity;
+        items.push_back(item);
+        drawn.push_back(layer);
+    }
+    report_ = painter_->renderer().draw(picture_, scene_view(), items, settings.render);
+    if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
+    for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
+    tell_notices(drawn, settings.style);
+    if (report_.repaint) {
         QTimer::singleShot(0, area_, SLOT(update()));
-    } else if (entry.report.refining && !look_again_) {
+    } else if (report_.refining && !look_again_) {
         look_again_ = true;
         QTimer::singleShot(look_again_ms, this, [this] {
             look_again_ = false;
             area_->update();
         });
     }
-    publish_state();
-    const L1Statistics l1 = entry.painter->statistics();
-    const L2Statistics l2 = tree.cloud->cache().statistics();
-    const std::string caches =
-        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses) + "; " +
-        cache_text("RAM", l2.resident_bytes, settings.l2_bytes, l2.hits, l2.compulsory_misses + l2.capacity_misses);
-    return status_text(entry.report, tree.cloud->info().points, options.target_spacing_px, caches);
+}
+
+void View::tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
+{
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+        const std::string& notice = report_.clouds[i].notice;
+        if (notice.empty() || !layers_[drawn[i]->id()].told.emplace(asked.splats, asked.colour).second) continue;
+        area_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
+    }
+}
+
+void View::drop(Layer& layer)
+{
+    if (!layer.painted) return;
+    PaintedCloud::give_back(layer.painted);
+    picture_.invalidate();
+}
+
+void View::drop_picture()
+{
+    for (auto& [mesh_id, layer] : layers_) PaintedCloud::give_back(layer.painted);
+    picture_.release();
+    Painter::give_back(painter_);
 }
 
 void View::end(int mesh_id)
@@ -120,14 +183,15 @@ void View::end(int mesh_id)
     const auto found = layers_.find(mesh_id);
     if (found == layers_.end()) return;
     if (found->second.native_hidden) show_native(mesh_id, true);
-    Painter::give_back(found->second.painter);
+    drop(found->second);
     layers_.erase(found);
+    if (layers_.empty()) drop_picture();
     publish_state();
 }
 
 void View::close()
 {
-    for (auto& [mesh_id, layer] : layers_) Painter::give_back(layer.painter);
+    drop_picture();
     layers_.clear();
 }
 
@@ -136,8 +200,10 @@ void View::forget(int mesh_id)
     const auto found = layers_.find(mesh_id);
     if (found == layers_.end()) return;
     area_->makeCurrent();
-    Painter::give_back(found->second.painter);
+    drop(found->second);
+    found->second.report.reset();
     if (!area_->md() || !area_->md()->getMesh(mesh_id)) layers_.erase(found);
+    if (layers_.empty()) drop_picture();
     publish_state();
 }
 
@@ -165,9 +231,10 @@ void View::show_native(int mesh_id, bool show)
 // The button in MeshLab's layer panel takes a decorator off a layer without telling it.
 void View::reconcile()
 {
+    drawn_ = false;
     std::vector<int> ended;
     for (auto& [mesh_id, layer] : layers_) {
-        layer.drawn = false;
+        layer.report.reset();
         if (!area_->iPerMeshDecoratorsListMap.value(mesh_id).contains(decorator_)) ended.push_back(mesh_id);
     }
     if (!ended.empty()) area_->makeCurrent();
@@ -177,21 +244,24 @@ void View::reconcile()
 // For whoever watches from outside, such as a test: is the picture final, and how much is in it.
 void View::publish_state()
 {
-    std::uint64_t points = 0;
-    bool complete = true, any = false;
-    QString error;
+    bool any = false;
+    QString error = QString::fromStdString(report_.error), notice;
     for (const auto& [mesh_id, layer] : layers_) {
-        if (!layer.drawn) continue;
+        if (!layer.report) continue;
         any = true;
-        points += layer.report.points_drawn;
-        complete = complete && !layer.report.refining;
-        if (!layer.report.error.empty()) error = QString::fromStdString(layer.report.error);
+        const CloudReport& cloud = report_.clouds[*layer.report];
+        if (!cloud.error.empty()) error = QString::fromStdString(cloud.error);
+        if (!cloud.notice.empty()) notice = QString::fromStdString(cloud.notice);
     }
     QVariantMap state;
     state["drawing"] = any;
-    state["points"] = static_cast<qulonglong>(points);
-    state["complete"] = complete && any;
+    state["points"] = any ? static_cast<qulonglong>(report_.points_drawn) : 0;
+    state["complete"] = any && !report_.refining;
+    state["full_resolution"] = any && report_.full_resolution;
+    state["samples"] = report_.samples;
+    state["clouds"] = static_cast<int>(report_.clouds.size());
     state["error"] = error;
+    state["notice"] = notice;
     state["frame"] = ++frame_;
     area_->setProperty("pcm_state", state);
 }

@@ -1,16 +1,22 @@
 // What we draw in one of MeshLab's views, and what we have hidden there. Child of the view.
+//
+// MeshLab asks for one layer after the other; all of them are drawn when it asks for the first, so that they share one budget, by what
+// the eye sees.
 #pragma once
 
 #include "host/registry.h"
 #include "render/painter.h"
 #include "render/settings.h"
 
-#include <QElapsedTimer>
 #include <QObject>
 #include <QString>
 
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
 class GLArea;
 class QAction;
@@ -30,7 +36,8 @@ public:
 
     // From now on the layer's tree is drawn here, and MeshLab's own points of it are not.
     void begin(MeshModel& layer);
-    // Draws; returns the text for MeshLab's info pane.
+    // Draws all layers that this view shows, unless it has in this paint; returns the text about this one for MeshLab's info pane.
+    // Throws what drawing throws.
     QString draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings);
     // Undoes begin().
     void end(int mesh_id);
@@ -44,20 +51,28 @@ protected:
 
 private:
     struct Layer {
-        std::shared_ptr<Painter> painter;
+        std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
-        bool drawn = false;  // in the current paint event
-        FrameReport report;
+        std::optional<std::size_t> report;  // of it in report_, when it is in the picture
+        std::set<std::pair<SplatMode, ColourMode>> told;  // of which the log has what the cloud lacks for them
     };
 
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
+    void draw_scene(const Settings& settings);
+    void tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
+    void drop(Layer& layer);
+    void drop_picture();
     void reconcile();
     void publish_state();
 
     GLArea* area_;
     QAction* decorator_;
     std::map<int, Layer> layers_;
+    std::shared_ptr<Painter> painter_;
+    Picture picture_;
+    bool drawn_ = false;  // in the current paint event
+    FrameReport report_;  // of it
     bool look_again_ = false;
     int frame_ = 0;
 };

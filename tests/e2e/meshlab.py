@@ -74,7 +74,6 @@ def sample(name):
 # when all detail is there; and one size. The view must be there already.
 NO_TIME_LIMIT = """
     parameter MeshLab::PointCloud::FrameBudget = 100000
-    parameter MeshLab::PointCloud::RestBudget = 100000
     """
 FIXED_VIEW = NO_TIME_LIMIT + """
     view-size 480 360

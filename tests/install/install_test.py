@@ -102,11 +102,25 @@ def check_missing_component(cmake, work, options):
         sys.exit(f"the missing component is not named:\n{result.stderr}")
 
 
+def check_plugins(cmake, build, work):
+    """MeshLab's component brings every plugin, and each finds the library that they share where it is installed."""
+    prefix = work / "meshlab"
+    run(cmake, "--install", build, "--prefix", prefix, "--component", "meshlab")
+    installed = {path.name: path for path in prefix.rglob("*.so")}
+    expected = {"libpcm_meshlab.so", "libio_00_pcm.so", "libpcm_render.so", "libpcm_filter.so", "libpcm_edit.so"}
+    assert set(installed) == expected, sorted(installed)
+    shared = installed.pop("libpcm_meshlab.so").resolve()
+    for name, path in installed.items():
+        assert path.parent.name == "plugins", path
+        match = re.search(r"libpcm_meshlab\.so => (.*) \(0x", run("ldd", path).stdout)
+        assert match and pathlib.Path(match[1]).resolve() == shared, (name, match and match[1])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     for name in ("source", "build", "work"):
         parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
-    for name in ("cmake", "compiler", "generator", "gl"):
+    for name in ("cmake", "compiler", "generator", "gl", "plugins"):
         parser.add_argument(f"--{name}", required=True)
     arguments = parser.parse_args()
     cmake, work = arguments.cmake, arguments.work
@@ -174,6 +188,8 @@ def main():
     missing = run(example, work / "no.pct", *["0"] * 6, expect=1)
     assert "no.pct" in missing.stderr, missing.stderr
 
+    if arguments.plugins == "1":
+        check_plugins(cmake, arguments.build, work)
     check_headers(cmake, work, prefix, with_gl, options)
     check_missing_component(cmake, work, options)
     print(f"installed, built against, and {len(boxes)} boxes agreed with the LAS file")

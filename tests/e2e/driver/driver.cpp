@@ -99,9 +99,12 @@ QString TestDriver::status() const
     if (!area()) return {};
     const QVariantMap state = area()->property("pcm_state").toMap();
     if (!state["drawing"].toBool()) return "no cloud";
-    return QString("%1 points, %2, frame %3 %4")
+    return QString("%1 points of %2 clouds, %3, frame %4 %5")
         .arg(state["points"].toULongLong())
-        .arg(state["complete"].toBool() ? "complete" : "refining")
+        .arg(state["clouds"].toInt())
+        .arg(state["full_resolution"].toBool() ? "complete, full resolution"
+             : state["complete"].toBool()      ? "complete"
+                                               : "refining")
         .arg(state["frame"].toInt())
         .arg(state["error"].toString());
 }
@@ -371,6 +374,27 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()), int(argument.section(' ', 1, 1).toDouble() * area()->height()));
         for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease, QEvent::MouseButtonDblClick, QEvent::MouseButtonRelease})
             mouse(type, at);
+        return Done::yes;
+    }
+    if (command == "press-at" || command == "move-to" || command == "release-at") {  // fractions of the view
+        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()), int(argument.section(' ', 1, 1).toDouble() * area()->height()));
+        mouse(command == "press-at"  ? QEvent::MouseButtonPress
+              : command == "move-to" ? QEvent::MouseMove
+                                     : QEvent::MouseButtonRelease,
+              at);
+        return Done::yes;
+    }
+    if (command == "show-layer") {  // show-layer ID on|off, in this view
+        area()->meshVisibilityMap[argument.section(' ', 0, 0).toInt()] = argument.section(' ', 1, 1) == "on";
+        area()->update();
+        return Done::yes;
+    }
+    if (command == "move-layer") {  // move-layer ID X Y Z: its matrix
+        MeshModel* layer = document()->getMesh(argument.section(' ', 0, 0).toInt());
+        if (!layer) fail("no layer " + argument);
+        layer->cm.Tr.SetTranslate(argument.section(' ', 1, 1).toFloat(), argument.section(' ', 2, 2).toFloat(),
+                                  argument.section(' ', 3, 3).toFloat());
+        area()->update();
         return Done::yes;
     }
     if (command == "key-down" || command == "key-repeat" || command == "key-up") {

@@ -1,0 +1,239 @@
+"""How clouds look in MeshLab: every kind of splat, multisampling, both projections, several clouds at once, MeshLab's own tools on them."""
+
+import math
+import os
+import random
+import re
+import shutil
+import struct
+import unittest
+
+from meshlab import REFERENCE, MeshLabTest, different, pcm
+
+# Two renderings of one view are alike but for pixels along the edges of splats, where another version of the software
+# renderer rounds otherwise.
+SAME_PICTURE = 0.02
+MODES = ("constant", "dynamic", "affine", "perspective")  # in the order of the setting
+VIEW = "view-size 320 240\n"
+SIDE = 60  # points along a cloud's edge
+
+
+def write_ply(path, height, *, splats=True, at=(0, 0, 0), side=SIDE):
+    """A surface z = height(x, y) over -1..1, whose points have (or have not) normals and radii that close it, and colours in patches."""
+    rng = random.Random(3)
+    step = 2 / side
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {side * side}", "property double x", "property double y",
+             "property double z"]
+    if splats:
+        lines += ["property float nx", "property float ny", "property float nz", "property float radius"]
+    lines += ["property uchar red", "property uchar green", "property uchar blue", "end_header"]
+    with open(path, "wb") as file:
+        file.write(("\n".join(lines) + "\n").encode())
+        for i in range(side):
+            for j in range(side):
+                x, y = (-1 + step * (k + 0.5 + rng.uniform(-0.3, 0.3)) for k in (i, j))
+                z, h = height(x, y), 1e-4
+                file.write(struct.pack("<3d", x + at[0], y + at[1], z + at[2]))
+                if splats:
+                    slope = [(height(x + h, y) - height(x - h, y)) / (2 * h), (height(x, y + h) - height(x, y - h)) / (2 * h)]
+                    length = math.hypot(*slope, 1)
+                    file.write(struct.pack("<4f", -slope[0] / length, -slope[1] / length, 1 / length, 0.9 * step * length ** 0.5))
+                patch = (i // 6 + j // 6) % 3
+                file.write(bytes(((220, 70, 60), (60, 160, 80), (240, 220, 130))[patch]))
+
+
+def waves(x, y):
+    return 0.25 * math.sin(3 * x) * math.cos(2.5 * y)
+
+
+def flat(_x, _y):
+    return 0.0
+
+
+class Splats(MeshLabTest):
+    def cloud(self, name, *arguments, **options):
+        ply, tree = self.folder / f"{name}.ply", self.folder / f"{name}.pct"
+        write_ply(ply, *arguments, **options)
+        pcm("build", ply, "-o", tree)
+        return tree
+
+    def test_modes(self):
+        """Two reference pictures a mode: a tilted perspective view, and a grazing orthographic one."""
+        tree = self.cloud("waves", waves)
+        views = {"tilted": "drag 0.5 0.6 0.55 0.42\nwheel -4\n",
+                 "grazing": "drag 0.5 0.7 0.5 0.53\ntrigger Toggle Orthographic Camera\npause 100\n"}
+        script, pictures = "", {}
+        for view, move in views.items():
+            script += move
+            for number, mode in enumerate(MODES):
+                pictures[mode, view] = self.result(f"{mode}-{view}.png")
+                script += f"parameter MeshLab::PointCloud::Splats = {number}\n"
+                script += f"wait-status full resolution\npicture {pictures[mode, view]}\n"
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            parameter MeshLab::PointCloud::SplatSize = 3
+            open {tree}
+            wait-layers 1
+            {script}
+            screen {self.result("screen.png")}
+            quit
+            """)
+        self.assertDriven(run)
+        for (mode, view), picture in pictures.items():
+            reference = REFERENCE / f"splats-{mode}-{view}.png"
+            if os.environ.get("PCM_UPDATE_REFERENCE"):
+                shutil.copy(picture, reference)
+            self.assertLess(different(picture, reference), SAME_PICTURE, f"{mode} {view}")
+        for view in views:
+            for first, second in zip(MODES, MODES[1:]):
+                share = different(pictures[first, view], pictures[second, view])
+                if (second, view) == ("perspective", "grazing"):  # in an orthographic view the affine projection is the exact one
+                    self.assertLess(share, 0.005)
+                else:
+                    self.assertGreater(share, 0.005, f"{first} {second} {view}")
+
+    def test_settings(self):
+        """Multisampling, eye-dome lighting, colours and the radius scale change the picture; what a cloud lacks is said once."""
+        tree, bare = self.cloud("waves", waves), self.cloud("bare", waves, splats=False)
+        names = ("plain", "samples", "domes", "larger", "height", "uniform", "again")
+        p = {name: self.result(f"{name}.png") for name in names}
+        setting = "parameter MeshLab::PointCloud::"
+        shot = "wait-status full resolution\npicture "
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            open {tree}
+            wait-layers 1
+            {setting}Splats = 3
+            {setting}Samples = 0
+            drag 0.5 0.6 0.55 0.42
+            {shot}{p["plain"]}
+            {setting}Samples = 2
+            {shot}{p["samples"]}
+            screen {self.result("screen.png")}
+            {setting}Samples = 0
+            {setting}EyeDomeLighting = 1
+            {shot}{p["domes"]}
+            {setting}EyeDomeLighting = 0
+            {setting}RadiusScale = 2
+            {shot}{p["larger"]}
+            {setting}RadiusScale = 1
+            {setting}Colour = 2
+            {shot}{p["height"]}
+            {setting}Colour = 6
+            {shot}{p["uniform"]}
+            {setting}Colour = 0
+            {shot}{p["again"]}
+            trigger Delete Current Mesh
+            wait-layers 0
+            open {bare}
+            wait-layers 1
+            wait-log bare.pct:
+            wait-status full resolution
+            pause 200
+            wait-status full resolution
+            {setting}Splats = 1
+            wait-status full resolution
+            {setting}Splats = 3
+            wait-status full resolution
+            print-log
+            quit
+            """)
+        self.assertDriven(run)
+        for name in names[1:-1]:
+            self.assertGreater(different(p["plain"], p[name]), 0.002, name)
+        self.assertEqual(different(p["plain"], p["again"]), 0)
+        # Edges only.
+        self.assertLess(different(p["plain"], p["samples"]), 0.5)
+        notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare.pct: ") and "radi" in line]
+        self.assertEqual(len(notices), 2, notices)  # one for the discs, one for the squares of the radius
+
+    def test_several_clouds(self):
+        """Clouds are drawn into one picture with one depth, each where its layer's matrix puts it."""
+        left, right = self.cloud("left", waves), self.cloud("right", waves, at=(2.5, 0, 0.5))
+        names = ("both", "left", "right", "left-moved")
+        p = {name: self.result(f"{name}.png") for name in names}
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            parameter MeshLab::PointCloud::Splats = 3
+            open {left}
+            wait-layers 1
+            open {right}
+            wait-layers 2
+            drag 0.5 0.6 0.52 0.45
+            wait-status {2 * SIDE * SIDE} points of 2 clouds, complete, full resolution
+            picture {p["both"]}
+            screen {self.result("screen.png")}
+            show-layer 0 off
+            wait-status {SIDE * SIDE} points of 1 clouds, complete, full resolution
+            picture {p["right"]}
+            show-layer 0 on
+            show-layer 1 off
+            wait-status {SIDE * SIDE} points of 1 clouds, complete, full resolution
+            picture {p["left"]}
+            move-layer 0 2.5 0 0.5
+            wait-status {SIDE * SIDE} points of 1 clouds, complete, full resolution
+            picture {p["left-moved"]}
+            move-layer 0 0 0 0
+            show-layer 1 on
+            wait-status of 2 clouds, complete, full resolution
+            trigger Delete Current Mesh
+            wait-layers 1
+            wait-status of 1 clouds, complete, full resolution
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertGreater(different(p["both"], p["left"]), 0.05)
+        self.assertGreater(different(p["both"], p["right"]), 0.05)
+        self.assertGreater(different(p["left"], p["right"]), 0.1)
+        # The same points to a rounding of the splats' edges.
+        self.assertLess(different(p["left-moved"], p["right"]), SAME_PICTURE)
+
+    def test_measuring_tool(self):
+        """MeshLab's Measuring Tool takes its points from the depth that our splats leave, with multisampling and without."""
+        tree = self.cloud("flat", flat)
+        script = ""  # a measurement suspends the tool
+        for name, settings in {"constant": (0, 0), "perspective": (3, 0), "samples": (3, 2)}.items():
+            script += f"""
+                parameter MeshLab::PointCloud::Splats = {settings[0]}
+                parameter MeshLab::PointCloud::Samples = {settings[1]}
+                wait-status full resolution
+                press-at 0.35 0.5
+                release-at 0.35 0.5
+                pause 100
+                move-to 0.5 0.5
+                pause 50
+                press-at 0.65 0.5
+                release-at 0.65 0.5
+                pause 100
+                print-camera {name}
+                screen {self.result(name + ".png")}
+                trigger Not editing
+                pause 100
+                """
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            parameter MeshLab::PointCloud::SplatSize = 12
+            open {tree}
+            wait-layers 1
+            wait-status full resolution
+            trigger Measuring Tool
+            wait-log Started Mode Measuring Tool
+            {script}
+            print-log
+            quit
+            """)
+        self.assertDriven(run)
+        found = [float(v) for v in re.findall(r"Distance M\d: (\S+)", re.search(r"driver: log (.*)", run.text)[1])]
+        # The view is 1.75 / scale high to both sides of the middle, where the plane is; 96 of 240 pixels' height were measured.
+        expected = 2 * 1.75 / run.cameras()["constant"]["scale"] * 96 / 240
+        self.assertEqual(len(found), 3, found)
+        for measured in found:
+            self.assertAlmostEqual(measured / expected, 1, delta=2e-3)
+
+
+if __name__ == "__main__":
+    unittest.main()
