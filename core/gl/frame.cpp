@@ -64,12 +64,20 @@ DetailLimits Frame::current_limits()
     return allowed;
 }
 
+void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)
+{
+    std::vector<NodeId>& window = clouds[clouds[item].leader].window;
+    for (const NodeId node : nodes)
+        if (window.size() < ChunkFeed::window_size && std::find(window.begin(), window.end(), node) == window.end()) window.push_back(node);
+}
+
 Served Frame::upload(const SceneSelection& selection)
 {
     std::vector<std::size_t> turns;
-    for (const SceneSelection::Place& place : selection.order)
-        if (!clouds[place.tree].window.empty() && std::find(turns.begin(), turns.end(), place.tree) == turns.end())
-            turns.push_back(place.tree);
+    for (const SceneSelection::Place& place : selection.order) {
+        const std::size_t leader = clouds[place.tree].leader;
+        if (!clouds[leader].window.empty() && std::find(turns.begin(), turns.end(), leader) == turns.end()) turns.push_back(leader);
+    }
     Served sum;
     const auto begun = Clock::now();
     for (const std::size_t turn : turns) {

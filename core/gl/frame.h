@@ -14,6 +14,7 @@ namespace pcm {
 // One item, ready for a frame.
 struct FrameCloud {
     ChunkFeed* feed;
+    std::size_t leader;             // the first item of the same cloud, which loads for all of them; mostly itself
     const Tree* tree;
     View view;
     CloudStyle style;
@@ -41,6 +42,8 @@ struct Frame {
     std::vector<TreeInView> trees() const;
     // What the budgets of time, points and video memory allow.
     DetailLimits current_limits();
+    // Adds to what the item's leader has to load, as far as there is room.
+    void want(std::size_t item, const std::vector<NodeId>& nodes);
     // Uploads what has come of the clouds' windows, for the cloud first that lacks what is worth most.
     Served upload(const SceneSelection& selection);
 };

@@ -19,6 +19,10 @@ public:
         double milliseconds = 0;
     };
 
+    FrameClock() = default;
+    // Decided beforehand: queries that the device may have, or waiting.
+    explicit FrameClock(bool queries) : decided_(true), queries_are_used_(queries) {}
+
     // Around what draws `points`.
     void begin();
     void end(std::uint64_t points);

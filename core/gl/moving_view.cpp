@@ -11,12 +11,19 @@ namespace {
 // What of each tree is there; asks for what is not, and for what a moving view will need.
 void load(Frame& frame, const SceneSelection& selection, const SceneSelection* later)
 {
-    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+    const std::size_t count = frame.clouds.size();
+    std::vector<std::vector<NodeId>> ahead(count);
+    for (FrameCloud& cloud : frame.clouds) cloud.window.clear();
+    for (std::size_t t = 0; t < count; ++t) frame.want(t, frame.clouds[t].feed->window_of(selection.trees[t], frame.clouds[t].current));
+    for (std::size_t t = 0; later && t < count; ++t) {
+        const FrameCloud& leader = frame.clouds[frame.clouds[t].leader];
+        std::vector<NodeId>& of_leader = ahead[frame.clouds[t].leader];
+        const auto nodes = leader.feed->ahead_of(later->trees[t], leader.window.size() + of_leader.size());
+        of_leader.insert(of_leader.end(), nodes.begin(), nodes.end());
+    }
+    for (std::size_t t = 0; t < count; ++t) {
         FrameCloud& cloud = frame.clouds[t];
-        cloud.window = cloud.feed->window_of(selection.trees[t], cloud.current);
-        std::vector<NodeId> ahead;
-        if (later) ahead = cloud.feed->ahead_of(later->trees[t], cloud.window.size());
-        cloud.feed->load(cloud.window, ahead, cloud.format);
+        if (cloud.leader == t) cloud.feed->load(cloud.window, ahead[t], cloud.format);
     }
 }
 

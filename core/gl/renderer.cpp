@@ -1,5 +1,6 @@
 #include "gl/renderer.h"
 
+#include "cloud/error.h"
 #include "gl/frame.h"
 #include "gl/gl_state.h"
 
@@ -16,6 +17,21 @@ struct Renderer::Impl {
     SplatPass splats;
     Compositor compositor;
 
+    // Items of one cloud read the same vertices, with what either style reads.
+    static void share_format(Frame& frame, FrameCloud& cloud)
+    {
+        VertexFormat& former = frame.clouds[cloud.leader].format;
+        if (former.colour != VertexColour::none && cloud.format.colour != VertexColour::none && former.colour != cloud.format.colour)
+            throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, in the colours of two attributes",
+                        "give it another DrawnCloud for the second, or the same colours");
+        if (former.colour == VertexColour::none) former.colour = cloud.format.colour;
+        former.radius = former.radius || cloud.format.radius;
+        former.normal = former.normal || cloud.format.normal;
+        for (FrameCloud& other : frame.clouds)
+            if (other.leader == cloud.leader) other.format = former;
+        cloud.format = former;
+    }
+
     FrameReport draw(PictureState& p, const View& scene, const std::vector<SceneItem>& items, const RenderOptions& options)
     {
         Frame frame{p, options, *l1, splats};
@@ -24,6 +40,8 @@ struct Renderer::Impl {
                        options.target_spacing_px, options.converge, options.fill_gaps, options.order, {}};
         std::vector<CloudReport> clouds;
         for (const SceneItem& item : items) {
+            if (!item.cloud || item.cloud->l1() != l1)
+                throw Error(ErrorCode::invalid_argument, {}, "a scene's item has no cloud, or one of another L1 than the renderer's");
             FrameCloud cloud{};
             const DrawnCloud::Impl& drawn = *item.cloud->impl_;
             cloud.feed = drawn.feed.get();
@@ -36,7 +54,13 @@ struct Renderer::Impl {
             cloud.view.origin = item.origin;
             if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
             key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style});
-            frame.owners.push_back(cloud.feed->owner());
+            cloud.leader = frame.clouds.size();
+            for (std::size_t t = frame.clouds.size(); t-- > 0;)
+                if (frame.clouds[t].feed == cloud.feed) cloud.leader = t;
+            if (cloud.leader == frame.clouds.size())
+                frame.owners.push_back(cloud.feed->owner());
+            else
+                share_format(frame, cloud);
             frame.clouds.push_back(std::move(cloud));
         }
         const bool shows = std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& c) { return Frustum::of(c.view).has_value(); });

@@ -75,7 +75,7 @@ private:
 };
 
 struct SceneItem {
-    DrawnCloud* cloud = nullptr;            // not twice in a scene
+    DrawnCloud* cloud = nullptr;            // may be there again, in another place, but not in the colours of another attribute
     Vec3d origin{};                         // source coordinates of the cloud's local origin
     Matrix4d placement = identity_matrix;   // from (source - origin) to the scene's coordinates; affine and invertible
     CloudStyle style;

@@ -96,10 +96,11 @@ void draw_resting(Frame& frame)
         const NodeId node = node_at(i).node;
         if (ChunkFeed::is_current(cloud.feed->find(node), cloud.format))
             frame.l1.use(cloud.feed->owner(), node);
-        else if (!cloud.feed->has_failed(node) && cloud.window.size() < ChunkFeed::window_size)
-            cloud.window.push_back(node);
+        else if (!cloud.feed->has_failed(node))
+            frame.want(rest.all.order[i].tree, {node});
     }
-    for (FrameCloud& cloud : frame.clouds) cloud.feed->load(cloud.window, {}, cloud.format);
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t)
+        if (frame.clouds[t].leader == t) frame.clouds[t].feed->load(frame.clouds[t].window, {}, frame.clouds[t].format);
     const Served served = frame.upload(rest.all);
 
     std::uint64_t budget = p.budget.points(frame.options.frame_budget_ms, 1, frame.options.point_budget);

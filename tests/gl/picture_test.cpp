@@ -399,6 +399,61 @@ TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
     l1->release();
 }
 
+// One cloud in two places is loaded once.
+TEST(Picture, ACloudMayBeShownTwice)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), coloured_points(30000, 10000, 33), 1000);
+    const auto l1 = std::make_shared<L1Cache>();
+    Renderer renderer(l1);
+    DrawnCloud drawn(cloud, l1);
+    Picture picture;
+    const Framebuffer framebuffer(200, 100);
+    SceneItem left, right;
+    left.cloud = right.cloud = &drawn;
+    left.origin = right.origin = map_offset;
+    left.placement = translation(-12, -5, 0);
+    right.placement = translation(2, -5, 0);
+    right.style.colour = ColourMode::height;
+    const View view = view_of(translation(0, 0, -30), perspective(0.9, 2, 0.1, 1000), 200, 100);
+    for (const bool moving : {true, false}) {
+        RenderOptions options = everything();
+        options.converge = !moving;
+        FrameReport report;
+        for (int frame = 0; frame < 3000; ++frame) {
+            framebuffer.clear();
+            report = renderer.draw(picture, view, {left, right}, options);
+            ASSERT_EQ(report.error, "");
+            if (!report.refining) break;
+            if (!report.repaint) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        EXPECT_FALSE(report.refining);
+        EXPECT_EQ(report.points_drawn, 60000u);
+    }
+    const auto& nodes = cloud->tree()->nodes();
+    EXPECT_EQ(l1->statistics().compulsory_misses,
+              static_cast<std::uint64_t>(std::count_if(nodes.begin(), nodes.end(), [](const Node& node) { return node.points > 0; })));
+    const auto pixels = framebuffer.read();
+    std::size_t lit[2] = {};
+    for (int y = 0; y < 100; ++y)
+        for (int x = 0; x < 200; ++x) lit[x >= 100] += pixels[static_cast<std::size_t>(y * 200 + x)].a > 0;
+    EXPECT_GT(lit[0], 500u);
+    EXPECT_GT(lit[1], 500u);
+    // Not in two attributes' colours, and not with another cache: it says so and draws nothing.
+    right.style.colour = ColourMode::intensity;
+    EXPECT_NE(renderer.draw(picture, view, {left, right}, everything()).error, "");
+    DrawnCloud stranger(cloud, std::make_shared<L1Cache>());
+    right.cloud = &stranger;
+    EXPECT_NE(renderer.draw(picture, view, {left, right}, everything()).error, "");
+    right.cloud = nullptr;
+    EXPECT_NE(renderer.draw(picture, view, {left, right}, everything()).error, "");
+    picture.release();
+    renderer.release();
+    drawn.release();
+    l1->release();
+}
+
 // A flight through a cloud with an L1 far too small for it: no place that has points is ever empty.
 TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
 {

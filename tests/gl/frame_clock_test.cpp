@@ -1,0 +1,42 @@
+// Frames are timed, in order, with queries and by waiting.
+#include "gl_support.h"
+
+#include "gl/frame_clock.h"
+
+using namespace pcm;
+using namespace pcm::test;
+
+TEST(FrameClock, KnowsFramesInTheirOrder)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const Framebuffer framebuffer(64, 64);
+    for (const bool queries : {false, true}) {
+        FrameClock clock(queries);
+        EXPECT_EQ(clock.waits(), !queries);
+        std::uint64_t last = 0, known = 0;
+        for (std::uint64_t frame = 1; frame <= 50; ++frame) {
+            clock.begin();
+            framebuffer.clear();
+            clock.end(frame);
+            if (frame % 10 == 0) glFinish();
+            if (const auto measure = clock.take()) {
+                ++known;
+                EXPECT_GT(measure->points, last);
+                EXPECT_LE(measure->points, frame);
+                EXPECT_GE(measure->milliseconds, 0);
+                EXPECT_LT(measure->milliseconds, 60000);
+                last = measure->points;
+            }
+            EXPECT_FALSE(clock.take()) << "the same frame twice";
+        }
+        EXPECT_GE(known, 5u);
+        if (!queries) EXPECT_EQ(known, 50u);
+        clock.release();
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+        clock.begin();  // and from the beginning again
+        clock.end(1);
+        glFinish();
+        EXPECT_TRUE(clock.take());
+        clock.release();
+    }
+}
