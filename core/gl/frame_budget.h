@@ -49,8 +49,6 @@ public:
     {
         return points_ < ceiling && goal_points(budget_ms) > 1.2 * static_cast<double>(points_);
     }
-    bool wants_measure() const { return true; }
-    void not_measured() {}
     double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
     double overhead_ms() const { return overhead_ms_; }
     double ms_per_point() const { return ms_per_point_; }
