@@ -45,7 +45,7 @@ if(TARGET pcm_gl)
   install_component(gl pcm_gl ${gl_headers})
 endif()
 if(TARGET pcm_offscreen)
-  install_component(offscreen pcm_offscreen offscreen/image.h offscreen/offscreen.h)
+  install_component(offscreen pcm_offscreen offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
 endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cmake/pcmConfig.cmake.in

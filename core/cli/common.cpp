@@ -1,11 +1,14 @@
 #include "cli/common.h"
 
+#include "cloud/error.h"
+
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <new>
 
 namespace pcm::cli {
 namespace {
@@ -64,6 +67,29 @@ void put_outcome(Json& json, const Outcome& outcome)
     json["seconds"] = outcome.seconds;
     json["points_per_second"] = points_per_second(outcome);
     json["peak_rss_bytes"] = peak_rss_bytes();
+}
+
+int run(CLI::App& app, int argc, char** argv, int& result, const std::function<void()>& first)
+{
+    std::string problem;
+    try {
+        if (first) first();
+        app.parse(argc, argv);
+        return result;
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const Error& error) {
+        problem = error.what();
+        result = error.code() == ErrorCode::cancelled ? 130 : 1;
+    } catch (const std::bad_alloc&) {
+        std::fputs("pcm: out of memory\n", stderr);
+        return 1;
+    } catch (const std::exception& error) {
+        problem = error.what();
+        result = 1;
+    }
+    std::fprintf(stderr, "pcm: %s\n", problem.c_str());
+    return result;
 }
 
 }  // namespace pcm::cli

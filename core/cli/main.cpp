@@ -1,11 +1,7 @@
-// The pcm command: build, convert, info, verify, generate, append, compact, delete, repair, query, set, transform.
-//
-// Exit codes: 0 all is well; 1 it is not (the message says what); 2 the command line makes no sense; 130 cancelled.
+// The pcm command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set, transform.
 #include "cli/common.h"
-#include "cloud/error.h"
 
-#include <cstdio>
-#include <new>
+#include <string>
 
 int main(int argc, char** argv)
 {
@@ -24,28 +20,10 @@ int main(int argc, char** argv)
     pcm::cli::add_query(app, result);
     pcm::cli::add_set(app, result);
     pcm::cli::add_transform(app, result);
+    pcm::cli::add_render(app);
     pcm::cli::add_generate(app, result);
 
-    const char* problem = nullptr;
-    std::string text;
-    try {
-        app.parse(argc, argv);
-        return result;
-    } catch (const CLI::ParseError& error) {
-        const int code = app.exit(error);
-        return code == 0 ? 0 : 2;
-    } catch (const pcm::Error& error) {
-        text = error.what();
-        problem = text.c_str();
-        result = error.code() == pcm::ErrorCode::cancelled ? 130 : 1;
-    } catch (const std::bad_alloc&) {
-        problem = "out of memory";
-        result = 1;
-    } catch (const std::exception& error) {
-        text = error.what();
-        problem = text.c_str();
-        result = 1;
-    }
-    std::fprintf(stderr, "pcm: %s\n", problem);
-    return result;
+    return pcm::cli::run(app, argc, argv, result, [&] {
+        if (argc > 1 && std::string(argv[1]) == "render") pcm::cli::run_render(argv + 1);
+    });
 }

@@ -1,0 +1,33 @@
+// `pcm render` is a program of its own beside this one, so that nothing else here needs OpenGL.
+#include "cli/common.h"
+#include "cloud/error.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+namespace pcm::cli {
+
+void add_render(CLI::App& app)
+{
+    app.add_subcommand("render", "Draw trees to PNG, from a camera or along a path, without a window");  // for --help; see run_render()
+}
+
+void run_render(char** arguments)
+{
+    std::error_code error;
+    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) throw Error::from_errno(error.value(), "/proc/self/exe", "finding where pcm is");
+    const std::filesystem::path program = self.parent_path() / "pcm-render";
+    ::execv(program.c_str(), arguments);
+    const int error_number = errno;
+    if (error_number == ENOENT)
+        throw Error(ErrorCode::not_found, program, "this program, which draws for pcm, is not there",
+                    "it is built where OpenGL, GLEW, EGL and libpng are, and installed beside pcm");
+    throw Error::from_errno(error_number, program, "starting it");
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,236 @@
+#include "cli/render/arguments.h"
+
+#include "cloud/error.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <limits>
+
+namespace pcm::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}) { throw Error(ErrorCode::invalid_argument, {}, what, hint); }
+
+// The enumerators of a mode are numbered from 0 to `last`.
+template <class Mode>
+std::vector<std::string> names_of(Mode last)
+{
+    std::vector<std::string> names;
+    for (unsigned m = 0; m <= static_cast<unsigned>(last); ++m) names.emplace_back(name_of(static_cast<Mode>(m)));
+    return names;
+}
+
+template <class Mode>
+Mode mode_of(const std::string& name, Mode last)
+{
+    const std::vector<std::string> names = names_of(last);
+    return static_cast<Mode>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::string listed(const std::vector<std::string>& names)
+{
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+// #rrggbb, or three numbers from 0 to 255.
+std::array<float, 3> colour_of(const std::string& text, const char* option)
+{
+    unsigned c[3];
+    int end = 0;
+    const bool hex = std::sscanf(text.c_str(), "#%2x%2x%2x%n", &c[0], &c[1], &c[2], &end) == 3 && text.size() == 7 && end == 7;
+    if (!hex) {
+        end = 0;
+        if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &c[0], &c[1], &c[2], &end) != 3 || static_cast<std::size_t>(end) != text.size() ||
+            std::max({c[0], c[1], c[2]}) > 255)
+            refuse(std::string(option) + " '" + text + "' is no colour", "write #rrggbb, or three numbers from 0 to 255 as in 255,128,0");
+    }
+    return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
+}
+
+Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+// Of the pattern NAME%04d.png: where the %-part begins and ends, and how many digits; nothing where there is none.
+struct Pattern {
+    std::size_t begin = 0, end = 0;
+    int digits = 0;
+};
+std::optional<Pattern> pattern_of(const std::string& name)
+{
+    Pattern found;
+    found.begin = name.find('%');
+    if (found.begin == std::string::npos) return {};
+    std::size_t at = found.begin + 1;
+    while (at < name.size() && name[at] >= '0' && name[at] <= '9' && at - found.begin < 4) found.digits = found.digits * 10 + (name[at++] - '0');
+    if (at >= name.size() || name[at] != 'd' || name.find('%', at) != std::string::npos || found.digits > 20)
+        refuse("the output '" + name + "' has a % that is no place for a number", "write one, as in picture%04d.png");
+    found.end = at + 1;
+    return found;
+}
+
+std::string numbered(std::size_t number, int digits)
+{
+    std::string text = std::to_string(number);
+    if (text.size() < static_cast<std::size_t>(digits)) text.insert(0, static_cast<std::size_t>(digits) - text.size(), '0');
+    return text;
+}
+
+void require_png(const fs::path& file)
+{
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension != ".png") throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG alone", "let the output's name end with .png");
+}
+
+}  // namespace
+
+void add_to(CLI::App& app, RenderArguments& a)
+{
+    app.add_option("trees", a.trees, "Trees, drawn together")->required();
+    app.add_option("-o,--output", a.output, "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")->required();
+    app.add_flag("--overwrite", a.overwrite, "Replace pictures that are there");
+
+    const char* group = "Where from (default: the whole, seen obliquely)";
+    CLI::Option* const eye = app.add_option("--eye", a.eye, "Where the camera is, x y z in source coordinates")->expected(3)->group(group);
+    CLI::Option* const target = app.add_option("--target", a.target, "What it looks at (default: the middle)")->expected(3)->group(group);
+    CLI::Option* const up = app.add_option("--up", a.up, "What is up in the picture (default: 0 0 1)")->expected(3)->group(group);
+    CLI::Option* const angle = app.add_option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)")->group(group);
+    CLI::Option* const parallel = app.add_flag("--orthographic", a.orthographic, "Parallel, not in perspective")->group(group)->excludes(angle);
+    CLI::Option* const height =
+        app.add_option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")->group(group)->excludes(angle);
+    app.add_option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
+        ->group(group)
+        ->excludes(eye)
+        ->excludes(target)
+        ->excludes(up)
+        ->excludes(angle)
+        ->excludes(parallel)
+        ->excludes(height);
+
+    group = "How it looks";
+    app.add_option("--size", a.size, "WIDTHxHEIGHT in pixels")->capture_default_str()->group(group);
+    app.add_option("--splats", a.splats, "What points are drawn as: " + listed(names_of(SplatMode::perspective)))
+        ->capture_default_str()
+        ->check(CLI::IsMember(names_of(SplatMode::perspective)))
+        ->group(group);
+    app.add_option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(ColourMode::uniform)))
+        ->capture_default_str()
+        ->check(CLI::IsMember(names_of(ColourMode::uniform)))
+        ->group(group);
+    app.add_option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")->group(group);
+    app.add_option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")->capture_default_str()->check(CLI::Range(0.1, 1000.0))->group(group);
+    app.add_option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")->capture_default_str()->check(CLI::Range(1e-6, 1e6))->group(group);
+    app.add_option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")->capture_default_str()->check(CLI::Range(1, 8))->group(group);
+    app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 100.0))
+        ->group(group);
+    app.add_option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")->capture_default_str()->group(group);
+
+    group = "How much is drawn";
+    app.add_option("--until", a.until, "full: every point in view; target: until --target-px is reached, or as many points as the budgets allow in a frame")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"full", "target"}))
+        ->group(group);
+    app.add_option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")->capture_default_str()->check(CLI::Range(0.01, 1e6))->group(group);
+    app.add_option("--frame-budget", a.frame_budget_ms, "Milliseconds that drawing a frame may take (default: no limit)")->check(CLI::PositiveNumber)->group(group);
+    app.add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str()->check(CLI::PositiveNumber)->group(group);
+    app.add_option("--l1", a.l1, "Video memory for chunks, e.g. 256M (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
+    app.add_option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
+    app.add_option("-t,--threads", a.threads, "Threads that load (default: one a processor)")->check(CLI::Range(1, 256));
+    add_common(app, a.common);
+}
+
+PictureSize size_of(const RenderArguments& arguments)
+{
+    PictureSize size;
+    int end = 0;
+    if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 || static_cast<std::size_t>(end) != arguments.size.size() ||
+        size.width < 1 || size.height < 1)
+        refuse("--size '" + arguments.size + "' is no size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
+    return size;
+}
+
+Background background_of(const RenderArguments& arguments)
+{
+    if (arguments.background == "transparent") return {true, {0, 0, 0, 0}};
+    if (arguments.background == "black") return {false, {0, 0, 0, 1}};
+    if (arguments.background == "white") return {false, {1, 1, 1, 1}};
+    const std::array<float, 3> c = colour_of(arguments.background, "--background");
+    return {false, {c[0], c[1], c[2], 1}};
+}
+
+CloudStyle style_of(const RenderArguments& arguments)
+{
+    CloudStyle style = arguments.style;
+    style.splats = mode_of(arguments.splats, SplatMode::perspective);
+    style.colour = mode_of(arguments.colour, ColourMode::uniform);
+    if (!arguments.uniform_colour.empty()) {
+        style.colour = ColourMode::uniform;
+        style.uniform_colour = colour_of(arguments.uniform_colour, "--uniform-colour");
+    }
+    return style;
+}
+
+RenderOptions options_of(const RenderArguments& arguments)
+{
+    RenderOptions options = arguments.options;
+    options.converge = arguments.until == "full";
+    // Nobody waits for a frame here but Ctrl-C, and the lists of what is to be loaded, which each frame makes anew.
+    options.upload_budget_ms = 50;
+    options.frame_budget_ms = arguments.frame_budget_ms ? *arguments.frame_budget_ms : options.converge ? 250 : std::numeric_limits<double>::infinity();
+    options.prefetch_frames = 0;
+    return options;
+}
+
+std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size)
+{
+    if (!arguments.path.empty()) return CameraPath::read(arguments.path).placed(box).frames;
+    const bool parallel = arguments.orthographic || arguments.height;
+    CameraFrame frame = overview_of(box, parallel ? std::nullopt : std::optional<double>(arguments.angle.value_or(45)), size.width, size.height);
+    if (arguments.height) frame.height = *arguments.height;
+    if (!arguments.up.empty()) frame.up = vector_of(arguments.up);
+    const Vec3d eye = frame.eye, target = frame.target;
+    if (!arguments.target.empty()) frame.target = vector_of(arguments.target);
+    if (!arguments.eye.empty())
+        frame.eye = vector_of(arguments.eye);
+    else
+        for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + (eye[a] - target[a]);
+    check(frame);
+    return {frame};
+}
+
+std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pictures)
+{
+    const std::string& output = arguments.output;
+    const fs::path as_path = output;
+    std::vector<fs::path> files;
+    std::error_code ignored;
+    if (const auto pattern = pattern_of(output)) {
+        require_png(as_path);
+        for (std::size_t i = 1; i <= pictures; ++i) files.emplace_back(output.substr(0, pattern->begin) + numbered(i, pattern->digits) + output.substr(pattern->end));
+    } else if (arguments.path.empty()) {
+        require_png(as_path);
+        files.push_back(as_path);
+    } else if (as_path.has_extension() && !fs::is_directory(as_path, ignored)) {
+        throw Error(ErrorCode::invalid_argument, as_path, "the " + std::to_string(pictures) + " pictures of a path do not go into one file",
+                    "give a folder, or a name with a place for the number, as in picture%04d.png");
+    } else {
+        const int digits = std::max(4, static_cast<int>(std::to_string(pictures).size()));
+        for (std::size_t i = 1; i <= pictures; ++i) files.push_back(as_path / (numbered(i, digits) + ".png"));
+    }
+    for (const fs::path& file : files) {
+        const fs::file_status status = fs::status(file, ignored);
+        if (!fs::exists(status)) continue;
+        if (!arguments.overwrite) throw Error(ErrorCode::exists, file, "the output is there already", "choose another name, or overwrite it");
+        if (!fs::is_regular_file(status))
+            throw Error(ErrorCode::exists, file, "the output's name is that of something that is not a file", "choose another name");
+    }
+    return files;
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,50 @@
+// What the command line of `pcm render` says.
+#pragma once
+
+#include "cli/common.h"
+#include "gl/renderer.h"
+#include "view/camera_path.h"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::cli {
+
+struct RenderArguments {
+    Common common;
+    std::vector<std::string> trees;
+    std::string output, size = "1280x720", splats = "constant", colour = "rgb", uniform_colour, background = "transparent", until = "full", path;
+    std::vector<double> eye, target, up;
+    std::optional<double> angle, height, frame_budget_ms;
+    bool orthographic = false, overwrite = false;
+    CloudStyle style;
+    RenderOptions options;
+    std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
+    unsigned threads = 0;  // loaders; 0: one a processor
+};
+void add_to(CLI::App& app, RenderArguments& arguments);
+
+// Everything that can be said before a tree is opened. Throws Error(invalid_argument).
+struct PictureSize {
+    int width = 0, height = 0;
+};
+PictureSize size_of(const RenderArguments& arguments);
+struct Background {
+    bool transparent = false;
+    std::array<float, 4> colour{};
+};
+Background background_of(const RenderArguments& arguments);
+CloudStyle style_of(const RenderArguments& arguments);
+RenderOptions options_of(const RenderArguments& arguments);
+
+// The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).
+std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size);
+
+// A file for each of so many pictures: OUTPUT itself for one; NAME%04d.png with numbers from 1 on; FOLDER/0001.png, ... Throws
+// Error(invalid_argument), and Error(exists) for a file that is there and is not to be overwritten.
+std::vector<std::filesystem::path> files_of(const RenderArguments& arguments, std::size_t pictures);
+
+}  // namespace pcm::cli

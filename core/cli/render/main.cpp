@@ -1,0 +1,164 @@
+// pcm render: draws trees to PNG without a window. `pcm` starts it; exit codes are those of `pcm`.
+#include "cli/render/arguments.h"
+#include "cloud/error.h"
+#include "offscreen/offscreen.h"
+#include "offscreen/scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <set>
+#include <thread>
+
+namespace pcm::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+struct Drawn {
+    FrameReport report;
+    double ms = 0;
+    unsigned frames = 0;
+    std::uint64_t uploaded_bytes = 0;
+};
+
+class Job {
+public:
+    Job(const RenderArguments& arguments, const Offscreen& screen, OffscreenScene& scene)
+        : screen_(screen), scene_(scene), style_(style_of(arguments)), options_(options_of(arguments)), background_(background_of(arguments)),
+          progress_(console_progress(arguments.common))
+    {
+    }
+
+    // `number` of `count`: for the progress.
+    Drawn draw(const CameraFrame& camera, std::size_t number, std::size_t count)
+    {
+        const auto start = Clock::now();
+        const View view = scene_.view_of(camera, screen_.width(), screen_.height());
+        const std::uint64_t uploaded = scene_.l1_statistics().uploaded_bytes;
+        scene_.forget();
+        Drawn drawn;
+        auto last_change = Clock::now();
+        std::uint64_t last_sum = 0;
+        for (;;) {
+            screen_.clear(background_.colour);
+            drawn.report = scene_.draw(view, style_, options_);
+            ++drawn.frames;
+            if (!drawn.report.error.empty()) throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + drawn.report.error);
+            for (const CloudReport& cloud : drawn.report.clouds)
+                if (!cloud.error.empty()) throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + cloud.error);
+            if (!drawn.report.refining) break;
+            const std::string stage = "Drawing, " + grouped(drawn.report.points_drawn) + " points";
+            if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)})) throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
+            const std::uint64_t sum = drawn.report.points_drawn + scene_.l1_statistics().uploaded_bytes + scene_.loaded_bytes();
+            if (sum != last_sum) last_change = Clock::now();
+            last_sum = sum;
+            if (seconds_since(last_change) > longest_standstill)
+                throw Error(ErrorCode::io, {}, "the picture is not complete, and nothing was loaded or drawn for " + brief(longest_standstill) + " s",
+                            "video memory may be too small for a chunk: give more with --l1");
+            if (!drawn.report.repaint) scene_.wait();
+        }
+        drawn.ms = 1000 * seconds_since(start);
+        drawn.uploaded_bytes = scene_.l1_statistics().uploaded_bytes - uploaded;
+        return drawn;
+    }
+
+    void write(const std::filesystem::path& file) const
+    {
+        Image image = screen_.read();
+        if (background_.transparent) unpremultiply(image);
+        write_png(file, image, background_.transparent);
+    }
+
+private:
+    static constexpr double longest_standstill = 60;  // seconds
+    const Offscreen& screen_;
+    OffscreenScene& scene_;
+    CloudStyle style_;
+    RenderOptions options_;
+    Background background_;
+    ProgressFunction progress_;
+};
+
+int render(const RenderArguments& arguments)
+{
+    const auto start = Clock::now();
+    const PictureSize size = size_of(arguments);
+    background_of(arguments);
+    if (arguments.path.empty()) files_of(arguments, 1);  // what can be refused is refused before anything is opened
+    L1Options l1;
+    l1.capacity_bytes = arguments.l1;
+    L2Options l2;
+    l2.capacity_bytes = arguments.l2;
+    l2.threads = arguments.threads ? arguments.threads : std::max(1u, std::thread::hardware_concurrency());
+    const Offscreen screen(size.width, size.height);
+    OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
+    const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
+    const std::vector<std::filesystem::path> files = files_of(arguments, cameras.size());
+    std::filesystem::path folder = files.front().parent_path();
+    if (!arguments.path.empty() && !folder.empty()) std::filesystem::create_directories(folder);
+
+    Json pictures = Json::array();
+    std::set<std::string> notices;
+    double longest_ms = 0;
+    std::uint64_t most_points = 0;
+    bool full = true;
+    Job job(arguments, screen, scene);
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+        const Drawn drawn = job.draw(cameras[i], i, cameras.size());
+        job.write(files[i]);
+        for (const CloudReport& cloud : drawn.report.clouds)
+            if (!cloud.notice.empty()) notices.insert(cloud.notice);
+        longest_ms = std::max(longest_ms, drawn.ms);
+        most_points = std::max(most_points, drawn.report.points_drawn);
+        full = full && drawn.report.full_resolution;
+        if (arguments.common.json)
+            pictures.push_back({{"file", files[i].string()},
+                                {"points_drawn", drawn.report.points_drawn},
+                                {"screen_error_px", drawn.report.screen_error_px},
+                                {"full_resolution", drawn.report.full_resolution},
+                                {"ms", drawn.ms},
+                                {"frames", drawn.frames},
+                                {"uploaded_bytes", drawn.uploaded_bytes}});
+    }
+    end_progress(arguments.common);
+    const double seconds = seconds_since(start);
+    if (arguments.common.json) {
+        Json json;
+        json["trees"] = arguments.trees;
+        json["width"] = size.width;
+        json["height"] = size.height;
+        json["drawn_with"] = screen.renderer();
+        json["notes"] = notices;
+        json["seconds"] = seconds;
+        json["peak_rss_bytes"] = peak_rss_bytes();
+        json["pictures"] = pictures;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (const std::string& notice : notices) std::printf("note: %s\n", notice.c_str());
+    const char* const whole = full ? "every point in view" : "as many points as were asked for";
+    if (files.size() == 1)
+        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(most_points).c_str(), whole, time_text(seconds).c_str());
+    else
+        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(), files.back().c_str(),
+                    grouped(most_points).c_str(), whole, time_text(longest_ms / 1000).c_str());
+    std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
+    return 0;
+}
+
+}  // namespace
+}  // namespace pcm::cli
+
+int main(int argc, char** argv)
+{
+    CLI::App app{"Draw trees to PNG, from a camera or along a path, without a window"};
+    app.name("pcm render");
+    pcm::cli::RenderArguments arguments;
+    pcm::cli::add_to(app, arguments);
+    int result = 0;
+    app.callback([&] { result = pcm::cli::render(arguments); });
+    return pcm::cli::run(app, argc, argv, result);
+}
