@@ -1,0 +1,274 @@
+#!/usr/bin/env python3
+"""Pictures against frame time: how far what is drawn in a given time is from the full-resolution picture.
+
+    run.py --bin BUILD/bin --out FOLDER [--quick | --smoke] [--cloud NAME=FILE]... [--path FILE]... [--work FOLDER] [--again STUDY]...
+        [--fly TREE] [--fly-budget MS] [--python FILE]
+    run.py --out FOLDER --report       plots and report of what is in FOLDER, nothing is measured
+
+FOLDER gets results.csv (a row for each run), sys_info.txt, plots and report.md. A generated cloud, and each --cloud (a file that `pcm convert` reads, of a few million
+points), is given radii and normals (splats.py) and built into WORK (by default FOLDER/work). Each path is replayed at the pace of a display with each
+splat mode and budget, and pictures of it are compared with the full-resolution ones. --fly flies through a large tree with caches much smaller than it, and
+looks for regions that go blank. Needs the packages of requirements.txt; --python names an interpreter that has them.
+
+What is in results.csv is not measured again, so a run that was interrupted goes on where it was.
+"""
+import argparse
+import importlib.util
+import json
+import os
+import pathlib
+import random
+import shutil
+import statistics
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent / "caches"))  # machine, paths, table; what has the same name here goes first
+
+
+def require_packages():
+    """Starts anew with --python; 77, which skips a test, where the packages are not there."""
+    if "--python" in sys.argv[:-1]:
+        at = sys.argv.index("--python")
+        interpreter = sys.argv[at + 1]
+        if not os.path.exists(interpreter):
+            print(f"skipped: {interpreter} is not there; packaging/test-python makes it")
+            sys.exit(77)
+        os.execv(interpreter, [interpreter, "-B", *sys.argv[:at], *sys.argv[at + 2:]])
+    missing = [name for name in ("numpy", "scipy", "matplotlib", "skimage", "flip_evaluator") if not importlib.util.find_spec(name)]
+    if missing:
+        print(f"skipped: Python packages are missing: {' '.join(missing)} (see {HERE / 'requirements.txt'})")
+        sys.exit(77)
+
+
+require_packages()
+import machine  # noqa: E402
+import metrics  # noqa: E402
+import paths  # noqa: E402
+import plan  # noqa: E402
+import report  # noqa: E402
+import splats  # noqa: E402
+from table import Table  # noqa: E402
+
+
+def call(command):
+    result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise RuntimeError(f"{' '.join(str(part) for part in command)}: {(result.stderr or result.stdout).strip()[-500:] or result.returncode}")
+    return result.stdout
+
+
+def quantile(values, q):
+    """Nearest rank."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, max(0, -int(-q * len(ordered) // 1) - 1))]
+
+
+def frame_figures(drawn):
+    """Of the lists that bench_pictures prints."""
+    return {"frame_ms_median": statistics.median(drawn["frame_ms"]), "frame_ms_p99": quantile(drawn["frame_ms"], 0.99), "frame_ms_max": max(drawn["frame_ms"]),
+            "points_drawn": statistics.median(drawn["points_drawn"]), "screen_error_px": statistics.median(drawn["screen_error_px"]),
+            "uploaded_mb_a_frame": statistics.fmean(drawn["uploaded_bytes"]) / 1e6, "uploaded_mb_max": max(drawn["uploaded_bytes"]) / 1e6,
+            "upload_ms_p99": quantile(drawn["upload_ms"], 0.99), "upload_ms_max": max(drawn["upload_ms"]), "frames": len(drawn["frame_ms"])}
+
+
+class Run:
+    def __init__(self, arguments, size):
+        self.arguments, self.size = arguments, size
+        self.program, self.pcm = arguments.bin / "bench_pictures", arguments.bin / "pcm"
+        self.work = (arguments.work or arguments.out / "work").resolve()
+        self.work.mkdir(parents=True, exist_ok=True)
+        self.trees, self.failed = {}, 0
+
+    def make_tree(self, name, source):
+        tree = self.work / f"{name.replace(' ', '-')}.pct"
+        self.trees[name] = tree
+        if (tree / "index.pct").exists():
+            return
+        print(f"building {tree.name}", flush=True)
+        plain, with_splats = self.work / "plain.ply", self.work / "splats.ply"
+        call([self.pcm, "convert", source, plain, "--overwrite"])
+        splats.add_splats(plain, with_splats)
+        call([self.pcm, "build", with_splats, "-o", tree, "--json"])
+        plain.unlink()
+        with_splats.unlink()
+
+    def make_clouds(self):
+        if self.size.points:
+            name = f"scene-{self.size.points}"
+            if not (self.work / f"{name}.pct" / "index.pct").exists():
+                call([self.pcm, "generate", "-n", self.size.points, "--no-truth", self.work / f"{name}.las"])
+            self.make_tree(name, self.work / f"{name}.las")
+        for text in self.arguments.cloud:
+            name, _, file = text.rpartition("=")
+            self.make_tree(name or pathlib.Path(file).stem, file)
+
+    def make_paths(self):
+        files = {name: file for name, file in paths.write(self.work / "paths", self.size.frames).items() if name in self.size.paths}
+        for file in self.arguments.path:
+            files[json.loads(file.read_text(encoding="utf-8")).get("name", file.stem)] = file
+        return files
+
+    def draw(self, mode, tree, path, folder, every, *options):
+        """What bench_pictures prints; its pictures are in the folder, and nothing else is."""
+        shutil.rmtree(folder, ignore_errors=True)
+        return json.loads(call([self.program, mode, tree, "--path", path, "--out", folder, "--every", every, "--size", self.size.picture, *options]))
+
+    def references(self, cloud, path_name, path, mode):
+        """Folder of the full-resolution pictures."""
+        folder = self.work / "references" / f"{cloud}-{path_name}-{mode}".replace(" ", "-")
+        done = folder / "done.json"
+        wanted = {"every": self.size.every, "frames": self.size.frames, "size": self.size.picture}
+        if not done.exists() or json.loads(done.read_text()) != wanted:
+            self.draw("reference", self.trees[cloud], path, folder, self.size.every, "--splats", mode)
+            done.write_text(json.dumps(wanted))
+        return folder
+
+    def measure(self, table):
+        self.make_clouds()
+        path_files = self.make_paths()
+        rows = plan.configurations(self.size, self.trees, path_files)
+        todo = []
+        for repetition in range(1, self.size.repeat + 1):
+            turn = [{**row, "repetition": repetition} for row in rows]
+            random.Random(repetition).shuffle(turn)
+            todo += [row for row in turn if not table.has(row)]
+        print(f"{len(rows)} configurations, {self.size.repeat} repetitions; {len(todo)} runs are to be made", flush=True)
+        for number, row in enumerate(todo):
+            path = path_files[row["path"]]
+            try:
+                own = self.references(row["cloud"], row["path"], path, row["mode"])
+                best = self.references(row["cloud"], row["path"], path, "perspective")
+                load = os.getloadavg()[0]
+                drawn = self.draw("replay", self.trees[row["cloud"]], path, self.work / "drawn", self.size.every, "--splats", row["mode"], "--passes", 2,
+                                  "--pace-ms", self.size.pace_ms, *plan.options(row))
+            except RuntimeError as error:
+                self.failed += 1
+                print(f"failed: {error}", file=sys.stderr, flush=True)
+                continue
+            table.add({**row, "load": load, **frame_figures(drawn), **self.compare(own, best, self.work / "drawn", row["mode"])})
+            if (number + 1) % 20 == 0 or number + 1 == len(todo):
+                print(f"{number + 1} of {len(todo)} runs", flush=True)
+        return rows
+
+    @staticmethod
+    def compare(own, best, drawn, mode):
+        """Means over the pictures: against the mode's own full-resolution picture, and against that of the perspective mode."""
+        figures = {"flip": [], "ssim": [], "holes": [], "flip_of_mode": [], "flip_to_perspective": [], "holes_to_perspective": []}
+        for file in sorted(drawn.glob("*.png")):
+            picture, reference, perspective = metrics.read(file), metrics.read(own / file.name), metrics.read(best / file.name)
+            figures["flip"].append(metrics.flip(reference, picture))
+            figures["ssim"].append(metrics.ssim(reference, picture))
+            figures["holes"].append(metrics.holes(reference, picture))
+            same = mode == "perspective"
+            figures["flip_of_mode"].append(0.0 if same else metrics.flip(perspective, reference))
+            figures["flip_to_perspective"].append(figures["flip"][-1] if same else metrics.flip(perspective, picture))
+            figures["holes_to_perspective"].append(metrics.holes(perspective, picture))
+        return {name: statistics.fmean(values) for name, values in figures.items()}
+
+    def fly(self, table, tree):
+        """A large tree, caches much smaller than it: does anything go blank that had points before?"""
+        a, size = self.arguments, self.size
+        row = {"study": "fly-through", "cloud": tree.stem, "path": "fly-over", "mode": "constant", "variant": "feedback", "budget": a.fly_budget, "repetition": 1}
+        if table.has(row):
+            return
+        print(f"flying through {tree.name}", flush=True)
+        path = paths.write(self.work / "fly-paths", size.fly_frames)["fly-over"]
+        reference, drawn_folder = self.work / "fly-reference", self.work / "fly-drawn"
+        self.draw("reference", tree, path, reference, size.fly_every, "--to-target", "--target-px", 1.4)
+        load = os.getloadavg()[0]
+        drawn = self.draw("replay", tree, path, drawn_folder, 1, "--frame-budget-ms", a.fly_budget, "--pace-ms", size.pace_ms, "--l1-mb", a.fly_l1, "--l2-mb", a.fly_l2,
+                          "--upload-ms", a.fly_upload)
+        blank, gone, held = 0, 0, []
+        for file in sorted(reference.glob("*.png")):
+            picture, whole = metrics.read(drawn_folder / file.name), metrics.read(file)
+            before = drawn_folder / f"{int(file.stem) - 1:04d}.png"
+            one, two = metrics.blank_tiles(whole, picture, metrics.read(before) if before.exists() else None)
+            blank, gone = blank + one, gone + two
+            held.append(metrics.holes(whole, picture))
+        # A chunk is uploaded whatever it takes, so a frame's limit can be passed by one chunk.
+        over = sum(ms > a.fly_upload and chunks > 1 for ms, chunks in zip(drawn["upload_ms"], drawn["uploaded_chunks"]))
+        table.add({**row, "load": load, **frame_figures(drawn), "holes": statistics.fmean(held), "blank_tiles": blank, "blank_tiles_that_had_points": gone,
+                   "pictures": len(held), "l1_mb": a.fly_l1, "l2_mb": a.fly_l2, "l1_allocated_mb": drawn["l1_allocated_mb"], "loaded_mb": drawn["loaded_mb"],
+                   "upload_limit_ms": a.fly_upload, "frames_over_upload_limit": over, "points": json.loads(call([self.pcm, "info", tree, "--json"]))["points"]})
+
+
+def check_smoke(table, rows, out):
+    """Every configuration has sound figures, and with a budget that holds the whole cloud the picture is the reference."""
+    assert all(table.has({**row, "repetition": 1}) for row in rows), "a configuration was not measured"
+    for row in Table(table.file).select(study="error"):
+        assert 0 <= row["flip"] <= 1 and -1 <= row["ssim"] <= 1 and 0 <= row["holes"] <= 1 and row["frame_ms_median"] > 0 and row["points_drawn"] > 0, row
+    for path in plan.SMOKE.paths:
+        for variant in ("best first", "root first"):
+            few, many = (table.select(study="error", mode="constant", variant=variant, budget=b, path=path)[0] for b in plan.SMOKE.budgets)
+            assert few["points_drawn"] <= plan.SMOKE.budgets[0] and many["points_drawn"] >= few["points_drawn"], (few, many)
+            assert many["flip"] <= few["flip"] and many["holes"] <= few["holes"], (few, many)
+    fly = table.select(study="fly-through")[0]
+    assert fly["pictures"] == plan.SMOKE.fly_frames // plan.SMOKE.fly_every, fly
+    text = (out / "report.md").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        if line.startswith("!["):
+            assert (out / line.rpartition("(")[2].rstrip(")")).stat().st_size > 1000, line
+    assert "## At equal frame time" in text and "## A fly-through" in text
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", type=pathlib.Path, help="where pcm and bench_pictures are")
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--work", type=pathlib.Path, help="for clouds, trees and pictures")
+    parser.add_argument("--python", help="start with this interpreter")
+    parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, besides the generated one")
+    parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, besides the generated ones")
+    parser.add_argument("--points", type=lambda t: int(float(t)), help="of the generated cloud; 0: none")
+    parser.add_argument("--repeat", type=int)
+    parser.add_argument("--again", action="append", default=[], metavar="STUDY", help="measure it again, whatever results.csv has of it: error, fly-through")
+    parser.add_argument("--fly", type=pathlib.Path, metavar="TREE", help="a large tree to fly through")
+    parser.add_argument("--fly-budget", type=float, default=33, help="frame budget, ms")
+    parser.add_argument("--fly-upload", type=float, default=3, help="limit of uploads in a frame, ms")
+    parser.add_argument("--fly-l1", type=float, default=32, help="MiB")
+    parser.add_argument("--fly-l2", type=float, default=64, help="MiB")
+    parser.add_argument("--no-error", action="store_true", help="without the study of error against frame time")
+    parser.add_argument("--report", action="store_true", help="only plots and report")
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--quick", action="store_true", help="a smaller cloud, fewer frames and budgets, once")
+    group.add_argument("--smoke", action="store_true", help="tiny, once: that it works")
+    arguments = parser.parse_args()
+    size = plan.SMOKE if arguments.smoke else plan.QUICK if arguments.quick else plan.FULL
+    size.points = size.points if arguments.points is None else arguments.points
+    size.repeat = arguments.repeat or size.repeat
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    if arguments.smoke:
+        (arguments.out / "results.csv").unlink(missing_ok=True)
+    table = Table(arguments.out / "results.csv")
+    for study in arguments.again:
+        table.drop(study)
+    if arguments.report:
+        report.write(table, arguments.out)
+        return
+    if not arguments.bin:
+        parser.error("--bin is needed to measure")
+    run = Run(arguments, size)
+    try:
+        about = json.loads(call([run.program, "about"]))
+    except RuntimeError as error:
+        if not arguments.smoke:
+            raise
+        print(f"skipped: {error}")
+        sys.exit(77)
+    if not (arguments.out / "sys_info.txt").exists():
+        version = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True, check=False).stdout.strip()
+        (arguments.out / "sys_info.txt").write_text(machine.describe(run.work, about, version or "of unknown source"), encoding="utf-8")
+    rows = [] if arguments.no_error else run.measure(table)
+    if arguments.fly or arguments.smoke:
+        run.fly(table, (arguments.fly or next(iter(run.trees.values()))).resolve())
+    report.write(table, arguments.out)
+    if run.failed:
+        sys.exit(f"{run.failed} runs failed; they are made again when this is started again")
+    if arguments.smoke:
+        check_smoke(table, rows, arguments.out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,262 @@
+// pcm render as a user meets it: pictures, JSON, exit codes.
+
+#include "command.h"
+
+#include <fstream>
+#include <iterator>
+
+namespace {
+
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& file)
+{
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class RenderWithout : public CommandTest {};
+
+// Debian's packages and other people's scripts may take pcm alone.
+TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
+{
+    fs::copy_file(PCM_CLI, folder_ / "pcm");
+    const std::string command = path("pcm") + " render a.pct -o a.png 2>" + path("said.txt");
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+    const std::string said = bytes_of(folder_ / "said.txt");
+    EXPECT_NE(said.find((folder_ / "pcm-render").string()), std::string::npos) << said;
+    EXPECT_NE(said.find("is not there"), std::string::npos) << said;
+    EXPECT_NE(pcm("--help").out.find("render"), std::string::npos);
+}
+
+TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
+{
+    const std::string program = bytes_of(PCM_CLI);
+    for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"}) EXPECT_EQ(program.find(library), std::string::npos) << library;
+}
+
+}  // namespace
+
+#ifdef PCM_HAVE_RENDER
+
+#include "offscreen/image.h"
+
+namespace {
+
+using pcm::Image;
+using pcm::read_png;
+
+class Render : public CommandTest {
+protected:
+    void SetUp() override
+    {
+        write_las(folder_ / "in.las", records(Shape::surface, 20000, 4), {{0.01, 0.01, 0.01}, {500000, 4800000, 0}});
+        ASSERT_EQ(pcm("build --chunk-points 1000 " + path("in.las")).code, 0);
+        const Result tried = pcm("render " + path("in.pct") + " -o " + path("tried.png") + " --size 16x16");
+        if (tried.err.find("no OpenGL context") != std::string::npos) GTEST_SKIP() << tried.err;
+        ASSERT_EQ(tried.code, 0) << tried.err;
+    }
+    // Its JSON; of small pictures.
+    Json render(const std::string& arguments, const std::string& size = "160x120")
+    {
+        const Result result = pcm("render --json --size " + size + " " + arguments);
+        EXPECT_EQ(result.code, 0) << arguments << ": " << result.err;
+        return result.code == 0 ? Json::parse(result.out) : Json();
+    }
+    Image picture(const std::string& name) { return read_png(folder_ / name); }
+    static std::size_t covered(const Image& image)
+    {
+        std::size_t count = 0;
+        for (std::size_t i = 3; i < image.rgba.size(); i += 4) count += image.rgba[i] > 0;
+        return count;
+    }
+};
+
+TEST_F(Render, TheWholeCloudInFull)
+{
+    const Json json = render(path("in.pct") + " -o " + path("a.png"));
+    ASSERT_EQ(json["pictures"].size(), 1u);
+    const Json& drawn = json["pictures"][0];
+    EXPECT_EQ(drawn["points_drawn"], 20000);
+    EXPECT_EQ(drawn["full_resolution"], true);
+    EXPECT_EQ(drawn["screen_error_px"], 0);
+    EXPECT_GE(drawn["uploaded_bytes"], 20000 * 12);
+    EXPECT_GT(drawn["ms"], 0);
+    EXPECT_EQ(drawn["file"], (folder_ / "a.png").string());
+    EXPECT_FALSE(json["drawn_with"].get<std::string>().empty());
+    const Image image = picture("a.png");
+    EXPECT_EQ(image.width, 160);
+    EXPECT_EQ(image.height, 120);
+    EXPECT_GT(covered(image), 160u * 120 / 10);
+    EXPECT_EQ(image.pixel(0, 0)[3], 0);  // the background is transparent
+
+    // The same again, whatever the budgets and the memory are: full resolution is every point.
+    for (const char* budget : {"", " --point-budget 900", " --frame-budget 1", " --l1 1M", " --target-px 50 --threads 1"}) {
+        const Json again = render(path("in.pct") + " --overwrite -o " + path("b.png") + budget);
+        EXPECT_EQ(again["pictures"][0]["full_resolution"], true) << budget;
+        EXPECT_EQ(again["pictures"][0]["points_drawn"], 20000) << budget;
+        EXPECT_EQ(picture("b.png"), image) << budget;
+    }
+    const Result text = pcm("render --size 32x32 " + path("in.pct") + " -o " + path("c.png"));
+    EXPECT_NE(text.out.find("20,000 points, every point in view"), std::string::npos) << text.out;
+}
+
+TEST_F(Render, UntilTheTargetWithinABudget)
+{
+    const Json few = render(path("in.pct") + " -o " + path("few.png") + " --until target --target-px 0.01 --point-budget 3000");
+    EXPECT_LE(few["pictures"][0]["points_drawn"], 3000);
+    EXPECT_GT(few["pictures"][0]["points_drawn"], 0);
+    EXPECT_EQ(few["pictures"][0]["full_resolution"], false);
+    EXPECT_GT(few["pictures"][0]["screen_error_px"], 0);
+    const Json target = render(path("in.pct") + " -o " + path("target.png") + " --until target --target-px 3");
+    EXPECT_LE(target["pictures"][0]["screen_error_px"], 3);
+    EXPECT_LT(target["pictures"][0]["points_drawn"], 20000);
+}
+
+TEST_F(Render, TheBackgroundAndTheColourAreThoseAskedFor)
+{
+    render(path("in.pct") + " -o " + path("a.png") + " --background white --uniform-colour '#ff8000'");
+    Image image = picture("a.png");
+    EXPECT_EQ(image.pixel(0, 0)[0], 255);
+    EXPECT_EQ(image.pixel(0, 0)[2], 255);
+    std::size_t orange = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        const std::uint8_t* p = &image.rgba[i];
+        EXPECT_EQ(p[3], 255);
+        const bool white = p[0] == 255 && p[1] == 255 && p[2] == 255;
+        const bool point = p[0] == 255 && p[1] == 128 && p[2] == 0;
+        ASSERT_TRUE(white || point) << int(p[0]) << ' ' << int(p[1]) << ' ' << int(p[2]);
+        orange += point;
+    }
+    EXPECT_GT(orange, 1000u);
+    // With several samples a pixel, those at edges are between; without a background they keep their colour.
+    render(path("in.pct") + " --overwrite -o " + path("a.png") + " --samples 4 --point-size 3.5 --uniform-colour 255,128,0");
+    image = picture("a.png");
+    std::size_t partly = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        const std::uint8_t* p = &image.rgba[i];
+        if (p[3] == 0) continue;
+        EXPECT_NEAR(p[0], 255, 3);
+        EXPECT_NEAR(p[1], 128, 3);
+        EXPECT_NEAR(p[2], 0, 3);
+        partly += p[3] < 255;
+    }
+    EXPECT_GT(partly, 0u);
+}
+
+TEST_F(Render, TheCameraIsWhereItIsPut)
+{
+    LasRecord point{};
+    point.x = 1000;
+    point.y = 2000;
+    point.z = 300;
+    point.red = 65535;
+    LasRecord other = point;
+    other.x += 300;  // 3 units to the right, seen from above with y upwards
+    other.red = 0;
+    other.blue = 65535;
+    write_las(folder_ / "two.las", {point, other}, {{0.01, 0.01, 0.01}, {0, 0, 0}});
+    ASSERT_EQ(pcm("build " + path("two.las")).code, 0);
+    // Ten units from bottom to top are 100 pixels.
+    render(path("two.pct") + " -o " + path("a.png") + " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10 --point-size 4", "100x100");
+    const Image image = picture("a.png");
+    EXPECT_EQ(covered(image), 2u * 16);
+    EXPECT_EQ(image.pixel(50, 50)[0], 255);
+    EXPECT_EQ(image.pixel(80, 50)[2], 255);
+    EXPECT_EQ(image.pixel(20, 50)[3], 0);
+    // In perspective, 90 degrees, 5 units away: the same ten units.
+    render(path("two.pct") + " -o " + path("b.png") + " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90 --point-size 4", "100x100");
+    EXPECT_EQ(picture("b.png"), image);
+    // The whole of it without a camera.
+    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + " --point-size 4"), picture("c.png"))), 2u * 16);
+    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("d.png") + " --point-size 4 --orthographic"), picture("d.png"))), 2u * 16);
+}
+
+TEST_F(Render, APathIsAPictureAFrame)
+{
+    std::ofstream(folder_ / "way.json") << R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
+        {"eye": [0, -3, 2], "target": [0, 0, 0], "angle": 45}, {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "height": 2.5, "rest": true}]})";
+    const Json json = render(path("in.pct") + " --path " + path("way.json") + " -o " + path("out/deep"));
+    ASSERT_EQ(json["pictures"].size(), 2u);
+    for (const char* name : {"out/deep/0001.png", "out/deep/0002.png"}) EXPECT_GT(covered(picture(name)), 1000u) << name;
+    for (const Json& drawn : json["pictures"]) EXPECT_EQ(drawn["full_resolution"], true);
+    EXPECT_FALSE(picture("out/deep/0001.png") == picture("out/deep/0002.png"));
+    const Result text = pcm("render --size 160x120 " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w%02d.png"));
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_NE(text.out.find("2 pictures"), std::string::npos) << text.out;
+    EXPECT_EQ(bytes_of(folder_ / "w02.png"), bytes_of(folder_ / "out/deep/0002.png"));
+    const Result one = pcm("render " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w.png"));
+    EXPECT_EQ(one.code, 1);
+    EXPECT_NE(one.err.find("picture%04d.png"), std::string::npos) << one.err;
+}
+
+TEST_F(Render, SeveralTreesAtOnce)
+{
+    write_las(folder_ / "more.las", records(Shape::volume, 3000, 9), {{0.01, 0.01, 0.01}, {500000, 4800000, 0}});
+    ASSERT_EQ(pcm("build --chunk-points 1000 " + path("more.las")).code, 0);
+    const Json json = render(path("in.pct") + " " + path("more.pct") + " -o " + path("a.png"));
+    EXPECT_EQ(json["pictures"][0]["points_drawn"], 23000);
+    EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
+}
+
+TEST_F(Render, WhatTheCloudLacksIsSaid)
+{
+    const Json json = render(path("in.pct") + " -o " + path("a.png") + " --splats perspective");
+    ASSERT_EQ(json["notes"].size(), 1u);
+    EXPECT_NE(json["notes"][0].get<std::string>().find("radi"), std::string::npos) << json["notes"];
+}
+
+TEST_F(Render, RefusesWithTheReason)
+{
+    const auto refused = [&](const std::string& arguments, int code, const std::string& part) {
+        const Result result = pcm("render " + arguments);
+        EXPECT_EQ(result.code, code) << arguments << result.out;
+        EXPECT_NE((result.err + result.out).find(part), std::string::npos) << arguments << ": " << result.err;
+    };
+    const std::string in = path("in.pct") + " ", out = " -o " + path("a.png") + " ";
+    refused("", 2, "required");
+    refused(in, 2, "--output");
+    refused(in + "-o " + path("a.jpg"), 1, "PNG");
+    refused(in + "-o " + path("a%s.png"), 1, "%");
+    refused(in + "-o " + path("tried.png"), 1, "already");
+    refused(in + out + "--size 12", 1, "12");
+    refused(in + out + "--size 100000x100000", 1, "100000");
+    refused(in + out + "--colour pink", 2, "pink");
+    refused(in + out + "--splats round", 2, "round");
+    refused(in + out + "--background pink", 1, "pink");
+    refused(in + out + "--background 1,2,300", 1, "1,2,300");
+    refused(in + out + "--samples 0", 2, "samples");
+    refused(in + out + "--angle 180", 1, "180");
+    refused(in + out + "--height -1", 1, "height");
+    refused(in + out + "--eye 1 2", 2, "--eye");
+    refused(in + out + "--eye 1 2 3 --target 1 2 3", 1, "'eye'");
+    refused(in + out + "--angle 50 --height 3", 2, "xclude");
+    refused(in + out + "--path " + path("none.json"), 1, "none.json");
+    refused(path("none.pct") + out, 1, "none.pct");
+    refused(in + in + out, 1, "twice");
+    refused(in + "-o " + path("none/a.png"), 1, "none/a.png");
+    EXPECT_FALSE(fs::exists(folder_ / "a.png"));
+    EXPECT_EQ(pcm("render --help").code, 0);
+    EXPECT_NE(pcm("render --help").out.find("pcm render"), std::string::npos);
+}
+
+TEST_F(Render, ADamagedTreeGivesNoPicture)
+{
+    for (const auto& entry : fs::directory_iterator(folder_ / "in.pct")) {
+        if (entry.path().extension() != ".bpc") continue;
+        std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+        for (std::uintmax_t at = 300; at < entry.file_size(); at += 301) {
+            file.seekp(static_cast<std::streamoff>(at));
+            file.put('#');
+        }
+    }
+    const Result result = pcm("render " + path("in.pct") + " -o " + path("a.png"));
+    EXPECT_EQ(result.code, 1) << result.out;
+    EXPECT_NE(result.err.find(".bpc"), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder_ / "a.png"));
+}
+
+}  // namespace
+
+#endif
