@@ -226,6 +226,7 @@ TEST_F(Render, RefusesWithTheReason)
     refused(in + out + "--splats round", 2, "round");
     refused(in + out + "--background pink", 1, "pink");
     refused(in + out + "--background 1,2,300", 1, "1,2,300");
+    refused(in + out + "--l1 100K", 1, "video memory");
     refused(in + out + "--samples 0", 2, "samples");
     refused(in + out + "--angle 180", 1, "180");
     refused(in + out + "--height -1", 1, "height");

@@ -139,7 +139,7 @@ void add_to(CLI::App& app, RenderArguments& a)
     app.add_option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")->capture_default_str()->check(CLI::Range(0.01, 1e6))->group(group);
     app.add_option("--frame-budget", a.frame_budget_ms, "Milliseconds that drawing a frame may take (default: no limit)")->check(CLI::PositiveNumber)->group(group);
     app.add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str()->check(CLI::PositiveNumber)->group(group);
-    app.add_option("--l1", a.l1, "Video memory for chunks, e.g. 256M (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
+    app.add_option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
     app.add_option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
     app.add_option("-t,--threads", a.threads, "Threads that load (default: one a processor)")->check(CLI::Range(1, 256));
     add_common(app, a.common);

@@ -90,6 +90,7 @@ int render(const RenderArguments& arguments)
     if (arguments.path.empty()) files_of(arguments, 1);  // what can be refused is refused before anything is opened
     L1Options l1;
     l1.capacity_bytes = arguments.l1;
+    l1.block_bytes = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(arguments.l1, std::uint64_t(1) << 20, l1.block_bytes));
     L2Options l2;
     l2.capacity_bytes = arguments.l2;
     l2.threads = arguments.threads ? arguments.threads : std::max(1u, std::thread::hardware_concurrency());
