@@ -90,7 +90,7 @@ class Run:
         plain, with_splats = self.work / "plain.ply", self.work / "splats.ply"
         call([self.pcm, "convert", source, plain, "--overwrite"])
         splats.add_splats(plain, with_splats)
-        call([self.pcm, "build", with_splats, "-o", tree, "--json"])
+        call([self.pcm, "build", with_splats, "-o", tree, "--json", *(["--chunk-points", self.size.chunk_points] if self.size.chunk_points else [])])
         plain.unlink()
         with_splats.unlink()
 
