@@ -73,14 +73,13 @@ void main()
 layout(location = 2) in float radius;  // source units; 0 for a point without one
 
 uniform float radius_scale;
-uniform float least_radius;
 uniform float eye_scale;  // eye units in a source unit
 uniform vec2 viewport;    // pixels
 
 uniform float least_pixels;  // of its diameter on the screen
 
 // `pixel` is what a pixel covers where the point is, in source units.
-float radius_of_splat(float pixel) { return max(max(radius * radius_scale, least_radius), 0.5 * least_pixels * pixel); }
+float radius_of_splat(float pixel) { return max(radius * radius_scale, 0.5 * least_pixels * pixel); }
 
 // Outside of the clip volume, whatever convention it has.
 void draw_nothing()

@@ -54,7 +54,7 @@ struct Permutation {
 struct Program {
     ShaderProgram program;
     bool doubles = false;
-    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_radius = -1, least_pixels = -1, point_size = -1;
+    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_pixels = -1, point_size = -1;
 
     void set(GLint place, const Vec3d& v) const
     {
@@ -239,7 +239,7 @@ struct SplatPass::Impl {
         p.samples = p.is_disc() && device->sample_mask ? samples : 1;
         p.doubles = p.mode == SplatMode::perspective && device->doubles && may_use_doubles;
         if (p.mode != SplatMode::constant) {
-            const double radius = std::max(static_cast<double>(entry.largest_radius) * static_cast<double>(style.radius_scale), static_cast<double>(look.least_radius));
+            const double radius = static_cast<double>(entry.largest_radius) * static_cast<double>(style.radius_scale);
             const Box3d box = box_of(entry);
             double largest = p.mode == SplatMode::dynamic ? camera->largest_square(box, radius) : camera->largest_box(box, radius);
             // A disc of so few pixels, seen in perspective, is hardly larger than they say.
@@ -274,7 +274,6 @@ struct SplatPass::Impl {
         program.height = program.program.uniform("height");
         program.uniform_colour = program.program.uniform("uniform_colour");
         program.from_eye = program.program.uniform("from_eye");
-        program.least_radius = program.program.uniform("least_radius");
         program.least_pixels = program.program.uniform("least_pixels");
         program.point_size = program.program.uniform("point_size");
         return programs.emplace(p, std::move(program)).first->second;
@@ -338,7 +337,6 @@ struct SplatPass::Impl {
         glUniform3fv(program.reference, 1, reference);
         program.set(program.translation, camera->eye_of(local));
         program.set(program.from_eye, {local[0] - camera->eye[0], local[1] - camera->eye[1], local[2] - camera->eye[2]});
-        glUniform1f(program.least_radius, look.least_radius);
         glUniform1f(program.least_pixels, look.least_px);
         if (program.point_size >= 0)
             glUniform1f(program.point_size, std::clamp(std::max(style.point_size_px, look.least_px), 1.0f, static_cast<float>(device->point_most)));

@@ -46,10 +46,8 @@ namespace pcm {
 struct ChunkLook {
     float level = 0;
     float error_px = 0;
-    // Source units. Points of a coarse level are farther apart than their radii, which are those of the whole cloud; with the level's
-    // spacing here they leave no holes.
-    float least_radius = 0;
-    // The same in pixels, of a side or a diameter, where the point is: closes gaps that are that large on the screen. Constant splats too.
+    // Pixels, of a side or a diameter. Points of a coarse level are farther apart than their radii, which are those of the whole cloud; with
+    // the level's spacing on the screen here they leave no gaps.
     float least_px = 0;
 };
 

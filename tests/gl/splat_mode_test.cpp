@@ -384,12 +384,40 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     }
     EXPECT_LE(different, 4u);  // at silhouettes
     EXPECT_GT(covered, 500u);
-    // A least radius is one that even such points have.
+    // A least size is one that even such points have.
     ChunkLook look;
-    look.least_radius = 0.25f;
+    look.least_px = 8;
     const Drawn c = draw(scene, view, style_of(SplatMode::perspective), true, look);
     for (int d = 0; d < 4; ++d)
         EXPECT_TRUE(std::any_of(c.colours.begin(), c.colours.end(), [&](const Pixel& p) { return SplatScene::disc_of(p) == d; })) << d;
+}
+
+// Small splats become as large as is asked for, in every mode and place; larger ones stay as they are.
+TEST(SplatMode, GapsAreFilled)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    constexpr double pi = 3.14159265358979323846;
+    for (const View& view : {perspective_view(), parallel_view()})
+        for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})
+            for (const double depth : {3.0, 9.0}) {
+                // Facing the view, so that discs are as large as squares.
+                const SplatScene scene(fine_grid(), {{{-0.4 * depth, 0, -depth}, {0, 0, 1}, 1e-4}, {{0.3 * depth, 0.2 * depth, -depth}, {0, 0, 1}, 1e-4}});
+                const auto covered = [&](const SplatScene& of, float least_px) {
+                    ChunkLook look;
+                    look.least_px = least_px;
+                    std::size_t count = 0;
+                    for (const Pixel& p : draw(of, view, style_of(mode), true, look).colours) count += p.a != 0;
+                    return static_cast<double>(count);
+                };
+                for (const float size : {6.0f, 13.0f, 20.0f}) {
+                    const bool square = mode == SplatMode::constant || mode == SplatMode::dynamic;
+                    const double one = static_cast<double>(size * size) * (square ? 1 : pi / 4);
+                    EXPECT_NEAR(covered(scene, size), 2 * one, 0.12 * 2 * one + 4) << name_of(mode) << " at " << depth << ", " << size << " px";
+                }
+                if (mode == SplatMode::constant) continue;
+                const SplatScene large(fine_grid(), {{{0, 0, -depth}, {0, 0, 1}, 0.4}});
+                EXPECT_EQ(covered(large, 6), covered(large, 0)) << name_of(mode);
+            }
 }
 
 TEST(SplatMode, ColoursByLevelErrorHeightAndOneForAll)
