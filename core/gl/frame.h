@@ -23,6 +23,7 @@ struct FrameCloud {
     std::vector<NodeId> window;     // to be loaded
     std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn, pixels
     float fill_px = 0;              // see ChunkLook::least_px
+    bool filled = false;            // some of its splats are larger than their own size
 };
 
 struct Frame {

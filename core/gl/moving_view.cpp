@@ -8,6 +8,8 @@
 namespace pcm {
 namespace {
 
+constexpr double largest_gap_of_loading = 3;  // times the target
+
 // What of each tree is there; asks for what is not, and for what a moving view will need.
 void load(Frame& frame, const SceneSelection& selection, const SceneSelection* later)
 {
@@ -94,6 +96,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
             if (std::isfinite(node.error_px)) left_out = std::max(left_out, node.error_px);
         }
         cloud.fill_px = frame.options.fill_gaps ? fill_of(left_out, cloud.style) : 0;
+        cloud.filled = cloud.fill_px > 0;
     }
 
     p.target.clear();
@@ -101,12 +104,17 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     report.clouds.resize(frame.clouds.size());
     timed(frame, [&](Strokes& strokes) {
         for (const SceneSelection::Place& place : selection.order) {
-            const FrameCloud& cloud = frame.clouds[place.tree];
+            FrameCloud& cloud = frame.clouds[place.tree];
             if (!drawn[place.tree][place.index]) continue;
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
             const VertexEntry* const entry = cloud.feed->find(node.node);
             if (!entry) continue;
-            strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.fill_px);
+            // What is still coming leaves gaps too; not all of a large chunk has them, so these splats stay moderate.
+            const float residual = cloud.residual[place.index];
+            const double coming = std::min(static_cast<double>(residual), largest_gap_of_loading * std::max(frame.options.target_spacing_px, 1.0));
+            const float fill_px = frame.options.fill_gaps ? std::max(cloud.fill_px, fill_of(coming, cloud.style)) : 0;
+            cloud.filled = cloud.filled || fill_px > 0;
+            strokes.draw(cloud, node, *entry, residual, fill_px);
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry->points;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});

@@ -29,7 +29,7 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
     rest.added = lod.order.size();
     rest.held = lod.order.size();
     rest.points_of.assign(frame.clouds.size(), 0);
-    if (std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& cloud) { return cloud.fill_px > 0; })) {
+    if (std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& cloud) { return cloud.filled; })) {
         rest.behind = true;
         rest.added = 0;
         const FrameReport& report = frame.report;
