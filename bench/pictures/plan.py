@@ -27,7 +27,7 @@ class Size:
 
 SMOKE = Size(points=40_000, paths=["fly-over", "plan"], frames=6, every=3, milliseconds=[50], budgets=[4_000, 20_000], repeat=1, picture="160x120", pace_ms=1,
              fly_frames=8, fly_every=2, chunk_points=1000)
-QUICK = Size(points=1_500_000, paths=["fly-over", "orbit"], frames=40, every=10, milliseconds=[10, 20, 40, 80, 160], budgets=[30_000, 60_000, 125_000, 250_000, 500_000],
+QUICK = Size(points=1_500_000, paths=["fly-over", "orbit"], frames=24, every=8, milliseconds=[15, 30, 60, 120], budgets=[30_000, 75_000, 200_000, 500_000],
              repeat=1, picture="640x480", pace_ms=33, fly_frames=240, fly_every=8)
 FULL = Size(points=2_000_000, paths=["fly-over", "walk-through", "orbit", "plan"], frames=120, every=10, milliseconds=[8, 16, 33, 66, 133, 250],
             budgets=[30_000, 60_000, 125_000, 250_000, 500_000, 1_000_000, 2_000_000], repeat=5, picture="640x480", pace_ms=33, fly_frames=600, fly_every=6)

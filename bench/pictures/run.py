@@ -80,6 +80,7 @@ class Run:
         self.work = (arguments.work or arguments.out / "work").resolve()
         self.work.mkdir(parents=True, exist_ok=True)
         self.trees, self.failed = {}, 0
+        self.of_modes = {}  # file: FLIP between the references of a mode and of the perspective one
 
     def make_tree(self, name, source):
         tree = self.work / f"{name.replace(' ', '-')}.pct"
@@ -129,10 +130,12 @@ class Run:
         self.make_clouds()
         path_files = self.make_paths()
         rows = plan.configurations(self.size, self.trees, path_files)
+        # In random order, so that all meet the same machine; but one path after the other, so that there are whole curves when it is ended early.
         todo = []
         for repetition in range(1, self.size.repeat + 1):
             turn = [{**row, "repetition": repetition} for row in rows]
             random.Random(repetition).shuffle(turn)
+            turn.sort(key=lambda row: (list(self.trees).index(row["cloud"]), list(path_files).index(row["path"])))
             todo += [row for row in turn if not table.has(row)]
         print(f"{len(rows)} configurations, {self.size.repeat} repetitions; {len(todo)} runs are to be made", flush=True)
         for number, row in enumerate(todo):
@@ -152,8 +155,7 @@ class Run:
                 print(f"{number + 1} of {len(todo)} runs", flush=True)
         return rows
 
-    @staticmethod
-    def compare(own, best, drawn, mode):
+    def compare(self, own, best, drawn, mode):
         """Means over the pictures: against the mode's own full-resolution picture, and against that of the perspective mode."""
         figures = {"flip": [], "ssim": [], "holes": [], "flip_of_mode": [], "flip_to_perspective": [], "holes_to_perspective": []}
         for file in sorted(drawn.glob("*.png")):
@@ -162,7 +164,9 @@ class Run:
             figures["ssim"].append(metrics.ssim(reference, picture))
             figures["holes"].append(metrics.holes(reference, picture))
             same = mode == "perspective"
-            figures["flip_of_mode"].append(0.0 if same else metrics.flip(perspective, reference))
+            if own / file.name not in self.of_modes:
+                self.of_modes[own / file.name] = 0.0 if same else metrics.flip(perspective, reference)
+            figures["flip_of_mode"].append(self.of_modes[own / file.name])
             figures["flip_to_perspective"].append(figures["flip"][-1] if same else metrics.flip(perspective, picture))
             figures["holes_to_perspective"].append(metrics.holes(perspective, picture))
         return {name: statistics.fmean(values) for name, values in figures.items()}

@@ -217,19 +217,34 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     const Vec3d back = unit({-0.5, -1, 0.8});
     for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + size * back[a];
     const Axes axes = axes_of(frame);
-    const double aspect = static_cast<double>(width) / height, margin = 1.05;
-    const double tangent = angle ? std::tan(*angle / 2 * degree) : 0;
-    double away = 0, half_height = 0;
-    for (unsigned number = 0; number < 8; ++number) {
-        const Vec3d p = minus(corner(box, number), frame.target);
-        const double half = margin * std::max(std::abs(dot(axes.up, p)), std::abs(dot(axes.right, p)) / aspect);
-        half_height = std::max(half_height, half);
-        if (angle) away = std::max(away, dot(axes.back, p) + half / tangent);
+    const double margin = 1.05, aspect = static_cast<double>(width) / height;
+    const double slope = angle ? std::tan(*angle / 2 * degree) / margin : 1;  // half of the picture's height over the distance, less the margin
+    // Along the picture's width and height. In perspective a corner p is seen when |p.axis - shift| <= (away - p.back) * slope: for both signs the
+    // largest p.back +- p.axis / slope bounds `away`, and the shift that makes both bounds alike makes it least. Parallel: no p.back.
+    Vec3d shift{0, 0, 0};
+    double away = 0.01 * size, half_height = 0.01 * size;
+    for (unsigned number = 0; number < 8; ++number)  // by a wide angle the nearest corner could be at the eye
+        away = std::max(away, dot(axes.back, minus(corner(box, number), frame.target)) + 0.05 * size);
+    for (const bool across : {true, false}) {
+        const Vec3d& axis = across ? axes.right : axes.up;
+        const double s = across ? slope * aspect : slope;
+        double most = -std::numeric_limits<double>::infinity(), least = most;
+        for (unsigned number = 0; number < 8; ++number) {
+            const Vec3d p = minus(corner(box, number), frame.target);
+            const double depth = angle ? dot(axes.back, p) : 0;
+            most = std::max(most, depth + dot(axis, p) / s);
+            least = std::max(least, depth - dot(axis, p) / s);
+        }
+        for (std::size_t a = 0; a < 3; ++a) shift[a] += axis[a] * s * (most - least) / 2;
+        away = std::max(away, (most + least) / 2);
+        half_height = std::max(half_height, margin * (most + least) / 2);
     }
-    frame.height = angle ? 0 : 2 * std::max(half_height, 0.01 * size);
+    frame.height = angle ? 0 : 2 * half_height;
     if (!angle) away = size;
-    away = std::max(away, 0.01 * size);
-    for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + away * back[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+        frame.target[a] += shift[a];
+        frame.eye[a] = frame.target[a] + away * back[a];
+    }
     return frame;
 }
 

@@ -131,13 +131,18 @@ TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
                 const View view = view_of(frame, box.centre(), box, width, height);
                 ASSERT_TRUE(Frustum::of(view));
                 double largest = 0;
+                Box3d shown;
                 for (unsigned corner = 0; corner < 8; ++corner) {
                     const Vec3d p = on_screen(view, {corner & 1u ? box.max[0] : box.min[0], corner & 2u ? box.max[1] : box.min[1], corner & 4u ? box.max[2] : box.min[2]});
                     largest = std::max({largest, std::abs(p[0]), std::abs(p[1])});
+                    shown.extend(p);
                     EXPECT_LE(std::abs(p[2]), 1);
                 }
                 EXPECT_LE(largest, 1 / 1.05 + 1e-6);
-                if (box.diagonal() > 0) EXPECT_GT(largest, 0.9) << box.max[1] << ' ' << width;
+                if (box.diagonal() == 0 || angle == 120) continue;  // a wide angle keeps away from the nearest corner
+                EXPECT_GT(largest, 1 / 1.05 - 1e-6) << box.max[1] << ' ' << width;
+                const std::size_t tight = shown.extent(0) > shown.extent(1) ? 0 : 1;  // what fills the picture is in its middle
+                EXPECT_NEAR(shown.min[tight], -shown.max[tight], 1e-6);
             }
     EXPECT_THROW(overview_of(Box3d(), 45, 10, 10), Error);
 }

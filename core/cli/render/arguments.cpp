@@ -195,7 +195,10 @@ std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3
     if (arguments.height) frame.height = *arguments.height;
     if (!arguments.up.empty()) frame.up = vector_of(arguments.up);
     const Vec3d eye = frame.eye, target = frame.target;
-    if (!arguments.target.empty()) frame.target = vector_of(arguments.target);
+    if (!arguments.target.empty())
+        frame.target = vector_of(arguments.target);
+    else if (!arguments.eye.empty())
+        frame.target = box.centre();
     if (!arguments.eye.empty())
         frame.eye = vector_of(arguments.eye);
     else
