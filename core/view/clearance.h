@@ -12,7 +12,7 @@ namespace pcm {
 
 struct ClearanceLimits {
     std::size_t nodes = 4096;             // looked at, most
-    std::uint64_t points = 400'000;       // compared, most; a chunk is compared whole or not at all
+    std::uint64_t points = 200'000;       // compared, most; a chunk is compared whole or not at all
 };
 
 // Source units; least <= (distance to the nearest point) <= distance. The two are equal where the chunks that matter are in memory.

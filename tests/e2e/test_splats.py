@@ -111,6 +111,8 @@ class Splats(MeshLabTest):
             {shot}{p["plain"]}
             {setting}Samples = 2
             {shot}{p["samples"]}
+            unfold
+            pause 200
             screen {self.result("screen.png")}
             {setting}Samples = 0
             {setting}EyeDomeLighting = 1
@@ -190,6 +192,43 @@ class Splats(MeshLabTest):
         self.assertGreater(different(p["left"], p["right"]), 0.1)
         # The same points to a rounding of the splats' edges.
         self.assertLess(different(p["left-moved"], p["right"]), SAME_PICTURE)
+
+    def test_full_resolution_within_budgets(self):
+        """A view that rests ends with the same picture whatever a frame may take: time, points, video memory for a third of the cloud."""
+        _, tree = self.generate("scene", 1500000, "--seed", 5)
+        free, tight, moved = (self.result(f"{name}.png") for name in ("free", "tight", "moved"))
+        setting = "parameter MeshLab::PointCloud::"
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            {setting}FrameBudget = 100000
+            open {tree}
+            wait-layers 1
+            drag 0.5 0.6 0.52 0.45
+            wheel -4
+            wait-status complete, full resolution
+            picture {free}
+            {setting}FrameBudget = 5
+            {setting}PointBudget = 0.1
+            {setting}VideoMemory = 8
+            {setting}Memory = 16
+            wait-status complete, full resolution
+            picture {tight}
+            drag 0.5 0.5 0.55 0.5
+            drag 0.55 0.5 0.5 0.5
+            wait-status complete, full resolution
+            picture {moved}
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(different(free, tight), 0)
+        # More than a million points are in view, and a frame adds a hundred thousand.
+        drawn = [(int(points), int(frame)) for points, frame in re.findall(r"driver: picture .* (\d+) points of .* frame (\d+)", run.text)]
+        self.assertEqual(len(drawn), 3)
+        self.assertGreater(drawn[0][0], 1000000)
+        self.assertGreaterEqual(drawn[1][1] - drawn[0][1], 10)
+        # There and back the camera is the same but for a last bit.
+        self.assertLess(different(free, moved), SAME_PICTURE)
 
     def test_measuring_tool(self):
         """MeshLab's Measuring Tool takes its points from the depth that our splats leave, with multisampling and without."""

@@ -22,6 +22,7 @@
 #include <QScreen>
 #include <QStatusBar>
 #include <QTimer>
+#include <QTreeWidget>
 #include <QVariantMap>
 
 #include <unistd.h>
@@ -382,6 +383,10 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
               : command == "move-to" ? QEvent::MouseMove
                                      : QEvent::MouseButtonRelease,
               at);
+        return Done::yes;
+    }
+    if (command == "unfold") {  // what the layer panel has folded, as a layer's decorators
+        for (QTreeWidget* tree : window()->findChildren<QTreeWidget*>()) tree->expandAll();
         return Done::yes;
     }
     if (command == "show-layer") {  // show-layer ID on|off, in this view
