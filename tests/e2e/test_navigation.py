@@ -223,6 +223,66 @@ class Navigation(MeshLabTest):
         self.assertGreater(math.hypot(*way), 0)
         self.assertAlmostEqual(dot(way, direction(c["suspended"])) / math.hypot(*way), -1, places=2)
 
+    def test_meshes(self):
+        """A mesh without any cloud is walked around too, at a speed that its box says; y is up there until U says otherwise."""
+        mesh = self.folder / "mesh.ply"
+        mesh.write_text("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                        "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                        "0 0 0\n10 0 0\n10 10 0\n0 10 0\n3 0 1 2\n3 0 2 3\n")
+        run = self.gui(f"""
+            wait-view
+            open {mesh}
+            wait-layers 1
+            print-camera opened
+            trigger First Person Navigation
+            wait-log (now y)
+            pause 100
+            print-layers
+            key-down W
+            wait-moving
+            pause 150
+            key-up W
+            wait-standing
+            print-camera walked
+            key-down E
+            wait-moving
+            pause 100
+            key-up E
+            wait-standing
+            print-camera above
+            key-down U
+            key-up U
+            wait-log z is up
+            key-down PgUp
+            wait-moving
+            pause 100
+            key-up PgUp
+            wait-standing
+            print-camera nearer
+            trigger First Person Navigation
+            trigger Delete Current Mesh
+            wait-layers 0
+            trigger First Person Navigation
+            key-down W
+            pause 50
+            key-up W
+            trigger First Person Navigation
+            pause 50
+            quit
+            """)
+        self.assertDriven(run)
+        c = run.cameras()
+        self.assertEqual([layer["modified"] for layer in run.layers()], [False])
+        # Straight towards the middle of the square, from as far away as its plane is.
+        self.assertLess(c["walked"]["eye"][2], c["opened"]["eye"][2])
+        self.assertGreater(c["walked"]["eye"][2], 0)
+        self.assertTrue(c["walked"]["eye"][2] - 0.01 <= c["walked"]["reach"] <= c["opened"]["eye"][2] + 0.01, c["walked"])
+        # E goes along y, and then along z.
+        self.assertGreater(c["above"]["eye"][1], c["walked"]["eye"][1])
+        self.assertAlmostEqual(c["above"]["eye"][2], c["walked"]["eye"][2], delta=1e-3)
+        self.assertGreater(c["nearer"]["eye"][2], c["above"]["eye"][2])
+        self.assertAlmostEqual(c["nearer"]["eye"][1], c["above"]["eye"][1], delta=1e-3)
+
     def test_orbit_about_the_picked_point(self):
         """A double click makes the point under it what the trackball turns about, at map coordinates too."""
         picked = {}

@@ -278,6 +278,7 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
                                   {"min", QJsonArray{box.min[0], box.min[1], box.min[2]}},
                                   {"max", QJsonArray{box.max[0], box.max[1], box.max[2]}},
                                   {"colours", layer->hasDataMask(MeshModel::MM_VERTCOLOR)},
+                                  {"modified", layer->meshModified()},
                                   {"quality", layer->hasDataMask(MeshModel::MM_VERTQUALITY)},
                                   {"attributes", QJsonArray::fromStringList(attributes)}};
             say("layer " + QJsonDocument(described).toJson(QJsonDocument::Compact));
