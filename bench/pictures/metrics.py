@@ -36,6 +36,12 @@ def holes(reference, picture):
     return float((covered & (picture[:, :, 3] == 0)).sum() / max(1, covered.sum()))
 
 
+def spill(reference, picture):
+    """Pixels that this one covers and the reference does not, as a share of those that the reference covers: splats larger than what they stand for."""
+    covered = reference[:, :, 3] > 0
+    return float((~covered & (picture[:, :, 3] > 0)).sum() / max(1, covered.sum()))
+
+
 def tiles(covered):
     """Number of covered pixels in each tile of 16 x 16; what is left at the right and lower edge is dropped."""
     rows, columns = covered.shape[0] // TILE, covered.shape[1] // TILE

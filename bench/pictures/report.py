@@ -11,7 +11,7 @@ import plan  # noqa: E402
 from table import median  # noqa: E402
 
 COLOURS = {"feedback": "#1b6ca8", "best first": "#3a8f4d", "root first": "#d1662c", "constant": "#1b6ca8", "dynamic": "#3a8f4d", "affine": "#8d4fa3", "perspective": "#d1662c"}
-FIGURES = {"flip": "FLIP error", "ssim": "SSIM", "holes": "hole fraction"}
+FIGURES = {"flip": "FLIP error", "ssim": "SSIM", "holes": "hole fraction", "spill": "spill fraction"}
 BASELINE, OURS = "root first", "feedback"
 
 
@@ -95,7 +95,7 @@ def rows_of(header, rows):
 
 def equal_time(table, clouds, all_paths):
     """Ours against the baseline, which is interpolated at our frame times."""
-    rows, better = [], {"flip": [0, 0], "holes": [0, 0], "ssim": [0, 0]}
+    rows, better = [], {name: [0, 0] for name in FIGURES}
     for cloud in clouds:
         for path in all_paths:
             for mode in plan.MODES:
@@ -115,7 +115,7 @@ def equal_time(table, clouds, all_paths):
     if not rows:
         return lines + ["No frame times overlap.", ""]
     lines += [", ".join(f"{FIGURES[name]} at least as good in {count[0]} of {count[1]}" for name, count in better.items()) + ".", ""]
-    return lines + rows_of(["cloud", "path", "mode", "ms", "FLIP, ours", "baseline", "SSIM, ours", "baseline", "holes, ours", "baseline"], rows)
+    return lines + rows_of(["cloud", "path", "mode", "ms", "FLIP, ours", "baseline", "SSIM, ours", "baseline", "holes, ours", "baseline", "spill, ours", "baseline"], rows)
 
 
 def modes(table, clouds, all_paths):
@@ -136,7 +136,7 @@ def modes(table, clouds, all_paths):
 
 
 def all_figures(table, clouds, all_paths):
-    columns = ["flip", "ssim", "holes", "frame_ms_median", "frame_ms_p99", "points_drawn", "screen_error_px", "uploaded_mb_a_frame"]
+    columns = ["flip", "ssim", "holes", "spill", "frame_ms_median", "frame_ms_p99", "points_drawn", "screen_error_px", "uploaded_mb_a_frame"]
     rows = []
     for cloud in clouds:
         for path in all_paths:
@@ -146,7 +146,7 @@ def all_figures(table, clouds, all_paths):
                         where = dict(study="error", cloud=cloud, path=path, mode=mode, variant=variant, budget=budget)
                         unit = " ms" if variant == OURS else ""
                         rows.append([cloud, path, mode, variant, f"{budget:,}{unit}", *(number(median(table.series(c, **where))) for c in columns)])
-    return ["## All figures", "", *rows_of(["cloud", "path", "mode", "variant", "budget", "FLIP", "SSIM", "holes", "ms", "ms, 99 %", "points", "error, px", "MB uploaded a frame"], rows)]
+    return ["## All figures", "", *rows_of(["cloud", "path", "mode", "variant", "budget", "FLIP", "SSIM", "holes", "spill", "ms", "ms, 99 %", "points", "error, px", "MB uploaded a frame"], rows)]
 
 
 def fly_through(table):
@@ -173,8 +173,8 @@ def write(table, out):
         lines += ["```", (out / "sys_info.txt").read_text(encoding="utf-8").strip(), "```", ""]
     if clouds:
         loads = [r["load"] for r in table.select(study="error")]
-        lines += ["FLIP, SSIM and the fraction of holes (pixels that the full-resolution picture covers and this one does not) are means over the pictures of a path, on black. Frame times include",
-                  f"everything until the last pixel. Load of the machine while this was measured: {min(loads):.1f} to {max(loads):.1f}.", ""]
+        lines += ["FLIP, SSIM, the fraction of holes (pixels that the full-resolution picture covers and this one does not) and of spill (pixels that this one covers and the full-resolution one does",
+                  f"not, as a share of those that it does) are means over the pictures of a path, on black. Frame times include everything until the last pixel. Load of the machine while this was measured: {min(loads):.1f} to {max(loads):.1f}.", ""]
         for variant, what in plan.VARIANTS.items():
             lines.append(f"- *{variant}*: {what}")
         lines.append("")

@@ -135,7 +135,7 @@ class Run:
         for repetition in range(1, self.size.repeat + 1):
             turn = [{**row, "repetition": repetition} for row in rows]
             random.Random(repetition).shuffle(turn)
-            turn.sort(key=lambda row: (list(self.trees).index(row["cloud"]), list(path_files).index(row["path"])))
+            turn.sort(key=lambda row: (list(path_files).index(row["path"]), list(self.trees).index(row["cloud"])))
             todo += [row for row in turn if not table.has(row)]
         print(f"{len(rows)} configurations, {self.size.repeat} repetitions; {len(todo)} runs are to be made", flush=True)
         for number, row in enumerate(todo):
@@ -157,12 +157,13 @@ class Run:
 
     def compare(self, own, best, drawn, mode):
         """Means over the pictures: against the mode's own full-resolution picture, and against that of the perspective mode."""
-        figures = {"flip": [], "ssim": [], "holes": [], "flip_of_mode": [], "flip_to_perspective": [], "holes_to_perspective": []}
+        figures = {"flip": [], "ssim": [], "holes": [], "spill": [], "flip_of_mode": [], "flip_to_perspective": [], "holes_to_perspective": []}
         for file in sorted(drawn.glob("*.png")):
             picture, reference, perspective = metrics.read(file), metrics.read(own / file.name), metrics.read(best / file.name)
             figures["flip"].append(metrics.flip(reference, picture))
             figures["ssim"].append(metrics.ssim(reference, picture))
             figures["holes"].append(metrics.holes(reference, picture))
+            figures["spill"].append(metrics.spill(reference, picture))
             same = mode == "perspective"
             if own / file.name not in self.of_modes:
                 self.of_modes[own / file.name] = 0.0 if same else metrics.flip(perspective, reference)
