@@ -56,15 +56,20 @@ uniform vec3 uniform_colour;
 vec3 colour_of_point() { return uniform_colour; }
 #endif
 
+uniform float eye_scale;     // eye units in a source unit
+uniform float least_radius;  // source units, but
+uniform float least_pixels;  // no more than so many of a diameter on the screen
+
 #if !defined(DYNAMIC) && !defined(AFFINE) && !defined(DISC)
 
 uniform float point_size;
+uniform float pixels;  // that a radius of 1 has as a square's side: at a depth of 1, or, when the view is parallel, anywhere
 
 void main()
 {
     vec3 eye = to_eye * (position - reference) + translation;
     gl_Position = projection * vec4(eye, 1.0);
-    gl_PointSize = point_size;
+    gl_PointSize = max(point_size, min(least_pixels, least_radius * eye_scale * pixels / gl_Position.w));
     splat_colour = colour_of_point();
 }
 
@@ -73,13 +78,10 @@ void main()
 layout(location = 2) in float radius;  // source units; 0 for a point without one
 
 uniform float radius_scale;
-uniform float eye_scale;  // eye units in a source unit
 uniform vec2 viewport;    // pixels
 
-uniform float least_pixels;  // of its diameter on the screen
-
 // `pixel` is what a pixel covers where the point is, in source units.
-float radius_of_splat(float pixel) { return max(radius * radius_scale, 0.5 * least_pixels * pixel); }
+float radius_of_splat(float pixel) { return max(radius * radius_scale, min(least_radius, 0.5 * least_pixels * pixel)); }
 
 // Outside of the clip volume, whatever convention it has.
 void draw_nothing()
@@ -103,7 +105,8 @@ void main()
     vec3 eye = to_eye * (position - reference) + translation;
     vec4 place = projection * vec4(eye, 1.0);
     // Equation 7.1 as it is meant: the side is a diameter. No point vanishes for being small.
-    float side = max(max(radius_of_splat(0.0) * eye_scale * pixels / place.w, least_pixels), 1.0);
+    float unit = eye_scale * pixels / place.w;  // pixels of a square's side for a radius of 1
+    float side = max(max(radius * radius_scale * unit, min(least_radius * unit, least_pixels)), 1.0);
     splat_colour = colour_of_point();
     if (!(place.w > 0.0)) {
         draw_nothing();

@@ -10,9 +10,7 @@
 namespace pcm {
 namespace {
 
-// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the spacing and leave no
-// disc of that radius empty. Beyond `largest_fill` pixels a picture says nothing whatever its splats are.
-constexpr double fill_of_spacing = 1.4;
+// Beyond so many pixels a picture says nothing whatever its splats are.
 constexpr double largest_fill = 32;
 
 // The spacing on the screen that a style's own splats are taken to cover.

@@ -22,7 +22,12 @@ struct FrameCloud {
     std::vector<bool> current;      // of its `wanted`: in L1 with the attributes of the style
     std::vector<NodeId> window;     // to be loaded
     std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn, pixels
-    float fill_px = 0;              // see ChunkLook::least_px
+    // How far points are apart where finer ones are not drawn: source units, and on the screen at its nearest point. 0: nowhere too far.
+    struct Gap {
+        double spacing = 0;
+        double spacing_px = 0;
+    };
+    std::vector<Gap> gaps;          // of its `wanted`, below each
     bool filled = false;            // some of its splats are larger than their own size
 };
 
@@ -51,6 +56,10 @@ struct Frame {
 
 double milliseconds_since(Frame::Clock::time_point start);
 
+// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the spacing and leave no
+// disc of that radius empty.
+inline constexpr double fill_of_spacing = 1.4;
+
 // How large splats are to be, in whole pixels, so that this spacing shows no gaps; 0 where the style's own do.
 float fill_of(double spacing_px, const CloudStyle& style);
 
@@ -62,7 +71,7 @@ public:
     {
         if (cloud_) frame_.splats.end();
     }
-    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual, float fill_px)
+    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual, const FrameCloud::Gap& gap)
     {
         if (cloud_ != &cloud) {
             if (cloud_) frame_.splats.end();
@@ -73,7 +82,8 @@ public:
         ChunkLook look;
         look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
         look.error_px = residual;
-        look.least_px = fill_px;
+        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
+        look.least_px = fill_of(gap.spacing_px, cloud.style);
         frame_.splats.draw(entry, look);
         points += entry.points;
     }

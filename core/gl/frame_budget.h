@@ -14,7 +14,7 @@ class FrameBudget {
 public:
     static constexpr std::uint64_t first_guess = 1'000'000;
     static constexpr std::uint64_t least =
-        50'000;  // a view of fewer points says nothing; most devices draw it at once
+        20'000;  // a view of fewer points says nothing; most devices draw it at once
     // What is aimed at, of the time asked for: frames differ, and the slow ones should keep to it too.
     static constexpr double aim = 0.8;
 

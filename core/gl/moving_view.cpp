@@ -8,7 +8,37 @@
 namespace pcm {
 namespace {
 
-constexpr double largest_gap_of_loading = 3;  // times the target
+// What is in view and not drawn leaves gaps between the points of the nodes above it, all the way up.
+void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::vector<bool>& drawn, bool fill)
+{
+    const std::size_t count = selection.wanted.size();
+    cloud.residual.assign(count, 0.0f);
+    cloud.gaps.assign(count, {});
+    cloud.filled = false;
+    const std::vector<Node>& nodes = cloud.tree->nodes();
+    const auto leave = [&](const DetailNode& node) {
+        if (node.ancestor == no_ancestor) return;
+        float& residual = cloud.residual[node.ancestor];
+        residual = std::max(residual, static_cast<float>(node.error_px));
+        FrameCloud::Gap& gap = cloud.gaps[node.ancestor];
+        gap.spacing = std::max(gap.spacing, nodes[nodes[node.node].parent].spacing);
+        gap.spacing_px = std::max(gap.spacing_px, node.error_px);
+    };
+    for (std::size_t i = 0; i < count; ++i)
+        if (!drawn[i]) leave(selection.wanted[i]);
+    for (const DetailNode& node : selection.beyond) leave(node);
+    for (std::size_t i = count; i-- > 0;) {
+        const DetailNode& node = selection.wanted[i];
+        FrameCloud::Gap& gap = cloud.gaps[i];
+        if (node.ancestor != no_ancestor) {
+            FrameCloud::Gap& above = cloud.gaps[node.ancestor];
+            above.spacing = std::max(above.spacing, gap.spacing);
+            above.spacing_px = std::max(above.spacing_px, gap.spacing_px);
+        }
+        if (!fill || fill_of(gap.spacing_px, cloud.style) == 0) gap = {};
+        cloud.filled = cloud.filled || (drawn[i] && gap.spacing > 0);
+    }
+}
 
 // What of each tree is there; asks for what is not, and for what a moving view will need.
 void load(Frame& frame, const SceneSelection& selection, const SceneSelection* later)
@@ -82,21 +112,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
         report.screen_error_px = std::max(report.screen_error_px, set.error_px);
         drawn[t].assign(wanted.wanted.size(), false);
         for (const std::uint32_t i : set.drawn) drawn[t][i] = true;
-        cloud.residual.assign(wanted.wanted.size(), 0.0f);
-        const auto leave = [&](const DetailNode& node) {
-            if (node.ancestor == no_ancestor) return;
-            float& residual = cloud.residual[node.ancestor];
-            residual = std::max(residual, static_cast<float>(node.error_px));
-        };
-        for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
-            if (!drawn[t][i]) leave(wanted.wanted[i]);
-        double left_out = 0;  // best first leaves out what has about the same error everywhere
-        for (const DetailNode& node : wanted.beyond) {
-            leave(node);
-            if (std::isfinite(node.error_px)) left_out = std::max(left_out, node.error_px);
-        }
-        cloud.fill_px = frame.options.fill_gaps ? fill_of(left_out, cloud.style) : 0;
-        cloud.filled = cloud.fill_px > 0;
+        find_gaps(cloud, wanted, drawn[t], frame.options.fill_gaps);
     }
 
     p.target.clear();
@@ -104,17 +120,12 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     report.clouds.resize(frame.clouds.size());
     timed(frame, [&](Strokes& strokes) {
         for (const SceneSelection::Place& place : selection.order) {
-            FrameCloud& cloud = frame.clouds[place.tree];
+            const FrameCloud& cloud = frame.clouds[place.tree];
             if (!drawn[place.tree][place.index]) continue;
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
             const VertexEntry* const entry = cloud.feed->find(node.node);
             if (!entry) continue;
-            // What is still coming leaves gaps too; not all of a large chunk has them, so these splats stay moderate.
-            const float residual = cloud.residual[place.index];
-            const double coming = std::min(static_cast<double>(residual), largest_gap_of_loading * std::max(frame.options.target_spacing_px, 1.0));
-            const float fill_px = frame.options.fill_gaps ? std::max(cloud.fill_px, fill_of(coming, cloud.style)) : 0;
-            cloud.filled = cloud.filled || fill_px > 0;
-            strokes.draw(cloud, node, *entry, residual, fill_px);
+            strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry->points;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});

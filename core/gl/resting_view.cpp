@@ -116,7 +116,7 @@ void draw_resting(Frame& frame)
                 const bool ready = ChunkFeed::is_current(entry, cloud.format);
                 if (ready && strokes.points > 0 && strokes.points + entry->points > budget) break;
                 if (ready) {
-                    strokes.draw(cloud, node, *entry, 0, 0);
+                    strokes.draw(cloud, node, *entry, 0, {});
                     ++rest.nodes;
                     rest.points += entry->points;
                     rest.points_of[rest.all.order[i].tree] += entry->points;

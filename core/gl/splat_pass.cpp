@@ -54,7 +54,7 @@ struct Permutation {
 struct Program {
     ShaderProgram program;
     bool doubles = false;
-    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_pixels = -1, point_size = -1;
+    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_radius = -1, least_pixels = -1;
 
     void set(GLint place, const Vec3d& v) const
     {
@@ -274,8 +274,8 @@ struct SplatPass::Impl {
         program.height = program.program.uniform("height");
         program.uniform_colour = program.program.uniform("uniform_colour");
         program.from_eye = program.program.uniform("from_eye");
+        program.least_radius = program.program.uniform("least_radius");
         program.least_pixels = program.program.uniform("least_pixels");
-        program.point_size = program.program.uniform("point_size");
         return programs.emplace(p, std::move(program)).first->second;
     }
 
@@ -286,11 +286,15 @@ struct SplatPass::Impl {
         const SplatCamera& c = *camera;
         glUniformMatrix4fv(place("projection"), 1, GL_FALSE, c.projection.data());
         program.set_matrix(program.to_eye, c.to_eye);
-        if (p.mode == SplatMode::constant) return;
+        glUniform1f(place("eye_scale"), static_cast<float>(c.scale));
+        if (p.mode == SplatMode::constant) {
+            glUniform1f(place("point_size"), std::clamp(style.point_size_px, 1.0f, static_cast<float>(device->point_most)));
+            glUniform1f(place("pixels"), static_cast<float>(c.square_pixels()));
+            return;
+        }
         const auto width = static_cast<float>(viewport[2]);
         const auto height = static_cast<float>(viewport[3]);
         glUniform1f(place("radius_scale"), style.radius_scale);
-        glUniform1f(place("eye_scale"), static_cast<float>(c.scale));
         glUniform2f(place("viewport"), width, height);
         if (p.mode == SplatMode::dynamic) {
             glUniform1f(place("pixels"), static_cast<float>(c.square_pixels()));
@@ -337,9 +341,8 @@ struct SplatPass::Impl {
         glUniform3fv(program.reference, 1, reference);
         program.set(program.translation, camera->eye_of(local));
         program.set(program.from_eye, {local[0] - camera->eye[0], local[1] - camera->eye[1], local[2] - camera->eye[2]});
-        glUniform1f(program.least_pixels, look.least_px);
-        if (program.point_size >= 0)
-            glUniform1f(program.point_size, std::clamp(std::max(style.point_size_px, look.least_px), 1.0f, static_cast<float>(device->point_most)));
+        glUniform1f(program.least_radius, look.least_radius);
+        glUniform1f(program.least_pixels, std::min(look.least_px, static_cast<float>(device->point_most)));
         if (program.height >= 0) {
             const double bottom = static_cast<double>(info->box.min[2]);
             const double top = static_cast<double>(info->box.max[2]);

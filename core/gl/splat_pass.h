@@ -46,8 +46,9 @@ namespace pcm {
 struct ChunkLook {
     float level = 0;
     float error_px = 0;
-    // Pixels, of a side or a diameter. Points of a coarse level are farther apart than their radii, which are those of the whole cloud; with
-    // the level's spacing on the screen here they leave no gaps.
+    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than constant splats are large.
+    // So that they leave no gaps, splats are at least so large: a radius, source units, but no more than so many pixels of a side.
+    float least_radius = 0;
     float least_px = 0;
 };
 

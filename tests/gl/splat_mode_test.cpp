@@ -386,7 +386,8 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     EXPECT_GT(covered, 500u);
     // A least size is one that even such points have.
     ChunkLook look;
-    look.least_px = 8;
+    look.least_radius = 0.25f;
+    look.least_px = 100;
     const Drawn c = draw(scene, view, style_of(SplatMode::perspective), true, look);
     for (int d = 0; d < 4; ++d)
         EXPECT_TRUE(std::any_of(c.colours.begin(), c.colours.end(), [&](const Pixel& p) { return SplatScene::disc_of(p) == d; })) << d;
@@ -402,8 +403,9 @@ TEST(SplatMode, GapsAreFilled)
             for (const double depth : {3.0, 9.0}) {
                 // Facing the view, so that discs are as large as squares.
                 const SplatScene scene(fine_grid(), {{{-0.4 * depth, 0, -depth}, {0, 0, 1}, 1e-4}, {{0.3 * depth, 0.2 * depth, -depth}, {0, 0, 1}, 1e-4}});
-                const auto covered = [&](const SplatScene& of, float least_px) {
+                const auto covered = [&](const SplatScene& of, float least_px, float least_radius = 1e6f) {
                     ChunkLook look;
+                    look.least_radius = least_radius;
                     look.least_px = least_px;
                     std::size_t count = 0;
                     for (const Pixel& p : draw(of, view, style_of(mode), true, look).colours) count += p.a != 0;
@@ -414,6 +416,11 @@ TEST(SplatMode, GapsAreFilled)
                     const double one = static_cast<double>(size * size) * (square ? 1 : pi / 4);
                     EXPECT_NEAR(covered(scene, size), 2 * one, 0.12 * 2 * one + 4) << name_of(mode) << " at " << depth << ", " << size << " px";
                 }
+                // The other bound: a length.
+                const double focal = view.projection[5] * height / 2 / (view.projection[15] == 0 ? depth : 1);
+                const double side = 2 * 0.15 * focal;
+                const bool round = mode == SplatMode::affine || mode == SplatMode::perspective;
+                EXPECT_NEAR(covered(scene, 1000, 0.15f), 2 * side * side * (round ? pi / 4 : 1), 0.12 * 2 * side * side + 4) << name_of(mode) << " at " << depth;
                 if (mode == SplatMode::constant) continue;
                 const SplatScene large(fine_grid(), {{{0, 0, -depth}, {0, 0, 1}, 0.4}});
                 EXPECT_EQ(covered(large, 6), covered(large, 0)) << name_of(mode);
