@@ -6,9 +6,15 @@
 
 #include <GL/glew.h>
 
+#include <QElapsedTimer>
 #include <QEvent>
+#include <QOpenGLFramebufferObject>
+#include <QThread>
 #include <QTimer>
 #include <QVariantMap>
+
+#include <algorithm>
+#include <cmath>
 
 namespace pcm::host {
 
@@ -17,6 +23,8 @@ namespace {
 // A view that is not finished looks again after this time at the latest. Several views of one cloud share its loader,
 // and what one asks for replaces what another did.
 constexpr int look_again_ms = 250;
+
+constexpr int tile_patience_ms = 30000;  // for one tile of a snapshot
 
 // The scene as MeshLab has set it up for decorators: without any layer's matrix.
 pcm::View scene_view()
@@ -30,6 +38,47 @@ pcm::View scene_view()
     view.height = viewport[3];
     return view;
 }
+
+// MeshLab computes the projection in another way for a snapshot, which rounds differently: it is the same view, and what has been drawn of it
+// is what the user saw. Otherwise `now`.
+const pcm::View& or_the_same(const pcm::View& now, const pcm::View& before)
+{
+    constexpr double rounding = 1e-6;  // a few units of single precision, in which OpenGL keeps its matrices
+    if (now.modelview != before.modelview || now.width != before.width || now.height != before.height) return now;
+    for (std::size_t i = 0; i < 16; ++i)
+        if (!(std::fabs(now.projection[i] - before.projection[i]) <= rounding * std::max(1.0, std::fabs(before.projection[i])))) return now;
+    return before;
+}
+
+// A snapshot of several times the view's resolution is drawn in tiles, each a part of the view magnified to all of it (glarea.cpp: setView,
+// setTiledView; what is vertical there is told by the fov alone).
+bool is_tile(const pcm::View& view, float fov)
+{
+    const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * 3.14159265358979323846 / 360);
+    return view.projection[5] > 1.5 * whole;
+}
+
+// Where frames go that nobody is to see.
+class Aside {
+public:
+    Aside(int width, int height) : buffer_(width, height, QOpenGLFramebufferObject::CombinedDepthStencil)
+    {
+        glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_into_);
+        glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from_);
+        buffer_.bind();
+    }
+    ~Aside()
+    {
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(drawn_into_));
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_from_));
+    }
+    Aside(const Aside&) = delete;
+    Aside& operator=(const Aside&) = delete;
+
+private:
+    QOpenGLFramebufferObject buffer_;
+    GLint drawn_into_ = 0, read_from_ = 0;
+};
 
 // In double: MeshLab applies a layer's matrix for its own drawing only.
 Matrix4d placement_of(const MeshModel& layer)
@@ -140,7 +189,15 @@ void View::draw_scene(const Settings& settings)
         items.push_back(item);
         drawn.push_back(layer);
     }
-    report_ = painter_->renderer().draw(picture_, scene_view(), items, settings.render);
+    const pcm::View view = scene_view();
+    if (is_tile(view, area_->fov)) {
+        report_ = draw_tile(view, items, settings.render);
+    } else {
+        if (tile_) tile_->release();
+        tile_.reset();
+        shown_ = or_the_same(view, shown_);
+        report_ = painter_->renderer().draw(picture_, shown_, items, settings.render);
+    }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
     tell_notices(drawn, settings.style);
@@ -153,6 +210,29 @@ void View::draw_scene(const Settings& settings)
             area_->update();
         });
     }
+}
+
+// MeshLab takes it as it is after this paint, so it is drawn aside until its detail is there; the view's own picture stays what it is.
+FrameReport View::draw_tile(const pcm::View& view, const std::vector<SceneItem>& items, RenderOptions options)
+{
+    if (!tile_) tile_ = std::make_unique<Picture>();
+    options.converge = false;  // to the target spacing, in the snapshot's own pixels
+    options.frame_budget_ms = options.upload_budget_ms = tile_patience_ms;
+    QElapsedTimer taken;
+    taken.start();
+    FrameReport report;
+    {
+        const Aside aside(view.width, view.height);
+        do {
+            report = painter_->renderer().draw(*tile_, view, items, options);
+            if (report.refining && !report.repaint) QThread::msleep(2);  // chunks are on their way
+        } while (report.refining && taken.elapsed() < tile_patience_ms);
+    }
+    if (report.refining)
+        area_->md()->Log.Log(GLLogStream::WARNING, "Point Cloud: a part of the snapshot is less detailed than it should be, as loading took too long.");
+    report = painter_->renderer().draw(*tile_, view, items, options);
+    report.refining = report.repaint = false;  // it is not asked for again
+    return report;
 }
 
 void View::tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
@@ -175,6 +255,8 @@ void View::drop_picture()
 {
     for (auto& [mesh_id, layer] : layers_) PaintedCloud::give_back(layer.painted);
     picture_.release();
+    if (tile_) tile_->release();
+    tile_.reset();
     Painter::give_back(painter_);
 }
 

@@ -1,7 +1,8 @@
-// How two pictures differ: compare_pictures A B prints the share of pixels that differ by more than 8 of 255 in some
-// channel, as one line of JSON. Pictures of different sizes differ altogether.
+// How two pictures differ: compare_pictures A B [BORDER] prints the share of pixels that differ by more than 8 of 255 in some
+// channel, as one line of JSON; so many pixels along the edges are left out. Pictures of different sizes differ altogether.
 #include <QImage>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
@@ -29,17 +30,18 @@ bool differ(QRgb a, QRgb b)
 
 int main(int argc, char** argv)
 {
-    if (argc != 3) {
-        std::fprintf(stderr, "usage: compare_pictures A B\n");
+    if (argc != 3 && argc != 4) {
+        std::fprintf(stderr, "usage: compare_pictures A B [BORDER]\n");
         return 2;
     }
+    const int border = argc == 4 ? std::atoi(argv[3]) : 0;
     const QImage a = load(argv[1]), b = load(argv[2]);
     double different = 1;
-    if (a.size() == b.size()) {
+    if (a.size() == b.size() && 2 * border < std::min(a.width(), a.height())) {
         qint64 count = 0;
-        for (int y = 0; y < a.height(); ++y)
-            for (int x = 0; x < a.width(); ++x) count += differ(a.pixel(x, y), b.pixel(x, y));
-        different = double(count) / a.width() / a.height();
+        for (int y = border; y < a.height() - border; ++y)
+            for (int x = border; x < a.width() - border; ++x) count += differ(a.pixel(x, y), b.pixel(x, y));
+        different = double(count) / (a.width() - 2 * border) / (a.height() - 2 * border);
     }
     std::printf("{\"different\": %.6f, \"same_size\": %s}\n", different, a.size() == b.size() ? "true" : "false");
     return 0;

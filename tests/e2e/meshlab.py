@@ -53,9 +53,9 @@ def pcm(*arguments):
     return json.loads(done.stdout)
 
 
-def different(a, b):
-    """The share of pixels in which two pictures differ; 1 when their sizes do."""
-    done = subprocess.run([str(COMPARE), str(a), str(b)], capture_output=True, text=True, timeout=60, check=True)
+def different(a, b, border=0):
+    """The share of pixels in which two pictures differ, so many along the edges left out; 1 when their sizes do."""
+    done = subprocess.run([str(COMPARE), str(a), str(b), str(border)], capture_output=True, text=True, timeout=60, check=True)
     return json.loads(done.stdout)["different"]
 
 

@@ -230,6 +230,43 @@ class Splats(MeshLabTest):
         # There and back the camera is the same but for a last bit.
         self.assertLess(different(free, moved), SAME_PICTURE)
 
+    def test_snapshots(self):
+        """Save snapshot writes what the view shows, and in tiles what a larger view would show, whatever a frame may take."""
+        _, tree = self.generate("scene", 300000, "--seed", 5)
+        shown, large = self.result("shown.png"), self.result("large.png")
+        setting = "parameter MeshLab::PointCloud::"
+        run = self.gui(f"""
+            wait-view
+            {VIEW}
+            {setting}FrameBudget = 5
+            {setting}PointBudget = 0.05
+            {setting}TargetSpacing = 0.1
+            open {tree}
+            wait-layers 1
+            drag 0.5 0.6 0.52 0.45
+            wheel -2
+            wait-status complete, full resolution
+            picture {shown}
+            trigger Save snapshot
+            press Save
+            wait-log Snapshot saved to ./snapshot00.png
+            wait-status complete, full resolution
+            {setting}PointBudget = 20
+            trigger Save snapshot
+            set Screen Multiplier = 2
+            press Save
+            wait-log Snapshot saved to ./snapshot01.png
+            view-size 640 480
+            wait-status complete, full resolution
+            picture {large}
+            quit
+            """)
+        self.assertDriven(run)
+        for name, picture in (("snapshot00.png", shown), ("snapshot01.png", large)):
+            shutil.copy(self.folder / name, self.result(name))
+            # MeshLab draws a frame around the current view, and none in a snapshot.
+            self.assertLess(different(self.folder / name, picture, border=6), SAME_PICTURE, name)
+
     def test_measuring_tool(self):
         """MeshLab's Measuring Tool takes its points from the depth that our splats leave, with multisampling and without."""
         tree = self.cloud("flat", flat)
