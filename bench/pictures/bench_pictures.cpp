@@ -190,6 +190,7 @@ int main(int argc, char** argv)
     CLI::App* const replay = app.add_subcommand("replay", "Each frame once, at a pace");
     add_options(*replay, a);
     replay->add_option("--order", a.options.order, "error: best first; depth: the root first")->transform(CLI::CheckedTransformer(orders));
+    replay->add_flag("--plain{false}", a.options.fill_gaps, "Splats of their own sizes only, whatever gaps are between them");
     replay->add_option("--frame-budget-ms", a.frame_budget_ms, "0: none, and no feedback from the time that frames take")->capture_default_str()->check(CLI::NonNegativeNumber);
     replay->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
     replay->add_option("--upload-ms", a.options.upload_budget_ms, "Of a frame, for uploads")->capture_default_str();

@@ -6,6 +6,7 @@ MODES = ["constant", "dynamic", "affine", "perspective"]
 # Who chooses how much is drawn. The first is what the library does; `budget` is in milliseconds there and in points for the others.
 VARIANTS = {"feedback": "best first, as much as the frame budget allows",
             "best first": "best first, a fixed number of points",
+            "root first, filled": "the root first, then depth by depth, a fixed number of points, and gaps filled as ours are",
             "root first": "the root first, then depth by depth, a fixed number of points (baseline)"}
 
 
@@ -48,4 +49,5 @@ def options(row):
     """Of bench_pictures."""
     if row["variant"] == "feedback":
         return ["--order", "error", "--frame-budget-ms", row["budget"], "--target-px", 0.5]
-    return ["--order", "error" if row["variant"] == "best first" else "depth", "--frame-budget-ms", 0, "--point-budget", row["budget"], "--target-px", 0.01]
+    fixed = ["--frame-budget-ms", 0, "--point-budget", row["budget"], "--target-px", 0.01]
+    return fixed + (["--order", "error"] if row["variant"] == "best first" else ["--order", "depth"]) + (["--plain"] if row["variant"] == "root first" else [])

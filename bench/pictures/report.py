@@ -10,7 +10,7 @@ import numpy as np  # noqa: E402
 import plan  # noqa: E402
 from table import median  # noqa: E402
 
-COLOURS = {"feedback": "#1b6ca8", "best first": "#3a8f4d", "root first": "#d1662c", "constant": "#1b6ca8", "dynamic": "#3a8f4d", "affine": "#8d4fa3", "perspective": "#d1662c"}
+COLOURS = {"feedback": "#1b6ca8", "best first": "#3a8f4d", "root first": "#d1662c", "root first, filled": "#c9a227", "constant": "#1b6ca8", "dynamic": "#3a8f4d", "affine": "#8d4fa3", "perspective": "#d1662c"}
 FIGURES = {"flip": "FLIP error", "ssim": "SSIM", "holes": "hole fraction", "spill": "spill fraction"}
 BASELINE, OURS = "root first", "feedback"
 
