@@ -125,17 +125,30 @@ double SplatCamera::largest_square(const Box3d& box, double radius) const
 
 double SplatCamera::largest_box(const Box3d& box, double radius) const
 {
+    const double r = radius * scale;
+    if (orthographic) return bound_of(r);
+    const double depth = least_depth(box) - r;
+    return bound_of(depth > 0 ? r / depth : std::numeric_limits<double>::infinity());
+}
+
+double SplatCamera::largest_box_of(double pixels) const
+{
+    const double k = 0.5 * pixels / std::abs(focal[1]);
+    if (orthographic) return bound_of(k);
+    return bound_of(k < 1 ? k / (1 - k) : std::numeric_limits<double>::infinity());
+}
+
+// Of a disc with the radius k (parallel), or k times the depth of its nearest point.
+double SplatCamera::bound_of(double k) const
+{
     constexpr double spare = 4;  // pixels: what shaders/splat.vert adds, and rounding
     // No box is drawn beyond the viewport.
     const double viewport = std::max(view.width, view.height) + spare;
     const double pixels = std::max(std::abs(focal[0]), std::abs(focal[1]));
-    const double r = radius * scale;
-    if (orthographic) return std::min(viewport, 2.02 * r * pixels + spare);
+    if (orthographic) return std::min(viewport, 2.02 * k * pixels + spare);
     // Of a point q of the sphere around c, with x as tangent of the angle to the axis: |x_q - x_c| <= r (1 + |x_c|) / depth_q. A box that is
-    // seen is at most its half size e from the view, where |x| <= v, so e <= k (1 + v + e) with k = r / the least depth.
-    const double depth = least_depth(box) - r;
-    const double k = r / depth;
-    if (!(depth > 0 && k < 0.5)) return viewport;
+    // seen is at most its half size e from the view, where |x| <= v, so e <= k (1 + v + e).
+    if (!(k < 0.5)) return viewport;
     double v = 0;
     for (std::size_t a = 0; a < 2; ++a)
         v = std::max(v, (1 + std::abs(view.projection[8 + a])) / std::abs(view.projection[a * 5]));

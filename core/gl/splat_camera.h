@@ -35,9 +35,12 @@ struct SplatCamera {
     // the view's origin) that is not outside of the clip volume. Infinite when there is no bound.
     double largest_square(const Box3d& box, double radius) const;
     double largest_box(const Box3d& box, double radius) const;
+    // The same of discs whose diameter is so many pixels where their centres are.
+    double largest_box_of(double pixels) const;
 
 private:
     double least_depth(const Box3d& box) const;
+    double bound_of(double k) const;
 };
 
 }  // namespace pcm

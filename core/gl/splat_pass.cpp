@@ -242,8 +242,7 @@ struct SplatPass::Impl {
             const double radius = static_cast<double>(entry.largest_radius) * static_cast<double>(style.radius_scale);
             const Box3d box = box_of(entry);
             double largest = p.mode == SplatMode::dynamic ? camera->largest_square(box, radius) : camera->largest_box(box, radius);
-            // A disc of so few pixels, seen in perspective, is hardly larger than they say.
-            largest = std::max(largest, 1.1 * static_cast<double>(look.least_px) + 4);
+            largest = std::max(largest, p.mode == SplatMode::dynamic ? static_cast<double>(look.least_px) : camera->largest_box_of(static_cast<double>(look.least_px)));
             p.quads = !(largest <= device->point_most) || (p.mode == SplatMode::dynamic && !(largest <= 2 * guard));
         }
         return p;

@@ -128,7 +128,7 @@ TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
     // Of such a disc little is seen, so it must be large: half as wide as the picture to several times as wide.
     const View view = view_of(identity(), perspective(0.6, aspect, 0.01, 100), width, height);
     std::size_t covered = 0;
-    for (const double degrees : {0.1, 0.2, 0.5, 1.0, 3.0, 10.0})
+    for (const double degrees : {0.1, 0.3, 1.0, 5.0})
         for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{0.2, 0.1}, std::pair{-0.1, 0.22}, std::pair{0.35, 0.0}})
             for (const double radius : {1.0, 4.0, 9.5, 40.0})
                 for (const double turn : {0.0, 0.4, 1.3, 2.9}) {
@@ -138,7 +138,7 @@ TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
                     expect_exact(a, 0, GetParam());
                     covered += a.covered;
                 }
-    EXPECT_GT(covered, 300'000u);
+    EXPECT_GT(covered, 150'000u);
 }
 
 TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
