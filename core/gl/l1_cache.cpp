@@ -2,12 +2,12 @@
 
 #include "cloud/error.h"
 #include "gl/gl_state.h"
+#include "gl/l1_read_back.h"
 
 #include <GL/glew.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <variant>
@@ -20,26 +20,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Vertices of `count` points from `first` on. The product is made in double: a relative grid position may exceed what
-// float holds exactly, and must be rounded once only.
-template <class T>
-void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale,
-                    const VertexFormat& format, const VertexAttributes& attributes, std::size_t first, std::size_t count)
-{
-    const std::size_t stride = format.stride();
-    const std::size_t radius_place = format.radius_place();
-    const std::uint8_t* const rgba = format.colour == VertexColour::none ? nullptr : attributes.rgba;
-    for (std::size_t i = 0; i < count; ++i, to += stride) {
-        float position[3];
-        for (std::size_t a = 0; a < 3; ++a)
-            position[a] = static_cast<float>(static_cast<double>(xyz[a][first + i]) * scale[a]);
-        std::memcpy(to, position, 12);
-        if (rgba) std::memcpy(to + VertexFormat::colour_place, rgba + 4 * (first + i), 4);
-        if (format.radius) std::memcpy(to + radius_place, attributes.radii + first + i, 4);
-        if (format.normal) std::memcpy(to + VertexFormat::normal_place, attributes.normals + 3 * (first + i), 12);
-    }
-}
-
 template <class T>
 double largest(const PageVector<T>& values)
 {
@@ -47,9 +27,6 @@ double largest(const PageVector<T>& values)
     for (const T value : values) most = std::max(most, value);  // unlike max_element, this is vectorised
     return static_cast<double>(most);
 }
-
-// How many points of a column go into a page.
-std::size_t points_per_column_page(std::uint32_t stride) { return L1Cache::page_bytes / stride / 256 * 256; }
 
 std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
 {
@@ -59,42 +36,6 @@ std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
                         std::to_string(block_bytes));
     return capacity / block_bytes;
 }
-
-class ReadBack final : public ChangedColumns {
-public:
-    explicit ReadBack(const ColumnEntry& entry) : entry_(entry)
-    {
-        for (std::size_t k = 0; k < entry.written.size(); ++k)
-            if (entry.written[k]) columns_.push_back(k);
-    }
-    std::uint32_t points() const override { return entry_.points; }
-    const std::vector<std::size_t>& columns() const override { return columns_; }
-    void read(std::size_t column, std::byte* to) const override
-    {
-        drain_gl_errors();
-        for (const ColumnPiece& piece : entry_.pieces) {
-            const BufferRange& range = piece.columns[column];
-            glBindBuffer(GL_COPY_WRITE_BUFFER, range.buffer);
-            glGetBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(range.offset),
-                               static_cast<GLsizeiptr>(range.bytes), to);
-            to += range.bytes;
-        }
-        const std::string errors = drain_gl_errors();
-        if (!errors.empty())
-            throw Error(ErrorCode::io, {}, "reading changed points out of video memory failed: OpenGL error " + errors,
-                        "a context of the share group that made the cache must be current");
-    }
-    std::uint64_t bytes() const
-    {
-        std::uint64_t sum = 0;
-        for (const std::size_t k : columns_) sum += std::uint64_t(entry_.points) * entry_.strides[k];
-        return sum;
-    }
-
-private:
-    const ColumnEntry& entry_;
-    std::vector<std::size_t> columns_;
-};
 
 }  // namespace
 
@@ -205,12 +146,6 @@ const ColumnEntry* L1Cache::find_columns(Owner owner, NodeId node) const
     });
 }
 
-std::uint64_t L1Cache::pages_of(std::uint32_t stride, std::uint64_t points)
-{
-    const std::uint64_t per_page = points_per_column_page(stride);
-    return (points + per_page - 1) / per_page;
-}
-
 std::vector<std::byte> L1Cache::read(Owner owner, NodeId node, std::size_t column) const
 {
     const ColumnEntry* const entry = find_columns(owner, node);
@@ -239,87 +174,6 @@ bool L1Cache::add_block()
     blocks_.push_back(buffer);
     (*table_)([&](auto& table) { table.add_pages(pages_per_block_); });
     return true;
-}
-
-void L1Cache::transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions,
-                       const Vec3d& scale, const VertexAttributes& attributes)
-{
-    const std::size_t stride = entry.stride();
-    const std::size_t per_page = points_per_page(entry.format);
-    staging_.assign(page_bytes, std::byte{0});  // what a format leaves out between its members is 0
-    std::size_t first = 0;
-    for (const std::uint32_t page : pages) {
-        // One page at a time: what was just written is still in the processor's cache when the driver copies it.
-        const std::size_t count = std::min(per_page, positions.size() - first);
-        positions.wide ? write_vertices(staging_.data(), positions.wide_xyz, scale, entry.format, attributes, first, count)
-                       : write_vertices(staging_.data(), positions.narrow_xyz, scale, entry.format, attributes, first, count);
-        const std::uint32_t buffer = buffer_of(page);
-        const std::uint32_t place = page % pages_per_block_;
-        glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
-        glBufferSubData(GL_COPY_WRITE_BUFFER, GLintptr(place) * page_bytes, static_cast<GLsizeiptr>(count * stride),
-                        staging_.data());
-        first += count;
-
-        const auto vertex = static_cast<std::int32_t>(place * per_page);
-        auto& ranges = entry.ranges;
-        if (!ranges.empty() && ranges.back().buffer == buffer && ranges.back().first + ranges.back().count == vertex)
-            ranges.back().count += static_cast<std::int32_t>(count);
-        else
-            ranges.push_back({buffer, vertex, static_cast<std::int32_t>(count)});
-    }
-    statistics_.uploaded_bytes += std::uint64_t(positions.size()) * stride;
-}
-
-void L1Cache::transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages,
-                       const std::vector<ColumnSource>& columns)
-{
-    staging_.resize(page_bytes);
-    struct Run {
-        std::size_t first, end;  // points
-        std::uint32_t buffer;
-        std::uint64_t offset;
-    };
-    std::vector<std::vector<Run>> runs(columns.size());  // of each column, contiguous in a buffer
-    std::vector<std::size_t> borders{0, entry.points};
-    auto page = pages.begin();
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-        const std::uint32_t stride = columns[k].stride;
-        const std::size_t per_page = points_per_column_page(stride);
-        for (std::size_t first = 0; first < entry.points; ++page) {
-            const std::size_t end = std::min<std::size_t>(first + per_page, entry.points);
-            columns[k].copy(staging_.data(), first, end - first);
-            const std::uint32_t buffer = buffer_of(*page);
-            const std::uint64_t offset = std::uint64_t(*page % pages_per_block_) * page_bytes;
-            glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
-            glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset),
-                            static_cast<GLsizeiptr>((end - first) * stride), staging_.data());
-            Run* const last = runs[k].empty() ? nullptr : &runs[k].back();
-            if (last && last->buffer == buffer && last->offset + (last->end - last->first) * stride == offset)
-                last->end = end;
-            else
-                runs[k].push_back({first, end, buffer, offset});
-            if (runs[k].back().first == first) borders.push_back(first);
-            first = end;
-        }
-        statistics_.uploaded_bytes += std::uint64_t(entry.points) * stride;
-    }
-    std::sort(borders.begin(), borders.end());
-    borders.erase(std::unique(borders.begin(), borders.end()), borders.end());
-
-    std::vector<std::size_t> at(columns.size(), 0);
-    for (std::size_t b = 0; b + 1 < borders.size(); ++b) {
-        ColumnPiece piece;
-        piece.first = static_cast<std::uint32_t>(borders[b]);
-        piece.count = static_cast<std::uint32_t>(borders[b + 1] - borders[b]);
-        for (std::size_t k = 0; k < columns.size(); ++k) {
-            if (runs[k][at[k]].end <= piece.first) ++at[k];
-            const Run& run = runs[k][at[k]];
-            const std::uint32_t stride = columns[k].stride;
-            piece.columns.push_back(
-                {run.buffer, run.offset + (piece.first - run.first) * stride, std::uint64_t(piece.count) * stride});
-        }
-        entry.pieces.push_back(std::move(piece));
-    }
 }
 
 bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
