@@ -26,7 +26,7 @@ class Size:
     chunk_points: int = 0  # 0: as the library has it
 
 
-SMOKE = Size(points=40_000, paths=["fly-over", "plan"], frames=6, every=3, milliseconds=[50], budgets=[4_000, 20_000], repeat=1, picture="160x120", pace_ms=1,
+SMOKE = Size(points=40_000, paths=["plan"], frames=4, every=2, milliseconds=[50], budgets=[4_000, 20_000], repeat=1, picture="160x120", pace_ms=1,
              fly_frames=8, fly_every=2, chunk_points=1000)
 QUICK = Size(points=1_500_000, paths=["fly-over", "orbit"], frames=24, every=8, milliseconds=[15, 30, 60, 120], budgets=[30_000, 75_000, 200_000, 500_000],
              repeat=1, picture="640x480", pace_ms=33, fly_frames=240, fly_every=8)
