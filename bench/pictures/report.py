@@ -6,6 +6,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
 
 import plan  # noqa: E402
 from table import median  # noqa: E402
@@ -34,19 +35,27 @@ def at_time(points, ms):
     return float(np.interp(math.log(ms), np.log(times), values))
 
 
+def time_axis(ax):
+    """Logarithmic, with plain numbers."""
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda ms, _: f"{ms:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.grid(alpha=0.3)
+    ax.tick_params(labelsize=7)
+
+
 def draw_curves(table, out, cloud, path):
     figure, axes = plt.subplots(len(FIGURES), len(plan.MODES), figsize=(3.4 * len(plan.MODES), 2.6 * len(FIGURES)), squeeze=False, sharex=True)
+    for ax, mode in zip(axes[0], plan.MODES):
+        ax.set_title(mode, fontsize=9)
     for row, (name, title) in zip(axes, FIGURES.items()):
         for ax, mode in zip(row, plan.MODES):
             for variant in plan.VARIANTS:
                 points = curve(table, name, cloud=cloud, path=path, mode=mode, variant=variant)
                 if points:
                     ax.plot(*zip(*points), marker="o", markersize=3, linewidth=1.2, color=COLOURS[variant], label=variant)
-            ax.set_xscale("log")
-            ax.grid(alpha=0.3)
-            ax.tick_params(labelsize=7)
-            if row is axes[0]:
-                ax.set_title(mode, fontsize=9)
+            time_axis(ax)
         row[0].set_ylabel(title, fontsize=8)
         low = min((ax.get_ylim()[0] for ax in row), default=0)
         high = max((ax.get_ylim()[1] for ax in row), default=1)
@@ -71,10 +80,8 @@ def draw_modes(table, out, clouds, all_paths):
             points = curve(table, "flip_to_perspective", cloud=cloud, path=path, mode=mode, variant=OURS)
             if points:
                 ax.plot(*zip(*points), marker="o", markersize=3, linewidth=1.2, color=COLOURS[mode], label=mode)
-        ax.set_xscale("log")
+        time_axis(ax)
         ax.set_ylim(bottom=0)
-        ax.grid(alpha=0.3)
-        ax.tick_params(labelsize=7)
         ax.set_title(f"{cloud}, {path}", fontsize=9)
         ax.set_xlabel("median frame time, ms", fontsize=8)
     axes[0][0].set_ylabel("FLIP to perspective, full resolution", fontsize=8)
