@@ -53,6 +53,7 @@ DetailLimits Frame::current_limits()
         if (format.colour == VertexColour::none) format.colour = VertexColour::rgb;
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
     }
+    least_points = roots;
     allowed.point_budget = picture.budget.points(options.frame_budget_ms, roots, options.point_budget);
     report.effective_point_budget = allowed.point_budget;
     const std::uint64_t pages = l1.pages_available(owners);
@@ -102,15 +103,15 @@ void begin_strokes(Frame& frame)
     frame.picture.clock.begin();
 }
 
-void end_strokes(Frame& frame, std::uint64_t points)
+void end_strokes(Frame& frame)
 {
     PictureState& p = frame.picture;
-    p.clock.end(points);
+    p.clock.end(frame.work);
     const auto measure = p.clock.take();
     if (p.unmeasured > 0)
         --p.unmeasured;
     else if (measure)
-        p.budget.measured(measure->points, measure->milliseconds);
+        p.budget.measured(measure->work, measure->milliseconds);
 }
 
 }  // namespace pcm

@@ -42,8 +42,11 @@ struct Frame {
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
     DetailLimits limits{};  // of a moving view
+    std::uint64_t least_points = 0;  // the coarsest chunks of all clouds
     FrameReport report{};
     double drawing_ms = 0;  // where the clock waits for it
+    double growth = 1;      // how much of what gaps ask for splats may grow, as a length
+    FrameWork work{};
 
     std::vector<TreeInView> trees() const;
     // What the budgets of time, points and video memory allow.
@@ -82,12 +85,12 @@ public:
         ChunkLook look;
         look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
         look.error_px = residual;
-        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
-        look.least_px = fill_of(gap.spacing_px, cloud.style);
-        frame_.splats.draw(entry, look);
-        points += entry.points;
+        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * frame_.growth * gap.spacing);
+        look.least_px = fill_of(frame_.growth * gap.spacing_px, cloud.style);
+        frame_.work.vertices += frame_.splats.draw(entry, look);
+        frame_.work.points += entry.points;
     }
-    std::uint64_t points = 0;
+    std::uint64_t points() const { return frame_.work.points; }
 
 private:
     Frame& frame_;
@@ -96,7 +99,7 @@ private:
 
 // Draws, measures it and learns from it. The picture's target, or `next`, is bound.
 void begin_strokes(Frame& frame);
-void end_strokes(Frame& frame, std::uint64_t points);
+void end_strokes(Frame& frame);
 template <class Draw>
 void timed(Frame& frame, const Draw& draw)
 {
@@ -105,9 +108,9 @@ void timed(Frame& frame, const Draw& draw)
     {
         Strokes strokes(frame);
         draw(strokes);
-        frame.report.points_added = strokes.points;
     }
-    end_strokes(frame, frame.report.points_added);
+    frame.report.points_added = frame.work.points;
+    end_strokes(frame);
     if (frame.picture.clock.waits()) frame.drawing_ms = milliseconds_since(start);
 }
 

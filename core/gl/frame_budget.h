@@ -1,34 +1,77 @@
 // How many points a frame may have so that it takes no longer than it should.
 //
-// Model: time = overhead + points * time a point. Both are learnt from measured frames: upwards at once, as a frame that is too slow
-// is seen, downwards slowly. Growth is limited to a doubling a frame and small changes are not followed (hysteresis), so that the
-// density does not tremble.
+// Model: time = overhead + vertices * time a vertex + pixels * time a pixel, where the pixels are those of splats that are larger than
+// their own size. What a frame took is put down to either in the proportion of their shares; what vertices there are beyond one a point
+// is expected to stay. How much longer than expected about one frame in a hundred takes is learnt too, and left as a margin, so that the
+// slow frames keep to the time asked for as well. Growth is limited and small changes are not followed (hysteresis), so that the density
+// does not tremble. Larger splats may have a part of the time only: beyond it they grow less, or few large ones would leave no time for
+// more points.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace pcm {
+
+// What a frame draws.
+struct FrameWork {
+    std::uint64_t points = 0;
+    std::uint64_t vertices = 0;  // runs of the vertex stage, one a point or more
+    double pixels = 0;           // of splats larger than their own size, about
+};
 
 class FrameBudget {
 public:
     static constexpr std::uint64_t first_guess = 1'000'000;
     static constexpr std::uint64_t least =
         20'000;  // a view of fewer points says nothing; most devices draw it at once
-    // What is aimed at, of the time asked for: frames differ, and the slow ones should keep to it too.
-    static constexpr double aim = 0.8;
+    static constexpr double most_growth = 1.5;  // of the points, from one frame to the next
+    static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
+    static constexpr double share_of_growth = 0.4;                    // of the time that is aimed at
+    // Before anything is known: what a pixel costs in vertices.
+    static constexpr double vertices_of_pixel = 0.2;
 
-    // A frame drew so many points in so many milliseconds.
-    void measured(std::uint64_t points, double milliseconds)
+    // A frame drew so much in so many milliseconds.
+    void measured(const FrameWork& work, double milliseconds)
     {
         last_ms_ = milliseconds;
+        expected_ms_ = 0;
         // A nearly empty frame measures the fixed cost, not that of a point.
-        if (points < least / 4) return;
-        follow(ms_per_point_, milliseconds / static_cast<double>(points));
-        ++measures_;
+        if (work.points < least / 4) return;
+        const auto vertices = static_cast<double>(std::max(work.vertices, work.points));
+        if (measures_++ == 0) {
+            ms_per_vertex_ = milliseconds / (vertices + vertices_of_pixel * work.pixels);
+            ms_per_pixel_ = vertices_of_pixel * ms_per_vertex_;
+        } else {
+            const double of_vertices = vertices * ms_per_vertex_, of_pixels = work.pixels * ms_per_pixel_;
+            expected_ms_ = of_vertices + of_pixels;
+            const double error = milliseconds - expected_ms_;
+            const double step = 0.25 * error / std::max(of_vertices * of_vertices + of_pixels * of_pixels, 1e-12);
+            ms_per_vertex_ *= std::max(0.25, 1 + step * of_vertices);
+            ms_per_pixel_ *= std::max(0.25, 1 + step * of_pixels);
+        }
+        last_pixels_ = work.pixels;
+        more_vertices_ = vertices - static_cast<double>(work.points);
+    }
+
+    // How much of their growth, as a length, splats may have whose growth in full would be so many pixels.
+    double growth(double budget_ms, double pixels) const
+    {
+        const double wanted = pixels * ms_per_pixel_, allowed = share_of_growth * budget_ms / margin_;
+        return wanted > allowed ? std::sqrt(allowed / wanted) : 1;
     }
     // What else the frame took: choice of nodes, uploads, the picture's way into the host's.
-    void measured_overhead(double milliseconds) { follow(overhead_ms_, milliseconds); }
+    void measured_overhead(double milliseconds)
+    {
+        if (measures_ > 3 && expected_ms_ > 0) {
+            // A quantile by steps: those up are so much larger than those down that they balance when one frame in 150 is above.
+            const double ratio = (last_ms_ + milliseconds) / (expected_ms_ + overhead_ms_);
+            margin_ = std::clamp(margin_ * (ratio > margin_ ? 1.25 : 0.9985), 1.05, largest_margin);
+            expected_ms_ = 0;  // once a frame that was measured
+        }
+        overhead_ms_ += (overhead_ms_ == 0 ? 1.0 : 0.2) * (milliseconds - overhead_ms_);
+    }
 
     // Points for the next frame, between `floor` and `ceiling` (which wins).
     std::uint64_t points(double budget_ms, std::uint64_t floor, std::uint64_t ceiling)
@@ -39,7 +82,7 @@ public:
         if (goal < 0.9 * current)
             next = goal;
         else if (goal > 1.2 * current)
-            next = std::min(goal, 2 * current);
+            next = std::min(goal, most_growth * current);
         points_ = static_cast<std::uint64_t>(std::clamp(next, static_cast<double>(std::max(floor, least)), 1e12));
         points_ = std::min(points_, std::max(ceiling, std::uint64_t(1)));
         return std::min(points_, ceiling);
@@ -51,22 +94,27 @@ public:
     }
     double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
     double overhead_ms() const { return overhead_ms_; }
-    double ms_per_point() const { return ms_per_point_; }
+    double ms_per_vertex() const { return ms_per_vertex_; }
 
     // Points of another kind cost something else.
     void forget() { *this = FrameBudget(); }
 
 private:
-    static void follow(double& known, double sample) { known += (known == 0 ? 1.0 : sample > known ? 0.5 : 0.15) * (sample - known); }
     double goal_points(double budget_ms) const
     {
         if (measures_ == 0) return static_cast<double>(points_);
-        return std::max(0.0, aim * budget_ms - overhead_ms_) / std::max(ms_per_point_, 1e-9);
+        const double growth_ms = std::min(last_pixels_ * ms_per_pixel_, share_of_growth * budget_ms / margin_);
+        const double left_ms = budget_ms / margin_ - overhead_ms_ - growth_ms - more_vertices_ * ms_per_vertex_;
+        return std::max(0.0, left_ms) / std::max(ms_per_vertex_, 1e-9);
     }
 
     std::uint64_t points_ = first_guess;
-    double ms_per_point_ = 0;
+    double ms_per_vertex_ = 0;
+    double ms_per_pixel_ = 0;
+    double last_pixels_ = 0, more_vertices_ = 0;  // of the latest frame
     double overhead_ms_ = 0;
+    double expected_ms_ = 0;  // of the latest frame's drawing, before it was known
+    double margin_ = first_margin;
     double last_ms_ = 0;
     unsigned measures_ = 0;
 };

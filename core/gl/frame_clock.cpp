@@ -42,17 +42,17 @@ void FrameClock::begin()
     glQueryCounter(span.from, GL_TIMESTAMP);
 }
 
-void FrameClock::end(std::uint64_t points)
+void FrameClock::end(const FrameWork& work)
 {
     if (!queries_are_used_) {
         glFinish();
-        known_ = Measure{points, std::chrono::duration<double, std::milli>(Clock::now() - start_).count()};
+        known_ = Measure{work, std::chrono::duration<double, std::milli>(Clock::now() - start_).count()};
         return;
     }
     if (!open_) return;
     Span& span = spans_[next_];
     glQueryCounter(span.to, GL_TIMESTAMP);
-    span.points = points;
+    span.work = work;
     span.pending = true;
     next_ = (next_ + 1) % spans_.size();
     open_ = false;
@@ -71,7 +71,7 @@ std::optional<FrameClock::Measure> FrameClock::take()
             glGetQueryObjectui64v(span.from, GL_QUERY_RESULT, &from);
             glGetQueryObjectui64v(span.to, GL_QUERY_RESULT, &to);
             span.pending = false;
-            if (to >= from) known_ = Measure{span.points, static_cast<double>(to - from) * 1e-6};
+            if (to >= from) known_ = Measure{span.work, static_cast<double>(to - from) * 1e-6};
         }
     }
     const std::optional<Measure> result = known_;

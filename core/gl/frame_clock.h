@@ -5,6 +5,8 @@
 // GL thread only, one context.
 #pragma once
 
+#include "gl/frame_budget.h"
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -15,7 +17,7 @@ namespace pcm {
 class FrameClock {
 public:
     struct Measure {
-        std::uint64_t points = 0;
+        FrameWork work;  // as end() was told
         double milliseconds = 0;
     };
 
@@ -23,9 +25,9 @@ public:
     // Decided beforehand: queries that the device may have, or waiting.
     explicit FrameClock(bool queries) : decided_(true), queries_are_used_(queries) {}
 
-    // Around what draws `points`.
+    // Around what draws.
     void begin();
-    void end(std::uint64_t points);
+    void end(const FrameWork& work);
     // The latest frame whose time has become known since the last call.
     std::optional<Measure> take();
     bool waits() const { return !queries_are_used_; }
@@ -37,7 +39,7 @@ private:
     using Clock = std::chrono::steady_clock;
     struct Span {
         std::uint32_t from = 0, to = 0;  // queries
-        std::uint64_t points = 0;
+        FrameWork work;
         bool pending = false;
     };
     bool decided_ = false;

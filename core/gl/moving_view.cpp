@@ -115,6 +115,16 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
         find_gaps(cloud, wanted, drawn[t], frame.options.fill_gaps);
     }
 
+    // Most points of a chunk are farther than its nearest, where the gap is that large; what that means in time is learnt.
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t)
+        for (std::size_t i = 0; i < drawn[t].size(); ++i) {
+            const FrameCloud& cloud = frame.clouds[t];
+            const auto side = static_cast<double>(drawn[t][i] ? fill_of(cloud.gaps[i].spacing_px, cloud.style) : 0);
+            frame.work.pixels += side * side * cloud.tree->nodes()[selection.trees[t].wanted[i].node].points;
+        }
+    frame.growth = p.budget.growth(frame.options.frame_budget_ms, frame.work.pixels);
+    frame.work.pixels *= frame.growth * frame.growth;
+
     p.target.clear();
     p.kept.clear();
     report.clouds.resize(frame.clouds.size());

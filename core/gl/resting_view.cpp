@@ -114,7 +114,7 @@ void draw_resting(Frame& frame)
                 const DetailNode& node = node_at(i);
                 const VertexEntry* const entry = cloud.feed->find(node.node);
                 const bool ready = ChunkFeed::is_current(entry, cloud.format);
-                if (ready && strokes.points > 0 && strokes.points + entry->points > budget) break;
+                if (ready && strokes.points() > 0 && strokes.points() + entry->points > budget) break;
                 if (ready) {
                     strokes.draw(cloud, node, *entry, 0, {});
                     ++rest.nodes;

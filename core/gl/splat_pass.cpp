@@ -361,9 +361,9 @@ struct SplatPass::Impl {
         return style.uniform_colour;
     }
 
-    void draw(const VertexEntry& entry, const ChunkLook& look)
+    std::uint64_t draw(const VertexEntry& entry, const ChunkLook& look)
     {
-        if (!camera || entry.points == 0) return;
+        if (!camera || entry.points == 0) return 0;
         const Permutation p = permutation_for(entry, look);
         const Program& program = program_of(p);
         if (current != &program) {
@@ -377,6 +377,7 @@ struct SplatPass::Impl {
         enable(2, p.mode != SplatMode::constant);
         enable(3, p.is_disc());
         p.quads ? draw_quads(entry) : draw_points(entry);
+        return std::uint64_t(entry.points) * (p.quads ? 4 : 1);
     }
 
     void point_at(const VertexEntry& entry, std::size_t vertex) const
@@ -440,7 +441,7 @@ void SplatPass::begin(const View& view, const TreeInfo& info, const CloudStyle& 
 {
     impl_->begin(view, info, usable, reversed, samples);
 }
-void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
+std::uint64_t SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { return impl_->draw(entry, look); }
 void SplatPass::end() { impl_->end(); }
 
 void SplatPass::release()

@@ -68,8 +68,9 @@ public:
     // driver cannot compile a program, as does draw().
     void begin(const View& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples);
     // The entry's points, in the style's way as far as the entry has what that reads: without normals it is drawn with dynamic splats,
-    // without radii with constant ones, without colours in the style's uniform colour, with those of another attribute in those.
-    void draw(const VertexEntry& entry, const ChunkLook& look);
+    // without radii with constant ones, without colours in the style's uniform colour, with those of another attribute in those. Returns how
+    // often the vertex stage runs: once a point, four times where splats may be larger than the driver's points.
+    std::uint64_t draw(const VertexEntry& entry, const ChunkLook& look);
     void end();
 
     // Frees the GL objects. begin() may be called again afterwards.

@@ -17,15 +17,15 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
         for (std::uint64_t frame = 1; frame <= 50; ++frame) {
             clock.begin();
             framebuffer.clear();
-            clock.end(frame);
+            clock.end({frame, frame, 0});
             if (frame % 10 == 0) glFinish();
             if (const auto measure = clock.take()) {
                 ++known;
-                EXPECT_GT(measure->points, last);
-                EXPECT_LE(measure->points, frame);
+                EXPECT_GT(measure->work.points, last);
+                EXPECT_LE(measure->work.points, frame);
                 EXPECT_GE(measure->milliseconds, 0);
                 EXPECT_LT(measure->milliseconds, 60000);
-                last = measure->points;
+                last = measure->work.points;
             }
             EXPECT_FALSE(clock.take()) << "the same frame twice";
         }
@@ -34,7 +34,7 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
         clock.release();
         EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
         clock.begin();  // and from the beginning again
-        clock.end(1);
+        clock.end({1, 1, 0});
         glFinish();
         EXPECT_TRUE(clock.take());
         clock.release();
