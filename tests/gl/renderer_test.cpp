@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iomanip>
 #include <random>
+#include <utility>
 
 using namespace pcm;
 using namespace pcm::test;
@@ -604,20 +605,28 @@ TEST(Renderer, ContextsOfOneGroupTakeTurns)
     Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 10), 2000));
     const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     second->make_current();
-    const auto in_second = std::make_unique<Framebuffer>(100, 100);
+    auto in_second = std::make_unique<Framebuffer>(100, 100);
+    Picture of_second;  // a picture is of one context
     first->make_current();
-    const auto in_first = std::make_unique<Framebuffer>(100, 100);
+    auto in_first = std::make_unique<Framebuffer>(100, 100);
     draw_until_done(renderer, *in_first, camera, map_offset, everything());
     const auto picture = in_first->read();
     const std::uint64_t uploaded = renderer.l1()->statistics().uploaded_bytes;
     for (int turn = 0; turn < 4; ++turn) {
         (turn % 2 ? first : second)->make_current();
+        if (turn % 2 == 0) std::swap(renderer.picture, of_second);
         const Framebuffer& framebuffer = turn % 2 ? *in_first : *in_second;
         framebuffer.clear();
         EXPECT_EQ(renderer.draw(camera, map_offset, everything()).points_drawn, 20000u);
         EXPECT_TRUE(framebuffer.read() == picture) << "turn " << turn;
+        if (turn % 2 == 0) std::swap(renderer.picture, of_second);
     }
     EXPECT_EQ(renderer.l1()->statistics().uploaded_bytes, uploaded);
+    renderer.picture.release();
+    in_first.reset();
+    second->make_current();
+    of_second.release();
+    in_second.reset();
     renderer.release();  // with another context of the group current than the one that uploaded
     EXPECT_EQ(renderer.l1()->statistics().allocated_bytes, 0u);
 }
