@@ -29,6 +29,7 @@ public:
     static constexpr double most_growth = 1.5;  // of the points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
     static constexpr double share_of_growth = 0.4;                    // of the time that is aimed at
+    static constexpr double least_growth = 0.75;  // below it gaps show that cost more than the time is worth
     // Before anything is known: what a pixel costs in vertices.
     static constexpr double vertices_of_pixel = 0.2;
 
@@ -59,7 +60,7 @@ public:
     double growth(double budget_ms, double pixels) const
     {
         const double wanted = pixels * ms_per_pixel_, allowed = share_of_growth * budget_ms / margin_;
-        return wanted > allowed ? std::sqrt(allowed / wanted) : 1;
+        return wanted > allowed ? std::max(least_growth, std::sqrt(allowed / wanted)) : 1;
     }
     // What else the frame took: choice of nodes, uploads, the picture's way into the host's.
     void measured_overhead(double milliseconds)
