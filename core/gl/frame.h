@@ -45,7 +45,6 @@ struct Frame {
     std::uint64_t least_points = 0;  // the coarsest chunks of all clouds
     FrameReport report{};
     double drawing_ms = 0;  // where the clock waits for it
-    double growth = 1;      // how much of what gaps ask for splats may grow, as a length
     FrameWork work{};
 
     std::vector<TreeInView> trees() const;
@@ -85,8 +84,8 @@ public:
         ChunkLook look;
         look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
         look.error_px = residual;
-        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * frame_.growth * gap.spacing);
-        look.least_px = fill_of(frame_.growth * gap.spacing_px, cloud.style);
+        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
+        look.least_px = fill_of(gap.spacing_px, cloud.style);
         frame_.work.vertices += frame_.splats.draw(entry, look);
         frame_.work.points += entry.points;
     }

@@ -4,8 +4,7 @@
 // their own size. What a frame took is put down to either in the proportion of their shares; what vertices there are beyond one a point
 // is expected to stay. How much longer than expected about one frame in a hundred takes is learnt too, and left as a margin, so that the
 // slow frames keep to the time asked for as well. Growth is limited and small changes are not followed (hysteresis), so that the density
-// does not tremble. Larger splats may have a part of the time only: beyond it they grow less, or few large ones would leave no time for
-// more points.
+// does not tremble. Larger splats count for a part of the time at most: more points make them smaller.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +27,7 @@ public:
         20'000;  // a view of fewer points says nothing; most devices draw it at once
     static constexpr double most_growth = 1.5;  // of the points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
-    static constexpr double share_of_growth = 0.4;                    // of the time that is aimed at
-    static constexpr double least_growth = 0.75;  // below it gaps show that cost more than the time is worth
+    static constexpr double share_of_pixels = 0.4;                    // of the time that is aimed at
     // Before anything is known: what a pixel costs in vertices.
     static constexpr double vertices_of_pixel = 0.2;
 
@@ -56,12 +54,6 @@ public:
         more_vertices_ = vertices - static_cast<double>(work.points);
     }
 
-    // How much of their growth, as a length, splats may have whose growth in full would be so many pixels.
-    double growth(double budget_ms, double pixels) const
-    {
-        const double wanted = pixels * ms_per_pixel_, allowed = share_of_growth * budget_ms / margin_;
-        return wanted > allowed ? std::max(least_growth, std::sqrt(allowed / wanted)) : 1;
-    }
     // What else the frame took: choice of nodes, uploads, the picture's way into the host's.
     void measured_overhead(double milliseconds)
     {
@@ -104,8 +96,8 @@ private:
     double goal_points(double budget_ms) const
     {
         if (measures_ == 0) return static_cast<double>(points_);
-        const double growth_ms = std::min(last_pixels_ * ms_per_pixel_, share_of_growth * budget_ms / margin_);
-        const double left_ms = budget_ms / margin_ - overhead_ms_ - growth_ms - more_vertices_ * ms_per_vertex_;
+        const double pixels_ms = std::min(last_pixels_ * ms_per_pixel_, share_of_pixels * budget_ms / margin_);
+        const double left_ms = budget_ms / margin_ - overhead_ms_ - pixels_ms - more_vertices_ * ms_per_vertex_;
         return std::max(0.0, left_ms) / std::max(ms_per_vertex_, 1e-9);
     }
 

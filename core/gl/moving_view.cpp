@@ -122,8 +122,6 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
             const auto side = static_cast<double>(drawn[t][i] ? fill_of(cloud.gaps[i].spacing_px, cloud.style) : 0);
             frame.work.pixels += side * side * cloud.tree->nodes()[selection.trees[t].wanted[i].node].points;
         }
-    frame.growth = p.budget.growth(frame.options.frame_budget_ms, frame.work.pixels);
-    frame.work.pixels *= frame.growth * frame.growth;
 
     p.target.clear();
     p.kept.clear();
