@@ -86,8 +86,6 @@ public:
         return points_ < ceiling && goal_points(budget_ms) > 1.2 * static_cast<double>(points_);
     }
     double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
-    double overhead_ms() const { return overhead_ms_; }
-    double ms_per_vertex() const { return ms_per_vertex_; }
 
     // Points of another kind cost something else.
     void forget() { *this = FrameBudget(); }

@@ -10,6 +10,8 @@ namespace {
 
 void set(GLenum capability, bool on) { on ? glEnable(capability) : glDisable(capability); }
 
+}  // namespace
+
 bool is_compatibility_context()
 {
     GLint major = 0;
@@ -21,8 +23,6 @@ bool is_compatibility_context()
     glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
     return (profile & GL_CONTEXT_CORE_PROFILE_BIT) == 0;
 }
-
-}  // namespace
 
 GlStateGuard::GlStateGuard()
 {

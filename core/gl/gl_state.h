@@ -61,6 +61,9 @@ private:
 // Whether the functions that this library calls are loaded.
 bool gl_functions_loaded();
 
+// Whether the current context has the compatibility profile, or is older than profiles.
+bool is_compatibility_context();
+
 // Whether depth can run from 1 at the near plane to 0 at the far one with all the precision of float near 0 (OpenGL 4.5 or ARB_clip_control).
 bool gl_has_clip_control();
 

@@ -1,6 +1,7 @@
 #include "gl/splat_pass.h"
 
 #include "gl/shader_program.h"
+#include "gl/gl_state.h"
 #include "gl/splat_camera.h"
 
 #include <GL/glew.h>
@@ -94,13 +95,6 @@ bool has_extension(const char* name)
         if (extension && std::strcmp(extension, name) == 0) return true;
     }
     return false;
-}
-
-bool is_compatibility_context()
-{
-    GLint profile = 0;
-    glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &profile);
-    return (profile & GL_CONTEXT_CORE_PROFILE_BIT) == 0;
 }
 
 // What the driver can, asked once.

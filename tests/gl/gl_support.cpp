@@ -6,6 +6,7 @@
 #include <EGL/eglext.h>
 
 #include <cmath>
+#include <random>
 
 namespace pcm::test {
 
@@ -190,6 +191,37 @@ void Drawing::release()
     renderer.release();
     drawn.release();
     if (l1_is_own_) l1()->release();
+}
+
+std::vector<LasPoint> random_points(std::size_t count, std::int32_t extent, std::uint64_t seed)
+{
+    std::mt19937_64 random(seed);
+    std::vector<LasPoint> points(count);
+    for (LasPoint& p : points) {
+        p.x = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.y = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.z = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
+        p.red = static_cast<std::uint16_t>(random());
+        p.green = static_cast<std::uint16_t>(random());
+        p.blue = static_cast<std::uint16_t>(random());
+        p.intensity = static_cast<std::uint16_t>(random() % 3000);
+    }
+    return points;
+}
+
+Matrix overview(double extent)
+{
+    return product(translation(0, 0, -3 * extent),
+                   product(rotation_x(-0.9), translation(-extent / 2, -extent / 2, -extent / 2)));
+}
+
+RenderOptions everything()
+{
+    RenderOptions options;
+    options.target_spacing_px = 0;
+    options.frame_budget_ms = 1e9;  // what is drawn does not depend on the machine's pace
+    options.upload_budget_ms = 1000;
+    return options;
 }
 
 FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin, const RenderOptions& options,

@@ -10,23 +10,6 @@ using namespace pcm::test;
 
 namespace {
 
-constexpr Vec3d map_offset{500000, 5000000, 100};
-
-std::vector<LasPoint> coloured_points(std::size_t count, std::int32_t extent, std::uint64_t seed)
-{
-    std::mt19937_64 random(seed);
-    std::vector<LasPoint> points(count);
-    for (LasPoint& p : points) {
-        p.x = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.y = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.z = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.red = static_cast<std::uint16_t>(random());
-        p.green = static_cast<std::uint16_t>(random());
-        p.blue = static_cast<std::uint16_t>(random());
-    }
-    return points;
-}
-
 // `count` x `count` points, 0.1 apart, in a plane z = height(x).
 template <class Height>
 std::vector<LasPoint> sheet(std::int32_t count, const Height& height)
@@ -41,22 +24,6 @@ std::vector<LasPoint> sheet(std::int32_t count, const Height& height)
             points.push_back(p);
         }
     return points;
-}
-
-Grid grid_at(const Vec3d& offset) { return {{0.001, 0.001, 0.001}, offset}; }
-
-Matrix overview(double extent)
-{
-    return product(translation(0, 0, -3 * extent), product(rotation_x(-0.9), translation(-extent / 2, -extent / 2, -extent / 2)));
-}
-
-RenderOptions everything()
-{
-    RenderOptions options;
-    options.target_spacing_px = 0;
-    options.frame_budget_ms = 1e9;
-    options.upload_budget_ms = 1000;
-    return options;
 }
 
 std::vector<float> depths_of(const Framebuffer& framebuffer)
@@ -85,7 +52,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
-    const auto points = coloured_points(60000, 10000, 21);
+    const auto points = random_points(60000, 10000, 21);
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), points, 1500);
     const Framebuffer framebuffer(160, 120);
     for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(4, 3, -100, 100)}) {
@@ -338,8 +305,8 @@ TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
-    const auto near_cloud = make_cloud(folder, "near", grid_at(map_offset), coloured_points(40000, 10000, 31), 1000);
-    const auto far_cloud = make_cloud(folder, "far", grid_at({0, 0, 0}), coloured_points(40000, 10000, 32), 1000);
+    const auto near_cloud = make_cloud(folder, "near", grid_at(map_offset), random_points(40000, 10000, 31), 1000);
+    const auto far_cloud = make_cloud(folder, "far", grid_at({0, 0, 0}), random_points(40000, 10000, 32), 1000);
     const auto l1 = std::make_shared<L1Cache>();
     Renderer renderer(l1);
     DrawnCloud a(near_cloud, l1), b(far_cloud, l1);
@@ -404,7 +371,7 @@ TEST(Picture, ACloudMayBeShownTwice)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
-    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), coloured_points(30000, 10000, 33), 1000);
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(30000, 10000, 33), 1000);
     const auto l1 = std::make_shared<L1Cache>();
     Renderer renderer(l1);
     DrawnCloud drawn(cloud, l1);

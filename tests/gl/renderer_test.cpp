@@ -18,42 +18,6 @@ using namespace pcm::test;
 
 namespace {
 
-constexpr Vec3d map_offset{500000, 5000000, 100};
-
-std::vector<LasPoint> random_points(std::size_t count, std::int32_t extent, std::uint64_t seed)
-{
-    std::mt19937_64 random(seed);
-    std::vector<LasPoint> points(count);
-    for (LasPoint& p : points) {
-        p.x = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.y = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.z = static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(extent));
-        p.red = static_cast<std::uint16_t>(random());
-        p.green = static_cast<std::uint16_t>(random());
-        p.blue = static_cast<std::uint16_t>(random());
-        p.intensity = static_cast<std::uint16_t>(random() % 3000);
-    }
-    return points;
-}
-
-Grid grid_at(const Vec3d& offset, double scale = 0.001) { return {{scale, scale, scale}, offset}; }
-
-// Looks at the whole cube of side `extent` at the local origin, from above and in front.
-Matrix overview(double extent)
-{
-    return product(translation(0, 0, -3 * extent),
-                   product(rotation_x(-0.9), translation(-extent / 2, -extent / 2, -extent / 2)));
-}
-
-RenderOptions everything()
-{
-    RenderOptions options;
-    options.target_spacing_px = 0;
-    options.frame_budget_ms = 1e9;  // what is drawn does not depend on the machine's pace
-    options.upload_budget_ms = 1000;
-    return options;
-}
-
 struct Window {
     double x, y, depth;  // depth in normalised device coordinates
     bool inside;
