@@ -54,13 +54,18 @@ DetailLimits Frame::current_limits()
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
     }
     least_points = roots;
-    allowed.point_budget = picture.budget.points(options.frame_budget_ms, roots, options.point_budget);
+    allowed.point_budget = picture.budget.points(roots, options.point_budget);
     report.effective_point_budget = allowed.point_budget;
     const std::uint64_t pages = l1.pages_available(owners);
     // The coarsest chunks in any case.
     const std::uint64_t least = roots / std::max<std::uint64_t>(1, allowed.page_points) + clouds.size();
     allowed.page_budget = std::min(pages, std::max(static_cast<std::uint64_t>(picture.page_share * static_cast<double>(pages)), least));
     return allowed;
+}
+
+void Frame::begin(const FrameCloud& cloud)
+{
+    splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples());
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

@@ -52,6 +52,8 @@ struct Frame {
     DetailLimits current_limits();
     // Adds to what the item's leader has to load, as far as there is room.
     void want(std::size_t item, const std::vector<NodeId>& nodes);
+    // Begins the splats of a cloud, into the picture's target.
+    void begin(const FrameCloud& cloud);
     // Uploads what has come of the clouds' windows, for the cloud first that lacks what is worth most.
     Served upload(const SceneSelection& selection);
 };
@@ -78,18 +80,15 @@ public:
         if (cloud_ != &cloud) {
             if (cloud_) frame_.splats.end();
             cloud_ = &cloud;
-            const RenderTarget& target = frame_.picture.target;
-            frame_.splats.begin(cloud.view, cloud.tree->info(), cloud.style, target.reversed(), target.samples());
+            frame_.begin(cloud);
         }
         ChunkLook look;
         look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
         look.error_px = residual;
         look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
         look.least_px = fill_of(gap.spacing_px, cloud.style);
-        frame_.work.vertices += frame_.splats.draw(entry, look);
-        frame_.work.points += entry.points;
+        frame_.splats.draw(entry, look);
     }
-    std::uint64_t points() const { return frame_.work.points; }
 
 private:
     Frame& frame_;

@@ -17,6 +17,7 @@
 #include "cache/load_times.h"
 #include "cloud/geometry.h"
 #include "gl/vertex_format.h"
+#include "gl/vertex_groups.h"
 #include "tree/tree.h"
 
 #include <cstdint>
@@ -71,7 +72,9 @@ struct VertexEntry {
     Vec3i origin{};  // of the chunk, grid coordinates
     Vec3d extent{};  // of the chunk, source units
     float largest_radius = 0;  // of its points, source units; of a format with radii
+    float typical_radius = 0;  // root mean square of them
     std::vector<VertexRange> ranges;
+    std::vector<VertexGroup> groups;
     std::uint32_t stride() const { return format.stride(); }
 };
 

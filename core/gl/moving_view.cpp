@@ -1,4 +1,4 @@
-#include "gl/frame.h"
+#include "gl/frame_cost.h"
 #include "view/motion.h"
 
 #include <algorithm>
@@ -14,7 +14,6 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
     const std::size_t count = selection.wanted.size();
     cloud.residual.assign(count, 0.0f);
     cloud.gaps.assign(count, {});
-    cloud.filled = false;
     const std::vector<Node>& nodes = cloud.tree->nodes();
     const auto leave = [&](const DetailNode& node) {
         if (node.ancestor == no_ancestor) return;
@@ -36,8 +35,56 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
             above.spacing_px = std::max(above.spacing_px, gap.spacing_px);
         }
         if (!fill || fill_of(gap.spacing_px, cloud.style) == 0) gap = {};
-        cloud.filled = cloud.filled || (drawn[i] && gap.spacing > 0);
     }
+}
+
+using DrawnOfTrees = std::vector<std::vector<bool>>;  // of each tree's `wanted`
+
+// Of the chunks that can be drawn, how many there is time for, from the first on. Gaps, the frame's work and `drawn` are as of these.
+std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const FrameCost& cost, DrawnOfTrees& drawn)
+{
+    const std::vector<Stroke>& strokes = cost.strokes();
+    FrameBudget& budget = frame.picture.budget;
+    const auto take = [&](std::size_t count) {
+        for (std::size_t s = 0; s < strokes.size(); ++s) drawn[strokes[s].place.tree][strokes[s].place.index] = s < count;
+        for (std::size_t t = 0; t < frame.clouds.size(); ++t) find_gaps(frame.clouds[t], selection.trees[t], drawn[t], frame.options.fill_gaps);
+        frame.work = {};
+        for (std::size_t s = 0; s < count; ++s)
+            frame.work = frame.work + cost.work(strokes[s], frame.clouds[strokes[s].place.tree].gaps[strokes[s].place.index]);
+        return budget.expected(frame.work);
+    };
+    const double available = budget.available(frame.options.frame_budget_ms);
+    // The coarsest chunks in any case.
+    std::size_t fits = 0, count = strokes.size();
+    while (fits < strokes.size() && selection.trees[strokes[fits].place.tree].wanted[strokes[fits].place.index].ancestor == no_ancestor) ++fits;
+    double expected = take(count);
+    if (expected > available && fits < count) {
+        std::size_t fails = count;
+        while (fits + 1 < fails) {
+            const std::size_t middle = (fits + fails) / 2;
+            (take(middle) <= available ? fits : fails) = middle;
+        }
+        count = fits;
+        expected = take(count);
+    }
+    if (count == strokes.size()) {
+        budget.all(frame.work, available / expected);
+    } else {
+        // Chunks that are yet to come count, too: they will be drawn.
+        std::uint64_t points = 0;
+        const SceneSelection::Place& left_out = strokes[count].place;
+        for (const SceneSelection::Place& place : selection.order) {
+            if (place.tree == left_out.tree && place.index == left_out.index) break;
+            points += frame.clouds[place.tree].tree->nodes()[selection.trees[place.tree].wanted[place.index].node].points;
+        }
+        budget.fewer(points);
+    }
+    for (FrameCloud& cloud : frame.clouds) cloud.filled = false;
+    for (std::size_t s = 0; s < count; ++s) {
+        FrameCloud& cloud = frame.clouds[strokes[s].place.tree];
+        cloud.filled = cloud.filled || cloud.gaps[strokes[s].place.index].spacing > 0;
+    }
+    return count;
 }
 
 // What of each tree is there; asks for what is not, and for what a moving view will need.
@@ -103,36 +150,36 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     load(frame, selection, later ? &*later : nullptr);
     const Served served = frame.upload(selection);
 
-    std::vector<std::vector<bool>> drawn(frame.clouds.size());
+    DrawnOfTrees drawn(frame.clouds.size());
     for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
         FrameCloud& cloud = frame.clouds[t];
         const DetailSelection& wanted = selection.trees[t];
         const DrawSet set =
             choose_drawable(wanted, [&](const DetailNode& node) { return cloud.feed->find(node.node) != nullptr; });
-        report.screen_error_px = std::max(report.screen_error_px, set.error_px);
         drawn[t].assign(wanted.wanted.size(), false);
         for (const std::uint32_t i : set.drawn) drawn[t][i] = true;
-        find_gaps(cloud, wanted, drawn[t], frame.options.fill_gaps);
     }
-
-    // Most points of a chunk are farther than its nearest, where the gap is that large; what that means in time is learnt.
-    for (std::size_t t = 0; t < frame.clouds.size(); ++t)
-        for (std::size_t i = 0; i < drawn[t].size(); ++i) {
-            const FrameCloud& cloud = frame.clouds[t];
-            const auto side = static_cast<double>(drawn[t][i] ? fill_of(cloud.gaps[i].spacing_px, cloud.style) : 0);
-            frame.work.pixels += side * side * cloud.tree->nodes()[selection.trees[t].wanted[i].node].points;
-        }
+    std::vector<SceneSelection::Place> places;
+    for (const SceneSelection::Place& place : selection.order)
+        if (drawn[place.tree][place.index]) places.push_back(place);
+    const FrameCost cost(frame, selection, places);
+    const std::size_t count = fit_to_time(frame, selection, cost, drawn);
+    const bool all_fit = count == places.size();
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        const DetailSelection& wanted = selection.trees[t];
+        std::size_t next = 0;
+        const DrawSet set = choose_drawable(wanted, [&](const DetailNode&) { return drawn[t][next++]; });
+        report.screen_error_px = std::max(report.screen_error_px, set.error_px);
+    }
 
     p.target.clear();
     p.kept.clear();
     report.clouds.resize(frame.clouds.size());
     timed(frame, [&](Strokes& strokes) {
-        for (const SceneSelection::Place& place : selection.order) {
+        for (std::size_t s = 0; s < count; ++s) {
+            const auto& [place, entry, vertices, first_part, parts] = cost.strokes()[s];
             const FrameCloud& cloud = frame.clouds[place.tree];
-            if (!drawn[place.tree][place.index]) continue;
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
-            const VertexEntry* const entry = cloud.feed->find(node.node);
-            if (!entry) continue;
             strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry->points;
@@ -160,8 +207,8 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     adapt_page_share(p, served.refused);
     // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
     more_to_come = more_to_come && !served.refused;
-    const bool budget_grows = selection.budget_reached && report.effective_point_budget < frame.options.point_budget &&
-                              p.budget.can_grow(frame.options.frame_budget_ms, frame.options.point_budget);
+    const bool budget_grows = all_fit && selection.budget_reached && report.effective_point_budget < frame.options.point_budget &&
+                              p.budget.can_grow(frame.options.point_budget);
     // Also when the window is through and the next one has not been asked for.
     report.repaint = served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !waits);
     report.refining = report.repaint || more_to_come;

@@ -17,20 +17,6 @@ struct Renderer::Impl {
     SplatPass splats;
     Compositor compositor;
 
-    // Of the points that are wanted, the share that the last frame drew; 1 when there was none.
-    static double share_kept(const Frame& frame, const SceneSelection& selection)
-    {
-        const PictureState& p = frame.picture;
-        double wanted = 0, kept = 0;
-        for (const SceneSelection::Place& place : selection.order) {
-            const NodeId node = selection.trees[place.tree].wanted[place.index].node;
-            const double points = frame.clouds[place.tree].tree->nodes()[node].points;
-            wanted += points;
-            kept += p.kept.count({p.key->items[place.tree].cloud, node}) ? points : 0;
-        }
-        return p.kept.empty() || wanted == 0 ? 1 : kept / wanted;
-    }
-
     // Items of one cloud read the same vertices, with what either style reads.
     static void share_format(Frame& frame, FrameCloud& cloud)
     {
@@ -114,13 +100,7 @@ struct Renderer::Impl {
             frame.limits = frame.current_limits();
             if (!resting)
                 frame.limits.kept = [&p](std::uint32_t tree, NodeId node) { return p.kept.count({p.key->items[tree].cloud, node}) != 0; };
-            SceneSelection selection = select_scene(frame.trees(), frame.limits);
-            // What a point cost in the last frame says little of a view that has next to nothing in common with it.
-            if (!resting && share_kept(frame, selection) < 0.5) {
-                frame.limits.point_budget = std::max(frame.limits.point_budget / 2, frame.least_points);
-                selection = select_scene(frame.trees(), frame.limits);
-            }
-            draw_moving(frame, selection, resting);
+            draw_moving(frame, select_scene(frame.trees(), frame.limits), resting);
         }
         p.views.clear();
         for (const FrameCloud& cloud : frame.clouds) p.views.push_back(cloud.view);

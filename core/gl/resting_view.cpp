@@ -1,4 +1,4 @@
-#include "gl/frame.h"
+#include "gl/frame_cost.h"
 
 #include <algorithm>
 #include <set>
@@ -103,19 +103,25 @@ void draw_resting(Frame& frame)
         if (frame.clouds[t].leader == t) frame.clouds[t].feed->load(frame.clouds[t].window, {}, frame.clouds[t].format);
     const Served served = frame.upload(rest.all);
 
-    std::uint64_t budget = p.budget.points(frame.options.frame_budget_ms, 1, frame.options.point_budget);
-    report.effective_point_budget = budget;
+    report.effective_point_budget = frame.options.point_budget;
     if (!next.empty()) {
+        std::vector<SceneSelection::Place> places;
+        for (const std::size_t i : next)
+            if (ChunkFeed::is_current(cloud_at(i).feed->find(node_at(i).node), cloud_at(i).format)) places.push_back(rest.all.order[i]);
+        const FrameCost cost(frame, rest.all, places);
+        const double available = p.budget.available(frame.options.frame_budget_ms);
         if (rest.behind) p.next.bind();
         timed(frame, [&](Strokes& strokes) {
             std::set<std::size_t> had;
+            auto stroke = cost.strokes().begin();
             for (const std::size_t i : next) {
                 FrameCloud& cloud = cloud_at(i);
                 const DetailNode& node = node_at(i);
                 const VertexEntry* const entry = cloud.feed->find(node.node);
-                const bool ready = ChunkFeed::is_current(entry, cloud.format);
-                if (ready && strokes.points() > 0 && strokes.points() + entry->points > budget) break;
-                if (ready) {
+                if (ChunkFeed::is_current(entry, cloud.format)) {
+                    const FrameWork more = frame.work + cost.work(*stroke++, {});
+                    if (frame.work.points > 0 && (more.points > frame.options.point_budget || p.budget.expected(more) > available)) break;
+                    frame.work = more;
                     strokes.draw(cloud, node, *entry, 0, {});
                     ++rest.nodes;
                     rest.points += entry->points;

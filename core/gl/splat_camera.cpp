@@ -34,6 +34,22 @@ Matrix3 inverse(Matrix3 m)
     return result;
 }
 
+// At most the square root of a bound of the eigenvalues of M'M, and exactly that where M turns and scales.
+double largest_stretch(const Matrix3& m)
+{
+    double most = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        double sum = 0;
+        for (std::size_t b = 0; b < 3; ++b) {
+            double dot = 0;
+            for (std::size_t r = 0; r < 3; ++r) dot += m[a * 3 + r] * m[b * 3 + r];
+            sum += std::abs(dot);
+        }
+        most = std::max(most, sum);
+    }
+    return std::sqrt(most);
+}
+
 }  // namespace
 
 std::optional<SplatCamera> SplatCamera::of(const View& view, int x, int y, bool reversed)
@@ -57,18 +73,8 @@ std::optional<SplatCamera> SplatCamera::of(const View& view, int x, int y, bool 
     const Matrix3 from_eye = inverse(camera.to_eye);
     for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t r = 0; r < 3; ++r) camera.normal_to_eye[c * 3 + r] = from_eye[r * 3 + c];
-    // The largest stretch is at most the square root of a bound of the eigenvalues of M'M, and exactly that where M turns and scales.
-    double most = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        double sum = 0;
-        for (std::size_t b = 0; b < 3; ++b) {
-            double dot = 0;
-            for (std::size_t r = 0; r < 3; ++r) dot += camera.to_eye[a * 3 + r] * camera.to_eye[b * 3 + r];
-            sum += std::abs(dot);
-        }
-        most = std::max(most, sum);
-    }
-    camera.scale = std::sqrt(most);
+    camera.scale = largest_stretch(camera.to_eye);
+    camera.squeeze = camera.scale * largest_stretch(from_eye);
 
     const double width = view.width;
     const double height = view.height;
@@ -103,6 +109,14 @@ Vec3d SplatCamera::eye_of(const Vec3d& local) const
 {
     const Vec3d turned = product(to_eye, local);
     return {turned[0] + view.modelview[12], turned[1] + view.modelview[13], turned[2] + view.modelview[14]};
+}
+
+bool SplatCamera::is_in_view(const Vec3d& local) const
+{
+    const Vec3d e = eye_of(local);
+    const Matrix4d& p = view.projection;
+    const double w = orthographic ? 1 : -e[2];
+    return std::abs(p[0] * e[0] + p[8] * e[2] + p[12]) <= w && std::abs(p[5] * e[1] + p[9] * e[2] + p[13]) <= w;
 }
 
 double SplatCamera::least_depth(const Box3d& box) const

@@ -4,7 +4,9 @@
 #include "cloud/geometry.h"
 #include "view/level_of_detail.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace pcm {
@@ -18,6 +20,7 @@ struct SplatCamera {
     bool orthographic = false;
     Vec3d eye{};                           // relative to the view's origin
     double scale = 1;                      // eye units in a source unit: the most of any direction
+    double squeeze = 1;                    // at most so many times as short is a source unit in another direction
     double near = 0;                       // depth of the near plane, of a perspective
     std::array<float, 16> projection{};    // to clip space, whose z is that of the depth convention
     std::array<double, 9> to_eye{};        // from source axes
@@ -35,11 +38,15 @@ struct SplatCamera {
     // the view's origin) that is not outside of the clip volume. Infinite when there is no bound.
     double largest_square(const Box3d& box, double radius) const;
     double largest_box(const Box3d& box, double radius) const;
+    // Of the part of a box (relative to the view's origin) that is nearest to the eye along the view; may be behind it.
+    double least_depth(const Box3d& box) const;
+    bool is_in_view(const Vec3d& local) const;  // as far as the sides of the view go
+    // Pixels that a source unit covers at a depth in eye units, face on.
+    double pixels_at(double depth) const { return scale * std::abs(focal[1]) / (orthographic ? 1 : std::max(depth, near)); }
     // The same of discs whose diameter is so many pixels where their centres are.
     double largest_box_of(double pixels) const;
 
 private:
-    double least_depth(const Box3d& box) const;
     double bound_of(double k) const;
 };
 

@@ -3,6 +3,7 @@
 #include "gl/shader_program.h"
 #include "gl/gl_state.h"
 #include "gl/splat_camera.h"
+#include "gl/splat_sieve.h"
 
 #include <GL/glew.h>
 
@@ -151,6 +152,7 @@ struct SplatPass::Impl {
     int guard = 0;  // pixels that the clip volume is wider by, for dynamic splats
     const Program* current = nullptr;
     std::array<bool, 4> enabled{};
+    std::optional<SplatSieve> sieve;
     std::vector<GLint> first;
     std::vector<GLsizei> count;
 
@@ -179,6 +181,7 @@ struct SplatPass::Impl {
             glDisable(GL_POINT_SMOOTH);
         }
         guard_the_border();
+        sieve.emplace(*camera, style, device->point_most, guard);
         // Not kept: contexts of a share group do not share vertex arrays.
         glGenVertexArrays(1, &vertex_array);
         glBindVertexArray(vertex_array);
@@ -219,7 +222,7 @@ struct SplatPass::Impl {
         on ? glEnableVertexAttribArray(attribute) : glDisableVertexAttribArray(attribute);
     }
 
-    Permutation permutation_for(const VertexEntry& entry, const ChunkLook& look) const
+    Permutation permutation_for(const VertexEntry& entry) const
     {
         Permutation p;
         p.mode = style.splats;
@@ -232,13 +235,6 @@ struct SplatPass::Impl {
         if (style.colour == ColourMode::height) p.colouring = Colouring::height;
         p.samples = p.is_disc() && device->sample_mask ? samples : 1;
         p.doubles = p.mode == SplatMode::perspective && device->doubles && may_use_doubles;
-        if (p.mode != SplatMode::constant) {
-            const double radius = static_cast<double>(entry.largest_radius) * static_cast<double>(style.radius_scale);
-            const Box3d box = box_of(entry);
-            double largest = p.mode == SplatMode::dynamic ? camera->largest_square(box, radius) : camera->largest_box(box, radius);
-            largest = std::max(largest, p.mode == SplatMode::dynamic ? static_cast<double>(look.least_px) : camera->largest_box_of(static_cast<double>(look.least_px)));
-            p.quads = !(largest <= device->point_most) || (p.mode == SplatMode::dynamic && !(largest <= 2 * guard));
-        }
         return p;
     }
 
@@ -355,23 +351,38 @@ struct SplatPass::Impl {
         return style.uniform_colour;
     }
 
-    std::uint64_t draw(const VertexEntry& entry, const ChunkLook& look)
+    void draw(const VertexEntry& entry, const ChunkLook& look)
+    {
+        if (!camera || entry.points == 0) return;
+        Permutation p = permutation_for(entry);
+        sieve->sort(entry, box_of(entry), p.mode, look);
+        for (const bool quads : {false, true}) {
+            const std::vector<VertexRun>& runs = quads ? sieve->as_quads() : sieve->as_points();
+            if (runs.empty()) continue;
+            p.quads = quads;
+            const Program& program = program_of(p);
+            if (current != &program) {
+                glUseProgram(program.program.id());
+                set_common(program, p);
+                set_guard(p.mode == SplatMode::dynamic && !quads);
+                current = &program;
+            }
+            set_chunk(program, entry, look);
+            enable(1, p.colouring == Colouring::vertex);
+            enable(2, p.mode != SplatMode::constant);
+            enable(3, p.is_disc());
+            draw_runs(entry, runs, quads);
+        }
+    }
+
+    std::uint64_t preview(const VertexEntry& entry, std::vector<SplatPart>& parts)
     {
         if (!camera || entry.points == 0) return 0;
-        const Permutation p = permutation_for(entry, look);
-        const Program& program = program_of(p);
-        if (current != &program) {
-            glUseProgram(program.program.id());
-            set_common(program, p);
-            set_guard(p.mode == SplatMode::dynamic && !p.quads);
-            current = &program;
-        }
-        set_chunk(program, entry, look);
-        enable(1, p.colouring == Colouring::vertex);
-        enable(2, p.mode != SplatMode::constant);
-        enable(3, p.is_disc());
-        p.quads ? draw_quads(entry) : draw_points(entry);
-        return std::uint64_t(entry.points) * (p.quads ? 4 : 1);
+        sieve->sort(entry, box_of(entry), permutation_for(entry).mode, {}, &parts);
+        std::uint64_t vertices = 0;
+        for (const VertexRun& run : sieve->as_points()) vertices += run.count;
+        for (const VertexRun& run : sieve->as_quads()) vertices += 4 * std::uint64_t(run.count);
+        return vertices;
     }
 
     void point_at(const VertexEntry& entry, std::size_t vertex) const
@@ -385,37 +396,55 @@ struct SplatPass::Impl {
         if (enabled[3]) glVertexAttribPointer(3, 3, GL_FLOAT, GL_FALSE, stride, place(VertexFormat::normal_place));
     }
 
-    void draw_points(const VertexEntry& entry)
+    void draw_runs(const VertexEntry& entry, const std::vector<VertexRun>& runs, bool quads)
     {
-        for (std::size_t i = 0; i < entry.ranges.size();) {
-            const std::uint32_t buffer = entry.ranges[i].buffer;
-            first.clear();
-            count.clear();
-            for (; i < entry.ranges.size() && entry.ranges[i].buffer == buffer; ++i) {
-                first.push_back(entry.ranges[i].first);
-                count.push_back(entry.ranges[i].count);
+        auto run = runs.begin();
+        std::uint32_t passed = 0;  // points of the chunk, in the ranges before
+        std::uint32_t buffer = 0;  // that `first` and `count` are of
+        first.clear();
+        count.clear();
+        for (GLuint a = 0; quads && a < 4; ++a) glVertexAttribDivisor(a, 1);
+        for (const VertexRange& range : entry.ranges) {
+            const std::uint32_t end = passed + static_cast<std::uint32_t>(range.count);
+            if (range.buffer != buffer) {
+                flush_points(entry, buffer);
+                buffer = range.buffer;
             }
-            glBindBuffer(GL_ARRAY_BUFFER, buffer);
-            point_at(entry, 0);
-            glMultiDrawArrays(GL_POINTS, first.data(), count.data(), static_cast<GLsizei>(first.size()));
+            while (run != runs.end() && run->first < end) {
+                const std::uint32_t from = std::max(run->first, passed), to = std::min(run->first + run->count, end);
+                const auto vertex = static_cast<GLint>(range.first + (from - passed));
+                if (quads) {
+                    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+                    point_at(entry, static_cast<std::size_t>(vertex));
+                    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(to - from));
+                } else {
+                    first.push_back(vertex);
+                    count.push_back(static_cast<GLsizei>(to - from));
+                }
+                if (run->first + run->count > end) break;  // it goes on in the next range
+                ++run;
+            }
+            passed = end;
         }
+        flush_points(entry, buffer);
+        for (GLuint a = 0; quads && a < 4; ++a) glVertexAttribDivisor(a, 0);
     }
 
-    void draw_quads(const VertexEntry& entry)
+    void flush_points(const VertexEntry& entry, std::uint32_t buffer)
     {
-        for (GLuint a = 0; a < 4; ++a) glVertexAttribDivisor(a, 1);
-        for (const VertexRange& range : entry.ranges) {
-            glBindBuffer(GL_ARRAY_BUFFER, range.buffer);
-            point_at(entry, static_cast<std::size_t>(range.first));
-            glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, range.count);
-        }
-        for (GLuint a = 0; a < 4; ++a) glVertexAttribDivisor(a, 0);
+        if (first.empty()) return;
+        glBindBuffer(GL_ARRAY_BUFFER, buffer);
+        point_at(entry, 0);
+        glMultiDrawArrays(GL_POINTS, first.data(), count.data(), static_cast<GLsizei>(first.size()));
+        first.clear();
+        count.clear();
     }
 
     void end()
     {
         if (!camera) return;
         camera.reset();
+        sieve.reset();
         current = nullptr;
         glBindVertexArray(0);
         glDeleteVertexArrays(1, &vertex_array);
@@ -435,7 +464,8 @@ void SplatPass::begin(const View& view, const TreeInfo& info, const CloudStyle& 
 {
     impl_->begin(view, info, usable, reversed, samples);
 }
-std::uint64_t SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { return impl_->draw(entry, look); }
+void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
+std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts) { return impl_->preview(entry, parts); }
 void SplatPass::end() { impl_->end(); }
 
 void SplatPass::release()

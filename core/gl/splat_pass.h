@@ -26,31 +26,24 @@
 // Splats of any size are right: a chunk that may hold one beyond the driver's largest point is drawn as quads. What is seen of one that is
 // not constant does not depend on whether its centre is in the view.
 //
+// Of a chunk that is partly in view only those groups of points are drawn whose boxes are, and only where splats may be too large for
+// points, quads (gl/splat_sieve.h): what is drawn does not change by it.
+//
 // Projections are perspective, off-axis too, or orthographic; a mix of x and y in them is not looked at. The depth range is 0 to 1.
 //
 // GL thread only. Works in compatibility and core contexts of OpenGL 3.3; programs are built on first use.
 #pragma once
 
-#include "gl/l1_cache.h"
-#include "gl/splat_style.h"
+#include "gl/splat_sieve.h"
 #include "tree/tree.h"
 #include "view/level_of_detail.h"
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace pcm {
-
-// What the modes `level` and `error` show of a chunk, and how large its points are at least.
-struct ChunkLook {
-    float level = 0;
-    float error_px = 0;
-    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than constant splats are large.
-    // So that they leave no gaps, splats are at least so large: a radius, source units, but no more than so many pixels of a side.
-    float least_radius = 0;
-    float least_px = 0;
-};
 
 class SplatPass {
 public:
@@ -68,9 +61,11 @@ public:
     // driver cannot compile a program, as does draw().
     void begin(const View& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples);
     // The entry's points, in the style's way as far as the entry has what that reads: without normals it is drawn with dynamic splats,
-    // without radii with constant ones, without colours in the style's uniform colour, with those of another attribute in those. Returns how
-    // often the vertex stage runs: once a point, four times where splats may be larger than the driver's points.
-    std::uint64_t draw(const VertexEntry& entry, const ChunkLook& look);
+    // without radii with constant ones, without colours in the style's uniform colour, with those of another attribute in those.
+    void draw(const VertexEntry& entry, const ChunkLook& look);
+    // What draw() would draw of it, were splats no larger than their own sizes: adds the parts of it that are in view. Returns how often
+    // the vertex stage runs, exactly: once a point that is drawn, four times where splats may be larger than the driver's points.
+    std::uint64_t preview(const VertexEntry& entry, std::vector<SplatPart>& parts);
     void end();
 
     // Frees the GL objects. begin() may be called again afterwards.

@@ -3,27 +3,47 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 using namespace pcm;
 
 namespace {
 
-FrameWork work(std::uint64_t points) { return {points, points, 0}; }
+FrameWork work(std::uint64_t points) { return {points, points, static_cast<double>(points), 4 * static_cast<double>(points)}; }
 
-// A device that needs `cost` ms a point and draws as many as it is given, up to `visible`.
-double settle(FrameBudget& budget, double cost, double budget_ms, std::uint64_t visible, std::uint64_t ceiling,
-              int frames)
+// A frame as the renderer makes it, of a view with `visible` points on a device for which `cost` is what work takes: what is chosen by the
+// points that are allowed, cut to what there is time for, drawn and learnt from. Gives its time.
+template <class Cost>
+double frame(FrameBudget& budget, const Cost& cost, double budget_ms, std::uint64_t visible, std::uint64_t ceiling = 1'000'000'000)
+{
+    std::uint64_t points = std::min(budget.points(0, ceiling), visible);
+    const double available = budget.available(budget_ms);
+    if (budget.expected(work(points)) <= available) {
+        budget.all(work(points), available / budget.expected(work(points)));
+    } else {
+        points = static_cast<std::uint64_t>(static_cast<double>(points) * available / budget.expected(work(points)));
+        budget.fewer(points);
+    }
+    const double ms = cost(work(points));
+    budget.measured(work(points), ms);
+    return ms;
+}
+
+template <class Cost>
+double settle(FrameBudget& budget, const Cost& cost, double budget_ms, int frames)
 {
     double ms = 0;
-    for (int i = 0; i < frames; ++i) {
-        const std::uint64_t points = std::min(budget.points(budget_ms, 0, ceiling), visible);
-        ms = cost * static_cast<double>(points);
-        budget.measured(work(points), ms);
-    }
+    for (int i = 0; i < frames; ++i) ms = frame(budget, cost, budget_ms, 1'000'000'000);
     return ms;
+}
+
+auto cost_of_points(double each)
+{
+    return [each](const FrameWork& w) { return each * static_cast<double>(w.points); };
 }
 
 template <class T>
@@ -41,7 +61,7 @@ TEST(FrameBudget, SettlesBelowTheAskedTimeOnFastAndSlowDevices)
 {
     for (const double cost : {1e-7, 1e-6, 1e-5, 1e-4}) {
         FrameBudget budget;
-        const double ms = settle(budget, cost, 33, 1'000'000'000, 1'000'000'000, 300);
+        const double ms = settle(budget, cost_of_points(cost), 33, 300);
         EXPECT_LT(ms, 33) << "ms a point " << cost;
         EXPECT_GT(ms, 0.65 * 33) << "ms a point " << cost;
     }
@@ -51,95 +71,112 @@ TEST(FrameBudget, SettlesBelowTheAskedTimeOnFastAndSlowDevices)
 TEST(FrameBudget, LeavesRoomForTheRestOfTheFrame)
 {
     FrameBudget budget;
+    double ms = 0;
     for (int i = 0; i < 100; ++i) {
-        const std::uint64_t points = budget.points(33, 0, 1'000'000'000);
-        budget.measured(work(points), 1e-5 * static_cast<double>(points));
+        ms = frame(budget, cost_of_points(1e-5), 33, 1'000'000'000);
         budget.measured_overhead(12);
     }
-    const double ms = 12 + 1e-5 * static_cast<double>(budget.points(33, 0, 1'000'000'000));
-    EXPECT_LT(ms, 33);
-    EXPECT_GT(ms, 22);
-    for (int i = 0; i < 10; ++i) budget.measured_overhead(100);  // nothing is left: the least
-    EXPECT_EQ(budget.points(33, 0, 1'000'000'000), FrameBudget::least);
+    EXPECT_LT(12 + ms, 33);
+    EXPECT_GT(12 + ms, 22);
+    for (int i = 0; i < 10; ++i) budget.measured_overhead(100);
+    EXPECT_EQ(budget.available(33), 0);
 }
 
 TEST(FrameBudget, StaysPutOnceSettledAndFollowsAChange)
 {
     FrameBudget budget;
-    settle(budget, 1e-5, 33, 1'000'000'000, 1'000'000'000, 100);
-    const std::uint64_t settled = budget.points(33, 0, 1'000'000'000);
+    settle(budget, cost_of_points(1e-5), 33, 100);
+    std::uint64_t most = 0, least = ~std::uint64_t(0);
     for (int i = 0; i < 100; ++i) {  // 4 % noise
-        budget.measured(work(settled), 1e-5 * static_cast<double>(settled) * (i % 2 ? 1.02 : 0.98));
-        EXPECT_EQ(budget.points(33, 0, 1'000'000'000), settled);
+        frame(budget, cost_of_points(i % 2 ? 1.02e-5 : 0.98e-5), 33, 1'000'000'000);
+        const std::uint64_t points = budget.points(0, 1'000'000'000);
+        most = std::max(most, points);
+        least = std::min(least, points);
     }
-    EXPECT_NEAR(settle(budget, 5e-5, 33, 1'000'000'000, 1'000'000'000, 200), 27, 6);
-    EXPECT_NEAR(settle(budget, 1e-5, 33, 1'000'000'000, 1'000'000'000, 200), 27, 6);
+    EXPECT_LT(static_cast<double>(most), 1.25 * static_cast<double>(least));
+    EXPECT_NEAR(settle(budget, cost_of_points(5e-5), 33, 200), 27, 6);
+    EXPECT_NEAR(settle(budget, cost_of_points(1e-5), 33, 200), 27, 6);
 }
 
-// Splats that have grown cost by the pixel: they leave time for more points, which make them smaller.
-TEST(FrameBudget, GrownSplatsDoNotKeepThePointsFew)
+// After looking at views of all kinds it knows what the next one costs, whatever the device is slow at.
+TEST(FrameBudget, TellsWhatAnotherViewCosts)
 {
-    for (const double per_pixel : {1e-7, 1e-6, 5e-6}) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> share(0.02, 1), size(1, 60), noise(0.95, 1.05);
+    for (const auto& [vertex, splat, pixel] : {std::array<double, 3>{1e-5, 2e-4, 3e-6}, {5e-4, 1e-5, 1e-6}, {1e-6, 1e-6, 2e-5}, {1e-8, 2e-8, 1e-8}}) {
         FrameBudget budget;
-        const double per_point = 1e-5, budget_ms = 33;
-        std::uint64_t points = 20000;
-        double ms = 0;
-        for (int frame = 0; frame < 200; ++frame) {
-            points = std::min<std::uint64_t>(budget.points(budget_ms, 20000, 1'000'000'000), 10'000'000);
-            // Points that are even in the picture, whose splats leave no gaps; below a size of their own they do not grow.
-            const double spacing = std::sqrt(3e6 / static_cast<double>(points));
-            const double grown = spacing > 1.4 ? 2e6 : 0;
-            ms = per_point * static_cast<double>(points) + per_pixel * grown;
-            budget.measured({points, points, grown}, ms);
+        const auto next = [&] {
+            const auto points = static_cast<std::uint64_t>(2e4 + 5e5 * share(random));
+            const double seen = share(random) * static_cast<double>(points);
+            return FrameWork{points, points * (share(random) > 0.7 ? 4 : 1), seen, seen * size(random)};
+        };
+        const auto cost = [&, v = vertex, s = splat, p = pixel](const FrameWork& w) {
+            return v * static_cast<double>(w.vertices) + s * w.splats + p * w.pixels;
+        };
+        for (int i = 0; i < 200; ++i) {
+            const FrameWork w = next();
+            budget.measured(w, cost(w) * noise(random));
         }
-        EXPECT_LT(ms, budget_ms) << per_pixel;
-        EXPECT_GT(static_cast<double>(points), 0.2 * budget_ms / per_point) << per_pixel;
+        double sum = 0;
+        for (int i = 0; i < 200; ++i) {
+            const FrameWork w = next();
+            sum += std::abs(std::log(budget.expected(w) / cost(w)));
+        }
+        EXPECT_LT(sum / 200, 0.08) << vertex << ' ' << splat << ' ' << pixel;
     }
 }
 
-// Chunks near the eye whose splats are quads have four vertices a point; they say nothing of what the others cost.
-TEST(FrameBudget, QuadsDoNotMakePointsDear)
+// A frame that something else held up is no reason to draw little from then on.
+TEST(FrameBudget, ASingleSlowFrameIsForgotten)
 {
     FrameBudget budget;
-    std::uint64_t points = 0;
-    for (int frame = 0; frame < 100; ++frame) {
-        points = budget.points(33, 20000, 1'000'000'000);
-        const std::uint64_t vertices = points + 3 * 20000;
-        budget.measured({points, vertices, 0}, 1e-4 * static_cast<double>(vertices));
-    }
-    EXPECT_GT(points + 60000, 0.5 * 33 / 1e-4);
-    EXPECT_LT(points + 60000, 33 / 1e-4);
+    settle(budget, cost_of_points(1e-5), 33, 100);
+    const double before = budget.expected(work(1'000'000));
+    budget.measured(work(1'000'000), 500);
+    EXPECT_LT(budget.expected(work(1'000'000)), 1.5 * before);
+    settle(budget, cost_of_points(1e-5), 33, 20);
+    EXPECT_NEAR(budget.expected(work(1'000'000)), before, 0.1 * before);
 }
 
-// One slow frame is answered in the next one, in part: it may have been the last.
-TEST(FrameBudget, GivesWayAtOnce)
+// One frame in a hundred that takes half as long again: the time asked for holds for these, too.
+TEST(FrameBudget, LeavesAMarginForTheSlowFrames)
 {
     FrameBudget budget;
-    settle(budget, 1e-5, 33, 1'000'000'000, 1'000'000'000, 100);
-    const std::uint64_t before = budget.points(33, 0, 1'000'000'000);
-    budget.measured(work(before), 3 * 1e-5 * static_cast<double>(before));
-    EXPECT_LT(budget.points(33, 0, 1'000'000'000), 0.8 * static_cast<double>(before));
+    int slow = 0, over = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double factor = i % 60 == 59 ? 1.5 : 1;
+        const double ms = frame(budget, cost_of_points(1e-5 * factor), 33, 1'000'000'000) + 2;
+        budget.measured_overhead(2);
+        if (i < 500) continue;
+        slow += factor > 1;
+        over += ms > 33;
+    }
+    EXPECT_GT(slow, 30);
+    EXPECT_LT(over, 10);
 }
 
 TEST(FrameBudget, KeepsItsBounds)
 {
     FrameBudget budget;
-    for (int i = 0; i < 10; ++i) budget.measured(work(1'000'000), 1e6);
-    EXPECT_EQ(budget.points(33, 0, 1'000'000'000), FrameBudget::least);
-    EXPECT_EQ(budget.points(33, 250'000, 1'000'000'000), 250'000u);  // the coarsest chunk is always drawn
-    EXPECT_EQ(budget.points(33, 250'000, 5'000), 5'000u);            // but the user's limit wins
-    EXPECT_FALSE(budget.can_grow(33, 5'000));
-    EXPECT_EQ(budget.points(33, 0, 0), 0u);
-    for (int i = 0; i < 120; ++i) budget.measured(work(1'000'000), 0.001);
-    std::uint64_t before = budget.points(33, 0, 50'000'000);
-    for (int i = 0; i < 40; ++i) {
-        const std::uint64_t now = budget.points(33, 0, 50'000'000);
-        EXPECT_LE(now, 2 * before);
+    EXPECT_EQ(budget.available(33), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(budget.expected(work(1'000'000)), 0);
+    for (int i = 0; i < 10; ++i) frame(budget, cost_of_points(1), 33, 1'000'000'000);
+    EXPECT_EQ(budget.points(0, 1'000'000'000), FrameBudget::least);
+    EXPECT_EQ(budget.points(250'000, 1'000'000'000), 250'000u);  // the coarsest chunk is always drawn
+    EXPECT_EQ(budget.points(250'000, 5'000), 5'000u);            // but the user's limit wins
+    EXPECT_FALSE(budget.can_grow(5'000));
+    EXPECT_EQ(budget.points(0, 0), 0u);
+    std::uint64_t before = budget.points(0, 50'000'000);
+    for (int i = 0; i < 400; ++i) {
+        frame(budget, cost_of_points(1e-9), 33, 1'000'000'000, 50'000'000);
+        const std::uint64_t now = budget.points(0, 50'000'000);
+        EXPECT_LE(now, std::max<std::uint64_t>(20'000, 3 * before));
         before = now;
     }
     EXPECT_EQ(before, 50'000'000u);
-    EXPECT_FALSE(budget.can_grow(33, 50'000'000));
-    EXPECT_EQ(budget.points(std::numeric_limits<double>::infinity(), 0, 60'000'000), 60'000'000u);  // no time limit at all
+    EXPECT_FALSE(budget.can_grow(50'000'000));
+    frame(budget, cost_of_points(1e-9), std::numeric_limits<double>::infinity(), 1'000'000'000);  // no time limit at all
+    EXPECT_EQ(budget.points(0, 60'000'000), 60'000'000u);
 }
 
 TEST(VertexColours, EveryTypeFillsTheRange)

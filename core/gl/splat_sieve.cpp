@@ -1,0 +1,111 @@
+#include "gl/splat_sieve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double border = 2;  // pixels around the view that count as in it: half of the least splat, and rounding
+
+Box3d grown(Box3d box, double by)
+{
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= by;
+        box.max[a] += by;
+    }
+    return box;
+}
+
+}  // namespace
+
+SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard)
+    : camera_(camera), style_(style), largest_point_(largest_point), guard_(guard)
+{
+    View wide = camera.view;
+    wide.origin = {0, 0, 0};
+    for (std::size_t c = 0; c < 4; ++c) {
+        wide.projection[4 * c] *= wide.width / (wide.width + 2 * border);
+        wide.projection[4 * c + 1] *= wide.height / (wide.height + 2 * border);
+    }
+    seen_ = Frustum::of(wide);
+}
+
+void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mode, const ChunkLook& look, std::vector<SplatPart>* parts)
+{
+    as_points_.clear();
+    as_quads_.clear();
+    const Box3d reached = grown(whole, reach(mode, entry.largest_radius, look));
+    if (!seen_ || !seen_->intersects(reached)) return;
+    const bool all = seen_->contains(reached);
+    const bool quads = needs_quads(mode, whole, entry.largest_radius, look);
+    if (all && !quads && (!parts || is_even(whole))) {
+        as_points_.push_back({0, entry.points});
+        if (parts) parts->push_back(part_of(whole, entry.points));
+        return;
+    }
+    for (std::size_t g = 0; g < entry.groups.size(); ++g) {
+        const VertexGroup& group = entry.groups[g];
+        const auto start = static_cast<std::uint32_t>(g * VertexGroup::points);
+        const std::uint32_t points = std::min<std::uint32_t>(VertexGroup::points, entry.points - start);
+        Box3d box;
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.min[a] = whole.min[a] + static_cast<double>(group.low[a]);
+            box.max[a] = whole.min[a] + static_cast<double>(group.high[a]);
+        }
+        if (!all && !seen_->intersects(grown(box, reach(mode, group.largest_radius, look)))) continue;
+        add_run(quads && needs_quads(mode, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
+        if (parts) parts->push_back(is_even(box) && (all || seen_->contains(box)) ? part_of(box, points) : part_in_view(box, points));
+    }
+}
+
+// Whether splats in a box may be larger than the driver's points. A constant one is never drawn larger.
+bool SplatSieve::needs_quads(SplatMode mode, const Box3d& box, float largest_radius, const ChunkLook& look) const
+{
+    if (mode == SplatMode::constant) return false;
+    const double radius = static_cast<double>(largest_radius) * static_cast<double>(style_.radius_scale);
+    const auto least = static_cast<double>(look.least_px);
+    if (mode != SplatMode::dynamic) return !(std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) <= largest_point_);
+    const double largest = std::max(camera_.largest_square(box, radius), least);
+    return !(largest <= largest_point_ && largest <= 2 * guard_);
+}
+
+// How far from its centre a splat can be seen, source units. A constant one goes with its centre.
+double SplatSieve::reach(SplatMode mode, float largest_radius, const ChunkLook& look) const
+{
+    if (mode == SplatMode::constant) return 0;
+    return camera_.squeeze * static_cast<double>(std::max(largest_radius * style_.radius_scale, look.least_radius));
+}
+
+// Whether everything in it is about as far from the eye.
+bool SplatSieve::is_even(const Box3d& box) const
+{
+    return camera_.orthographic || 0.5 * box.diagonal() * camera_.scale < 0.25 * depth_of(box.centre());
+}
+
+SplatPart SplatSieve::part_of(const Box3d& box, std::uint32_t points) const
+{
+    // What surrounds the eye is not nearer than its own size.
+    const double depth = std::max(depth_of(box.centre()), 0.25 * box.diagonal() * camera_.scale);
+    return {static_cast<double>(points), camera_.pixels_at(depth)};
+}
+
+// Of a box that is partly in view, or reaches from near the eye to far from it: by eighths.
+SplatPart SplatSieve::part_in_view(const Box3d& box, std::uint32_t points) const
+{
+    const Vec3d centre = box.centre();
+    const double least_depth = 0.125 * box.diagonal() * camera_.scale;
+    int in_view = 0;
+    double squares = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3d place{};
+        for (std::size_t a = 0; a < 3; ++a) place[a] = centre[a] + ((corner >> a) & 1 ? 0.25 : -0.25) * box.extent(a);
+        if (!camera_.is_in_view(place)) continue;
+        ++in_view;
+        squares += std::pow(camera_.pixels_at(std::max(depth_of(place), least_depth)), 2);
+    }
+    if (in_view == 0) return {static_cast<double>(points) / 16, part_of(box, points).pixels_per_unit};
+    return {static_cast<double>(points) * in_view / 8, std::sqrt(squares / in_view)};
+}
+
+}  // namespace pcm

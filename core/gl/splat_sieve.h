@@ -1,0 +1,58 @@
+// Which points of a chunk are drawn, and as what: those of groups (gl/vertex_groups.h) that may be in view; as quads where their splats may be
+// larger than the driver's points. No OpenGL here.
+#pragma once
+
+#include "gl/l1_cache.h"
+#include "gl/splat_camera.h"
+#include "gl/splat_style.h"
+#include "gl/vertex_groups.h"
+
+#include <optional>
+#include <vector>
+
+namespace pcm {
+
+// What the modes `level` and `error` show of a chunk, and how large its points are at least.
+struct ChunkLook {
+    float level = 0;
+    float error_px = 0;
+    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than constant splats are large.
+    // So that they leave no gaps, splats are at least so large: a radius, source units, but no more than so many pixels of a side.
+    float least_radius = 0;
+    float least_px = 0;
+};
+
+// Points that are about as far from the eye.
+struct SplatPart {
+    double points = 0;           // in view, about
+    double pixels_per_unit = 0;  // that a source unit covers there, face on
+};
+
+class SplatSieve {
+public:
+    // `largest_point`: of the driver, pixels; `guard`: what the clip volume can be made wider by on each side for points, pixels.
+    SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
+
+    // Sorts a chunk's points; `box` is that of their positions, relative to the view's origin. Adds to `parts`, if there, where they are.
+    // Nothing is left out that can be seen, and no point is too large for the driver.
+    void sort(const VertexEntry& entry, const Box3d& box, SplatMode mode, const ChunkLook& look, std::vector<SplatPart>* parts = nullptr);
+    const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
+    const std::vector<VertexRun>& as_quads() const { return as_quads_; }
+
+private:
+    bool needs_quads(SplatMode mode, const Box3d& box, float largest_radius, const ChunkLook& look) const;
+    double reach(SplatMode mode, float largest_radius, const ChunkLook& look) const;
+    double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
+    bool is_even(const Box3d& box) const;
+    SplatPart part_of(const Box3d& box, std::uint32_t points) const;
+    SplatPart part_in_view(const Box3d& box, std::uint32_t points) const;
+
+    const SplatCamera& camera_;
+    const CloudStyle& style_;
+    double largest_point_;
+    int guard_;
+    std::optional<Frustum> seen_;  // the view with a border, relative to its origin
+    std::vector<VertexRun> as_points_, as_quads_;
+};
+
+}  // namespace pcm

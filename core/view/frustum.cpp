@@ -1,0 +1,196 @@
+#include "view/frustum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length_of(const Vec3d& a) { return std::hypot(a[0], a[1], a[2]); }
+
+bool is_finite(const Matrix4d& m)
+{
+    for (const double v : m)
+        if (!std::isfinite(v)) return false;
+    return true;
+}
+
+// The three components of a projection's row; the fourth is m[12 + row].
+Vec3d row_of(const Matrix4d& m, std::size_t row) { return {m[row], m[4 + row], m[8 + row]}; }
+
+using Matrix3d = std::array<Vec3d, 3>;  // rows
+
+// Solves rows * x = b; nothing when the matrix is singular. Scaled first, so that units of 1e-100 are no reason to
+// fail.
+std::optional<Vec3d> solve(Matrix3d rows, Vec3d b)
+{
+    double largest = 0;
+    for (const Vec3d& row : rows)
+        for (const double v : row) largest = std::max(largest, std::abs(v));
+    if (!(largest > 0)) return std::nullopt;
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (double& v : rows[r]) v /= largest;
+        b[r] /= largest;
+    }
+    for (std::size_t column = 0; column < 3; ++column) {
+        std::size_t pivot = column;
+        for (std::size_t r = column + 1; r < 3; ++r)
+            if (std::abs(rows[r][column]) > std::abs(rows[pivot][column])) pivot = r;
+        if (!(std::abs(rows[pivot][column]) > 4 * epsilon)) return std::nullopt;
+        std::swap(rows[pivot], rows[column]);
+        std::swap(b[pivot], b[column]);
+        for (std::size_t r = column + 1; r < 3; ++r) {
+            const double factor = rows[r][column] / rows[column][column];
+            for (std::size_t c = column; c < 3; ++c) rows[r][c] -= factor * rows[column][c];
+            b[r] -= factor * b[column];
+        }
+    }
+    Vec3d x{};
+    for (std::size_t r = 3; r-- > 0;) {
+        double sum = b[r];
+        for (std::size_t c = r + 1; c < 3; ++c) sum -= rows[r][c] * x[c];
+        x[r] = sum / rows[r][r];
+    }
+    return x;
+}
+
+// How much of `g` is perpendicular to `axis`.
+double perpendicular(const Vec3d& g, const Vec3d& axis)
+{
+    const double along = dot(g, axis) / dot(axis, axis);
+    return length_of({g[0] - along * axis[0], g[1] - along * axis[1], g[2] - along * axis[2]});
+}
+
+}  // namespace
+
+std::optional<Frustum> Frustum::of(const View& view)
+{
+    if (view.width <= 0 || view.height <= 0 || !is_finite(view.modelview) || !is_finite(view.projection))
+        return std::nullopt;
+    for (const double v : view.origin)
+        if (!std::isfinite(v)) return std::nullopt;
+    Matrix4d modelview = view.modelview;
+    if (modelview[3] != 0 || modelview[7] != 0 || modelview[11] != 0 || modelview[15] == 0) return std::nullopt;
+    for (double& v : modelview) v /= view.modelview[15];
+    const Matrix4d& projection = view.projection;
+
+    const Matrix3d linear{row_of(modelview, 0), row_of(modelview, 1), row_of(modelview, 2)};
+    const auto eye = solve(linear, {-modelview[12], -modelview[13], -modelview[14]});
+    if (!eye) return std::nullopt;
+
+    Frustum frustum;
+    frustum.origin_ = view.origin;
+    frustum.eye_ = *eye;
+    for (const double v : frustum.eye_)
+        if (!std::isfinite(v)) return std::nullopt;
+
+    // Eye space is linear * (p - eye), so a plane of the projection keeps its offset and turns its normal by the
+    // transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
+    const auto to_source = [&](const Vec3d& n) {
+        Vec3d turned{};
+        for (std::size_t a = 0; a < 3; ++a) turned[a] = n[0] * linear[0][a] + n[1] * linear[1][a] + n[2] * linear[2][a];
+        return turned;
+    };
+    const auto to_source_bound = [&](const Vec3d& n) {
+        Vec3d bound{};
+        for (std::size_t a = 0; a < 3; ++a)
+            bound[a] = n[0] * std::abs(linear[0][a]) + n[1] * std::abs(linear[1][a]) + n[2] * std::abs(linear[2][a]);
+        return bound;
+    };
+    const Vec3d w = row_of(projection, 3);
+    const double w_offset = projection[15];
+    for (std::size_t i = 0; i < 6; ++i) {
+        const std::size_t row = i / 2;
+        const double sign = i % 2 == 0 ? 1 : -1;
+        const Vec3d r = row_of(projection, row);
+        Vec3d normal{};
+        Vec3d bound{};
+        for (std::size_t a = 0; a < 3; ++a) {
+            normal[a] = w[a] + sign * r[a];
+            bound[a] = std::abs(w[a]) + std::abs(r[a]);
+        }
+        frustum.planes_[i] = {to_source(normal), w_offset + sign * projection[12 + row], to_source_bound(bound),
+                              std::abs(w_offset) + std::abs(projection[12 + row])};
+    }
+
+    double largest_scale = 0;
+    double smallest_scale = infinity;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double scale = length_of({linear[0][a], linear[1][a], linear[2][a]});
+        largest_scale = std::max(largest_scale, scale);
+        smallest_scale = std::min(smallest_scale, scale);
+    }
+    const Vec3d x = row_of(projection, 0);
+    const Vec3d y = row_of(projection, 1);
+    frustum.orthographic_ = w[0] == 0 && w[1] == 0 && w[2] == 0;
+    if (frustum.orthographic_) {
+        if (w_offset == 0) return std::nullopt;
+        frustum.pixels_per_unit_ = largest_scale / std::abs(w_offset) *
+                                   std::max(view.width * 0.5 * length_of(x), view.height * 0.5 * length_of(y));
+    } else {
+        // Along a plane of constant w, x_ndc changes by the part of x's gradient that is perpendicular to w's, over w;
+        // and w is |w's gradient| times the distance on the axis.
+        frustum.pixels_per_unit_ =
+            largest_scale / smallest_scale / length_of(w) *
+            std::max(view.width * 0.5 * perpendicular(x, w), view.height * 0.5 * perpendicular(y, w));
+        const Plane& near_plane = frustum.planes_[4];
+        const double steepness = length_of(near_plane.normal);
+        frustum.near_ = steepness > 0 ? std::max(0.0, -near_plane.offset / steepness) : 0.0;
+    }
+    if (!std::isfinite(frustum.pixels_per_unit_)) return std::nullopt;
+    return frustum;
+}
+
+bool Frustum::intersects(const Box3d& box) const
+{
+    if (box.empty()) return false;
+    for (const Plane& plane : planes_) {
+        const Side side = side_of(plane, box, 1);
+        if (side.value < -side.rounding) return false;
+    }
+    return true;
+}
+
+bool Frustum::contains(const Box3d& box) const
+{
+    if (box.empty()) return false;
+    for (const Plane& plane : planes_) {
+        const Side side = side_of(plane, box, -1);
+        if (side.value < side.rounding) return false;
+    }
+    return true;
+}
+
+Frustum::Side Frustum::side_of(const Plane& plane, const Box3d& box, double sign) const
+{
+    double value = plane.offset;
+    double bound = plane.offset_bound;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double corner = sign * plane.normal[a] >= 0 ? box.max[a] : box.min[a];
+        value += plane.normal[a] * ((corner - origin_[a]) - eye_[a]);
+        bound += plane.normal_bound[a] * (std::abs(corner) + std::abs(origin_[a]) + std::abs(eye_[a]));
+    }
+    // 16: the operations between a coordinate and its clip coordinate, generously, each off by half an epsilon.
+    return {value, 16 * epsilon * bound};
+}
+
+double Frustum::pixels(double length, const Box3d& box) const
+{
+    if (!(length > 0)) return 0;
+    if (orthographic_) return length * pixels_per_unit_;
+    Vec3d away{};
+    for (std::size_t a = 0; a < 3; ++a)
+        away[a] = std::max({0.0, (box.min[a] - origin_[a]) - eye_[a], eye_[a] - (box.max[a] - origin_[a])});
+    const double distance = std::max(length_of(away), near_);
+    return distance > 0 ? length * pixels_per_unit_ / distance : infinity;
+}
+
+Vec3d Frustum::eye() const { return {origin_[0] + eye_[0], origin_[1] + eye_[1], origin_[2] + eye_[2]}; }
+
+}  // namespace pcm

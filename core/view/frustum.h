@@ -1,0 +1,66 @@
+// What a view sees, as far as boxes go. No OpenGL here. All functions are pure: the same arguments give the same result on any thread.
+#pragma once
+
+#include "cloud/geometry.h"
+#include "view/matrix.h"
+
+#include <array>
+#include <optional>
+
+namespace pcm {
+
+struct View {
+    Matrix4d modelview{};   // affine and invertible; maps (source - origin) to eye space, eye at 0, looking down -z
+    Matrix4d projection{};  // perspective (also off-axis) or orthographic; clip volume -w <= x, y, z <= w
+    Vec3d origin{0, 0, 0};  // source coordinates of the local origin
+    int width = 0;          // viewport, pixels
+    int height = 0;
+};
+
+// A view, made ready for questions about boxes. Everything is relative to the eye: no two large numbers are subtracted,
+// so the answers hold at map coordinates and for near planes of 1e-6 alike.
+class Frustum {
+public:
+    // Nothing when the view shows nothing: an empty viewport, numbers that are not finite, or a modelview that is not
+    // affine and invertible.
+    static std::optional<Frustum> of(const View& view);
+
+    // False only if no part of the box is inside the clip volume. May be true for a box just outside a corner or an
+    // edge of the volume (the six planes are tested one by one), never false for one that holds a visible point: the
+    // margin covers the rounding of coordinates of the size at hand.
+    bool intersects(const Box3d& source_box) const;
+
+    // Pixels that `length` (source units) covers when it is seen face on at the point of the box that is nearest to the
+    // eye, but no nearer than the near plane. Exact on the view's axis. For a modelview that scales the axes
+    // differently this is an upper bound.
+    double pixels(double length, const Box3d& source_box) const;
+
+    // True only if the whole box is inside the clip volume; may be false for a box that touches it from within.
+    bool contains(const Box3d& source_box) const;
+
+    Vec3d local_eye() const { return eye_; }  // relative to the view's origin
+    Vec3d eye() const;                        // source coordinates
+    bool orthographic() const { return orthographic_; }
+
+private:
+    struct Plane {
+        Vec3d normal;        // in source axes, pointing inwards
+        double offset;       // normal . (p - eye) + offset >= 0 inside
+        Vec3d normal_bound;  // the same sums over absolute values, from which the rounding error is bounded
+        double offset_bound;
+    };
+    // Of the box's corner that is farthest along the normal (sign 1) or against it (-1).
+    struct Side {
+        double value, rounding;
+    };
+    Side side_of(const Plane& plane, const Box3d& box, double sign) const;
+
+    std::array<Plane, 6> planes_{};
+    Vec3d origin_{};
+    Vec3d eye_{};  // relative to origin_
+    bool orthographic_ = false;
+    double near_ = 0;             // perspective: distance of the near plane, source units
+    double pixels_per_unit_ = 0;  // orthographic: anywhere; perspective: at distance 1
+};
+
+}  // namespace pcm
