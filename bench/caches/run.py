@@ -16,26 +16,13 @@ import argparse
 import json
 import os
 import pathlib
-import random
-import subprocess
 import sys
-import time
 
-import machine
-import paths
-import plan
-import report
-from table import Table
-
-HERE = pathlib.Path(__file__).resolve().parent
-
-
-def call(command):
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
-    if result.returncode:
-        raise RuntimeError(f"{pathlib.Path(str(command[0])).name} {' '.join(map(str, command[1:3]))}: "
-                           f"{(result.stderr or result.stdout).strip()[-500:] or f'ended with {result.returncode}'}")
-    return result.stdout
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "study"))
+import plan  # noqa: E402
+import report  # noqa: E402
+import study  # noqa: E402
+from study import call  # noqa: E402
 
 
 def count_name(points):
@@ -89,45 +76,17 @@ class Run:
                 clouds[name] = self.size.chunks
         return clouds
 
-    def make_paths(self):
-        """Name: file."""
-        files = {name: file for name, file in paths.write(self.work / "paths", self.size.frames).items() if name in self.size.paths}
-        for file in self.arguments.path:
-            files[json.loads(file.read_text(encoding="utf-8")).get("name", file.stem)] = file
-        return files
-
     def measure(self, table):
-        clouds, path_files = self.make_clouds(), self.make_paths()
-        rows = plan.configurations(self.size, clouds, list(path_files), self.defaults, bool(self.about["gl"]))
-        todo = []
-        for repetition in range(1, self.size.repeat + 1):
-            turn = [{**row, "repetition": repetition} for row in rows]
-            random.Random(repetition).shuffle(turn)
-            todo += [row for row in turn if not table.has(row)]
-        print(f"{len(rows)} configurations, {self.size.repeat} repetitions; {len(todo)} runs are to be made", flush=True)
-        start = time.monotonic()
-        for done, row in enumerate(todo):
+        clouds, paths = self.make_clouds(), study.path_files(self.work, self.size, self.arguments.path)
+        rows = plan.configurations(self.size, clouds, list(paths), self.defaults, bool(self.about["gl"]))
+
+        def figures_of(row):
             tree = self.trees[row["cloud"], row["chunk_points"]]
-            command = [self.program, *plan.command_line(row, self.size, tree, path_files.get(row["path"]))]
-            load = os.getloadavg()[0]
-            try:
-                figures = json.loads(call(command))
-            except (RuntimeError, ValueError) as error:
-                self.failed += 1
-                print(f"failed: {error}", file=sys.stderr, flush=True)
-                continue
-            figures.pop("mode")
-            figures.pop("gl", None)
-            table.add({**row, "load": load, **figures})
-            if (done + 1) % 25 == 0 or done + 1 == len(todo):
-                spent = time.monotonic() - start
-                print(f"{done + 1} of {len(todo)} runs, {spent:.0f} s, {spent / (done + 1) * (len(todo) - done - 1):.0f} s to go", flush=True)
+            figures = json.loads(call([self.program, *plan.command_line(row, self.size, tree, paths.get(row["path"]))]))
+            return {name: value for name, value in figures.items() if name not in ("mode", "gl")}
+
+        self.failed = study.measure(table, rows, self.size.repeat, figures_of)
         return rows
-
-
-def source_version():
-    result = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True, check=False)
-    return result.stdout.strip() or "of unknown source"
 
 
 TOUR = {"format": "pcm camera path", "version": 1, "name": "tour", "coordinates": "source", "frames": [
@@ -157,68 +116,39 @@ def add_own(run):
 
 
 def check_smoke(run, table, rows, out):
-    """That nothing was left out: every configuration has its figures, and nothing would be measured a second time."""
-    assert all(table.has({**row, "repetition": 1}) for row in rows), "a configuration was not measured"
-    again = Table(table.file)
-    assert all(again.has({**row, "repetition": 1}) for row in rows), "what was written is not found again"
-    for row in again.select(mode="replay"):
+    """That nothing was left out: every configuration has its figures."""
+    text = study.check_report(table, rows, out)
+    for row in table.select(mode="replay"):
         assert row["l1_uploaded_mb"] > 0 and row["given_up"] == 0 and 0 <= row["l1_hit_rate"] <= 1, row
         assert row["l1_compulsory"] + row["l1_capacity"] > 0 and row["l2_asked"] > 0, row
-    for row in again.select(mode="scan"):
+    for row in table.select(mode="scan"):
         assert row["mpoints_s"] > 0 and (row["storage"] == "warm" or row["share_in_system_cache"] < 0.5), row
-    text = (out / "report.md").read_text(encoding="utf-8")
     assert "## Defaults" in text and (not run.about["gl"] or "VBO" in text)
-    for line in text.splitlines():
-        if line.startswith("!["):
-            picture = out / line.rpartition("(")[2].rstrip(")")
-            assert picture.stat().st_size > 1000, f"{picture} is empty"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bin", type=pathlib.Path, help="where pcm and bench_caches are")
-    parser.add_argument("--out", type=pathlib.Path, required=True)
+    study.add_arguments(parser, "bench_caches", "smaller clouds and fewer repetitions: half an hour on two cores")
     parser.add_argument("--work", type=pathlib.Path, help="for clouds and trees; take one on the disk that is to be measured")
-    parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, besides the generated ones")
-    parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, besides the generated ones")
     parser.add_argument("--points", type=lambda t: [int(float(p)) for p in t.split(",") if p], help="of the generated clouds, e.g. 5e6,20e6")
-    parser.add_argument("--repeat", type=int)
-    parser.add_argument("--again", action="append", default=[], metavar="STUDY", help="measure it again, whatever results.csv has of it")
-    parser.add_argument("--report", action="store_true", help="only plots and report")
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument("--quick", action="store_true", help="smaller clouds and fewer repetitions: half an hour on two cores")
-    group.add_argument("--smoke", action="store_true", help="tiny, once: that it works")
     arguments = parser.parse_args()
-    size = plan.SMOKE if arguments.smoke else plan.QUICK if arguments.quick else plan.FULL
+    size, table = study.begin(parser, arguments, plan)
     if arguments.points is not None:
         size.clouds = arguments.points
-    if arguments.repeat:
-        size.repeat = arguments.repeat
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    if arguments.smoke:
-        (arguments.out / "results.csv").unlink(missing_ok=True)
-    table = Table(arguments.out / "results.csv")
-    for study in arguments.again:
-        table.drop(study)
-    about_file = arguments.out / "sys_info.txt"
     if arguments.report:
         report.write(table, arguments.out)
         return
-    if not arguments.bin:
-        parser.error("--bin is needed to measure")
     run = Run(arguments, size)
     if not run.about["gl"]:
         print(f"no camera paths: {run.about['why_not']}", flush=True)
     report.load_plots()  # so that the versions are known
-    if not about_file.exists():
-        about_file.write_text(machine.describe(run.work, run.about, source_version()), encoding="utf-8")
+    study.describe_machine(arguments.out, run.work, run.about)
     (arguments.out / "defaults.json").write_text(json.dumps(run.about, indent=1) + "\n", encoding="utf-8")
     if arguments.smoke:
         add_own(run)
     rows = run.measure(table)
     report.write(table, arguments.out)
-    if run.failed:
-        sys.exit(f"{run.failed} runs failed; they are made again when this is started again")
+    study.end(run.failed)
     if arguments.smoke:
         check_smoke(run, table, rows, arguments.out)
 

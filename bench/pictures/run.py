@@ -17,14 +17,12 @@ import importlib.util
 import json
 import os
 import pathlib
-import random
 import shutil
 import statistics
-import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent / "caches"))  # machine, paths, table; what has the same name here goes first
+sys.path.append(str(HERE.parent / "study"))
 
 
 def require_packages():
@@ -43,20 +41,13 @@ def require_packages():
 
 
 require_packages()
-import machine  # noqa: E402
 import metrics  # noqa: E402
 import paths  # noqa: E402
 import plan  # noqa: E402
 import report  # noqa: E402
 import splats  # noqa: E402
-from table import Table  # noqa: E402
-
-
-def call(command):
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
-    if result.returncode:
-        raise RuntimeError(f"{' '.join(str(part) for part in command)}: {(result.stderr or result.stdout).strip()[-500:] or result.returncode}")
-    return result.stdout
+import study  # noqa: E402
+from study import call  # noqa: E402
 
 
 def quantile(values, q):
@@ -105,12 +96,6 @@ class Run:
             name, _, file = text.rpartition("=")
             self.make_tree(name or pathlib.Path(file).stem, file)
 
-    def make_paths(self):
-        files = {name: file for name, file in paths.write(self.work / "paths", self.size.frames).items() if name in self.size.paths}
-        for file in self.arguments.path:
-            files[json.loads(file.read_text(encoding="utf-8")).get("name", file.stem)] = file
-        return files
-
     def draw(self, mode, tree, path, folder, every, *options):
         """What bench_pictures prints; its pictures are in the folder, and nothing else is."""
         shutil.rmtree(folder, ignore_errors=True)
@@ -128,31 +113,19 @@ class Run:
 
     def measure(self, table):
         self.make_clouds()
-        path_files = self.make_paths()
-        rows = plan.configurations(self.size, self.trees, path_files)
-        # In random order, so that all meet the same machine; but one path after the other, so that there are whole curves when it is ended early.
-        todo = []
-        for repetition in range(1, self.size.repeat + 1):
-            turn = [{**row, "repetition": repetition} for row in rows]
-            random.Random(repetition).shuffle(turn)
-            turn.sort(key=lambda row: (list(path_files).index(row["path"]), list(self.trees).index(row["cloud"])))
-            todo += [row for row in turn if not table.has(row)]
-        print(f"{len(rows)} configurations, {self.size.repeat} repetitions; {len(todo)} runs are to be made", flush=True)
-        for number, row in enumerate(todo):
-            path = path_files[row["path"]]
-            try:
-                own = self.references(row["cloud"], row["path"], path, row["mode"])
-                best = self.references(row["cloud"], row["path"], path, "perspective")
-                load = os.getloadavg()[0]
-                drawn = self.draw("replay", self.trees[row["cloud"]], path, self.work / "drawn", self.size.every, "--splats", row["mode"], "--passes", 2,
-                                  "--pace-ms", self.size.pace_ms, *plan.options(row))
-            except RuntimeError as error:
-                self.failed += 1
-                print(f"failed: {error}", file=sys.stderr, flush=True)
-                continue
-            table.add({**row, "load": load, **frame_figures(drawn), **self.compare(own, best, self.work / "drawn", row["mode"])})
-            if (number + 1) % 20 == 0 or number + 1 == len(todo):
-                print(f"{number + 1} of {len(todo)} runs", flush=True)
+        files = study.path_files(self.work, self.size, self.arguments.path)
+        rows = plan.configurations(self.size, self.trees, files)
+
+        def figures_of(row):
+            path = files[row["path"]]
+            own = self.references(row["cloud"], row["path"], path, row["mode"])
+            best = self.references(row["cloud"], row["path"], path, "perspective")
+            drawn = self.draw("replay", self.trees[row["cloud"]], path, self.work / "drawn", self.size.every, "--splats", row["mode"], "--passes", 2,
+                              "--pace-ms", self.size.pace_ms, *plan.options(row))
+            return {**frame_figures(drawn), **self.compare(own, best, self.work / "drawn", row["mode"])}
+
+        names = list(files), list(self.trees)
+        self.failed = study.measure(table, rows, self.size.repeat, figures_of, lambda row: (names[0].index(row["path"]), names[1].index(row["cloud"])))
         return rows
 
     def compare(self, own, best, drawn, mode):
@@ -201,8 +174,8 @@ class Run:
 
 def check_smoke(table, rows, out):
     """Every configuration has sound figures, and with a budget that holds the whole cloud the picture is the reference."""
-    assert all(table.has({**row, "repetition": 1}) for row in rows), "a configuration was not measured"
-    for row in Table(table.file).select(study="error"):
+    text = study.check_report(table, rows, out)
+    for row in table.select(study="error"):
         assert 0 <= row["flip"] <= 1 and -1 <= row["ssim"] <= 1 and 0 <= row["holes"] <= 1 and row["frame_ms_median"] > 0 and row["points_drawn"] > 0, row
     for path in plan.SMOKE.paths:
         for variant in ("best first", "root first"):
@@ -211,49 +184,27 @@ def check_smoke(table, rows, out):
             assert many["flip"] <= few["flip"] and many["holes"] <= few["holes"], (few, many)
     fly = table.select(study="fly-through")[0]
     assert fly["pictures"] == plan.SMOKE.fly_frames // plan.SMOKE.fly_every, fly
-    text = (out / "report.md").read_text(encoding="utf-8")
-    for line in text.splitlines():
-        if line.startswith("!["):
-            assert (out / line.rpartition("(")[2].rstrip(")")).stat().st_size > 1000, line
     assert "## At equal frame time" in text and "## A fly-through" in text
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bin", type=pathlib.Path, help="where pcm and bench_pictures are")
-    parser.add_argument("--out", type=pathlib.Path, required=True)
+    study.add_arguments(parser, "bench_pictures", "a smaller cloud, fewer frames and budgets, once")
     parser.add_argument("--work", type=pathlib.Path, help="for clouds, trees and pictures")
     parser.add_argument("--python", help="start with this interpreter")
-    parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, besides the generated one")
-    parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, besides the generated ones")
     parser.add_argument("--points", type=lambda t: int(float(t)), help="of the generated cloud; 0: none")
-    parser.add_argument("--repeat", type=int)
-    parser.add_argument("--again", action="append", default=[], metavar="STUDY", help="measure it again, whatever results.csv has of it: error, fly-through")
     parser.add_argument("--fly", type=pathlib.Path, metavar="TREE", help="a large tree to fly through")
     parser.add_argument("--fly-budget", type=float, default=33, help="frame budget, ms")
     parser.add_argument("--fly-upload", type=float, default=3, help="limit of uploads in a frame, ms")
     parser.add_argument("--fly-l1", type=float, default=32, help="MiB")
     parser.add_argument("--fly-l2", type=float, default=64, help="MiB")
     parser.add_argument("--no-error", action="store_true", help="without the study of error against frame time")
-    parser.add_argument("--report", action="store_true", help="only plots and report")
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument("--quick", action="store_true", help="a smaller cloud, fewer frames and budgets, once")
-    group.add_argument("--smoke", action="store_true", help="tiny, once: that it works")
     arguments = parser.parse_args()
-    size = plan.SMOKE if arguments.smoke else plan.QUICK if arguments.quick else plan.FULL
+    size, table = study.begin(parser, arguments, plan)
     size.points = size.points if arguments.points is None else arguments.points
-    size.repeat = arguments.repeat or size.repeat
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    if arguments.smoke:
-        (arguments.out / "results.csv").unlink(missing_ok=True)
-    table = Table(arguments.out / "results.csv")
-    for study in arguments.again:
-        table.drop(study)
     if arguments.report:
         report.write(table, arguments.out)
         return
-    if not arguments.bin:
-        parser.error("--bin is needed to measure")
     run = Run(arguments, size)
     try:
         about = json.loads(call([run.program, "about"]))
@@ -262,15 +213,12 @@ def main():
             raise
         print(f"skipped: {error}")
         sys.exit(77)
-    if not (arguments.out / "sys_info.txt").exists():
-        version = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty"], capture_output=True, text=True, check=False).stdout.strip()
-        (arguments.out / "sys_info.txt").write_text(machine.describe(run.work, about, version or "of unknown source"), encoding="utf-8")
+    study.describe_machine(arguments.out, run.work, about)
     rows = [] if arguments.no_error else run.measure(table)
     if arguments.fly or arguments.smoke:
         run.fly(table, (arguments.fly or next(iter(run.trees.values()))).resolve())
     report.write(table, arguments.out)
-    if run.failed:
-        sys.exit(f"{run.failed} runs failed; they are made again when this is started again")
+    study.end(run.failed)
     if arguments.smoke:
         check_smoke(table, rows, arguments.out)
 

@@ -4,8 +4,6 @@ import math
 import os
 import statistics
 
-from plan import KEYS
-
 
 def number(text):
     try:
@@ -15,40 +13,42 @@ def number(text):
         return text
 
 
-def key_of(row):
-    """Of a run. As text, so that what was read and what is planned agree."""
-    return tuple(f"{row[k]:g}" if isinstance(row[k], (int, float)) else str(row[k]) for k in [*KEYS, "repetition"])
-
-
 def rounded(value):
     return f"{value:.6g}" if isinstance(value, float) else value
 
 
 class Table:
-    def __init__(self, file):
+    """`keys_of_a_run`: the columns that, beside the repetition, tell one run from the others."""
+
+    def __init__(self, file, keys_of_a_run):
         self.file = file
+        self.keys_of_a_run = keys_of_a_run
         self.rows = []
         if file.exists():
             with open(file, newline="", encoding="utf-8") as stream:
                 self.rows = [{k: number(v) for k, v in row.items()} for row in csv.DictReader(stream)]
-        self.keys = {key_of(row) for row in self.rows}
+        self.keys = {self.key_of(row) for row in self.rows}
+
+    def key_of(self, row):
+        """As text, so that what was read and what is planned agree."""
+        return tuple(f"{row[k]:g}" if isinstance(row[k], (int, float)) else str(row[k]) for k in [*self.keys_of_a_run, "repetition"])
 
     def has(self, row):
-        return key_of(row) in self.keys
+        return self.key_of(row) in self.keys
 
     def add(self, row):
         """Is in the file when this returns, whatever happens then."""
         self.rows.append(row)
-        self.keys.add(key_of(row))
+        self.keys.add(self.key_of(row))
         self.write()
 
     def drop(self, study):
         self.rows = [row for row in self.rows if row["study"] != study]
-        self.keys = {key_of(row) for row in self.rows}
+        self.keys = {self.key_of(row) for row in self.rows}
         self.write()
 
     def write(self):
-        columns = [*KEYS, "repetition"]
+        columns = [*self.keys_of_a_run, "repetition"]
         for r in self.rows:
             columns += [k for k in r if k not in columns]
         temporary = self.file.with_suffix(".new")
