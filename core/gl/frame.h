@@ -44,7 +44,7 @@ struct Frame {
     DetailLimits limits{};  // of a moving view
     std::uint64_t least_points = 0;  // the coarsest chunks of all clouds
     FrameReport report{};
-    double drawing_ms = 0;  // where the clock waits for it
+    double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
 
     std::vector<TreeInView> trees() const;
@@ -109,7 +109,7 @@ void timed(Frame& frame, const Draw& draw)
     }
     frame.report.points_added = frame.work.points;
     end_strokes(frame);
-    if (frame.picture.clock.waits()) frame.drawing_ms = milliseconds_since(start);
+    frame.drawing_ms = milliseconds_since(start);
 }
 
 // What a view that has moved, or whose chunks are still coming, shows. When a resting one shows all that it should, `picture.rest` begins.

@@ -42,7 +42,10 @@ public:
     // Of the points that points() allowed there was time for the first so many: all of them, or fewer.
     void fewer(std::uint64_t points) { goal_ = static_cast<double>(points); }
     // For so many times what the frame draws.
-    void all(const FrameWork& work, double times) { goal_ = std::max(static_cast<double>(points_), times * static_cast<double>(work.points)); }
+    void all(const FrameWork& work, double times)
+    {
+        if (measures_ > 0 && work.points > 0) goal_ = std::max(static_cast<double>(points_), times * static_cast<double>(work.points));
+    }
 
     // Whether points() would give more when asked again.
     bool can_grow(std::uint64_t ceiling) const { return points_ < ceiling && goal_ > worthwhile * static_cast<double>(points_); }

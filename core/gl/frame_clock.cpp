@@ -4,6 +4,7 @@
 
 #include <GL/glew.h>
 
+#include <algorithm>
 #include <string_view>
 
 namespace pcm {
@@ -27,11 +28,9 @@ void FrameClock::begin()
 {
     if (!decided_) queries_are_used_ = has_useful_queries();
     decided_ = true;
-    if (!queries_are_used_) {
-        glFinish();  // so that what the host and the uploads have queued is not counted
-        start_ = Clock::now();
-        return;
-    }
+    if (!queries_are_used_) glFinish();  // so that what the host and the uploads have queued is not counted
+    start_ = Clock::now();
+    if (!queries_are_used_) return;
     Span& span = spans_[next_];
     open_ = !span.pending;  // all are on their way: this frame goes unmeasured
     if (!open_) return;
@@ -44,15 +43,14 @@ void FrameClock::begin()
 
 void FrameClock::end(const FrameWork& work)
 {
-    if (!queries_are_used_) {
-        glFinish();
-        known_ = Measure{work, std::chrono::duration<double, std::milli>(Clock::now() - start_).count()};
-        return;
-    }
-    if (!open_) return;
+    if (!queries_are_used_) glFinish();
+    const double milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    if (!queries_are_used_) known_ = Measure{work, milliseconds};
+    if (!queries_are_used_ || !open_) return;
     Span& span = spans_[next_];
     glQueryCounter(span.to, GL_TIMESTAMP);
     span.work = work;
+    span.handing_ms = milliseconds;
     span.pending = true;
     next_ = (next_ + 1) % spans_.size();
     open_ = false;
@@ -71,7 +69,7 @@ std::optional<FrameClock::Measure> FrameClock::take()
             glGetQueryObjectui64v(span.from, GL_QUERY_RESULT, &from);
             glGetQueryObjectui64v(span.to, GL_QUERY_RESULT, &to);
             span.pending = false;
-            if (to >= from) known_ = Measure{span.work, static_cast<double>(to - from) * 1e-6};
+            if (to >= from) known_ = Measure{span.work, std::max(span.handing_ms, static_cast<double>(to - from) * 1e-6)};
         }
     }
     const std::optional<Measure> result = known_;

@@ -1,7 +1,8 @@
 // How long a frame takes on the device, without waiting for it where that can be had.
 //
-// With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it. Without, and on a
-// software rasteriser, whose queries leave out the vertices' share and which shares the processor with us anyway, end() waits.
+// With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it; where handing it to the
+// driver took longer, it is that. Without, and on a software rasteriser, whose queries leave out the vertices' share and which shares the
+// processor with us anyway, end() waits.
 // GL thread only, one context.
 #pragma once
 
@@ -40,6 +41,7 @@ private:
     struct Span {
         std::uint32_t from = 0, to = 0;  // queries
         FrameWork work;
+        double handing_ms = 0;
         bool pending = false;
     };
     bool decided_ = false;

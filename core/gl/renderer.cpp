@@ -115,7 +115,7 @@ struct Renderer::Impl {
         }
         report.clouds = std::move(clouds);
         report.frame_ms = milliseconds_since(frame.start);
-        if (p.unmeasured == 0) p.budget.measured_overhead(p.clock.waits() ? report.frame_ms - frame.drawing_ms : report.upload_ms);
+        if (p.unmeasured == 0) p.budget.measured_overhead(report.frame_ms - frame.drawing_ms);
         return report;
     }
 };

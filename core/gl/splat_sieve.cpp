@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcm {
 namespace {
 
 constexpr double border = 2;  // pixels around the view that count as in it: half of the least splat, and rounding
+
+// Below such a range of depths a box is looked at as one place, and from such a one on group by group.
+constexpr double even = 0.25, by_groups = 0.7;
 
 Box3d grown(Box3d box, double by)
 {
@@ -39,9 +43,9 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
     if (!seen_ || !seen_->intersects(reached)) return;
     const bool all = seen_->contains(reached);
     const bool quads = needs_quads(mode, whole, entry.largest_radius, look);
-    if (all && !quads && (!parts || is_even(whole))) {
+    if (all && !quads && (!parts || depth_range(whole) < by_groups)) {
         as_points_.push_back({0, entry.points});
-        if (parts) parts->push_back(part_of(whole, entry.points));
+        if (parts) parts->push_back(depth_range(whole) < even ? part_of(whole, entry.points) : part_in_view(whole, entry.points));
         return;
     }
     for (std::size_t g = 0; g < entry.groups.size(); ++g) {
@@ -55,7 +59,7 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
         }
         if (!all && !seen_->intersects(grown(box, reach(mode, group.largest_radius, look)))) continue;
         add_run(quads && needs_quads(mode, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
-        if (parts) parts->push_back(is_even(box) && (all || seen_->contains(box)) ? part_of(box, points) : part_in_view(box, points));
+        if (parts) parts->push_back(depth_range(box) < even && (all || seen_->contains(box)) ? part_of(box, points) : part_in_view(box, points));
     }
 }
 
@@ -77,10 +81,11 @@ double SplatSieve::reach(SplatMode mode, float largest_radius, const ChunkLook& 
     return camera_.squeeze * static_cast<double>(std::max(largest_radius * style_.radius_scale, look.least_radius));
 }
 
-// Whether everything in it is about as far from the eye.
-bool SplatSieve::is_even(const Box3d& box) const
+double SplatSieve::depth_range(const Box3d& box) const
 {
-    return camera_.orthographic || 0.5 * box.diagonal() * camera_.scale < 0.25 * depth_of(box.centre());
+    if (camera_.orthographic) return 0;
+    const double depth = depth_of(box.centre());
+    return depth > 0 ? 0.5 * box.diagonal() * camera_.scale / depth : std::numeric_limits<double>::infinity();
 }
 
 SplatPart SplatSieve::part_of(const Box3d& box, std::uint32_t points) const

@@ -43,7 +43,7 @@ private:
     bool needs_quads(SplatMode mode, const Box3d& box, float largest_radius, const ChunkLook& look) const;
     double reach(SplatMode mode, float largest_radius, const ChunkLook& look) const;
     double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
-    bool is_even(const Box3d& box) const;
+    double depth_range(const Box3d& box) const;  // of its points, at most so many times either way of its centre's
     SplatPart part_of(const Box3d& box, std::uint32_t points) const;
     SplatPart part_in_view(const Box3d& box, std::uint32_t points) const;
 

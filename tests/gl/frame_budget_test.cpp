@@ -1,11 +1,9 @@
 #include "gl/frame_budget.h"
-#include "gl/vertex_colours.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
@@ -44,15 +42,6 @@ double settle(FrameBudget& budget, const Cost& cost, double budget_ms, int frame
 auto cost_of_points(double each)
 {
     return [each](const FrameWork& w) { return each * static_cast<double>(w.points); };
-}
-
-template <class T>
-Column column_of(ScalarType type, std::uint32_t components, const std::vector<T>& values)
-{
-    Column column(type, components);
-    column.resize(values.size() / components);
-    std::memcpy(column.data(), values.data(), values.size() * sizeof(T));
-    return column;
 }
 
 }  // namespace
@@ -177,42 +166,4 @@ TEST(FrameBudget, KeepsItsBounds)
     EXPECT_FALSE(budget.can_grow(50'000'000));
     frame(budget, cost_of_points(1e-9), std::numeric_limits<double>::infinity(), 1'000'000'000);  // no time limit at all
     EXPECT_EQ(budget.points(0, 60'000'000), 60'000'000u);
-}
-
-TEST(VertexColours, EveryTypeFillsTheRange)
-{
-    const auto scaled = [](const Column& column, VertexColour colour) {
-        std::vector<std::uint8_t> rgba;
-        make_colours(column, ColourScale::of(column, colour), rgba);
-        return rgba;
-    };
-    using Bytes = std::vector<std::uint8_t>;
-    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 128, 255}), VertexColour::rgb),
-              (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 1, 2}), VertexColour::rgb), (Bytes{0, 1, 2, 255}));
-    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128 * 257, 65535}), VertexColour::rgb),
-              (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128, 255}), VertexColour::rgb),
-              (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {0.0f, 0.5f, 1.0f}), VertexColour::rgb),
-              (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<double>(ScalarType::f64, 3, {0.0, 128.0, 255.0}), VertexColour::rgb),
-              (Bytes{0, 128, 255, 255}));
-    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {std::nanf(""), -4.0f, 1.0f}), VertexColour::rgb),
-              (Bytes{0, 0, 255, 255}));
-
-    const auto grey = scaled(column_of<std::int16_t>(ScalarType::i16, 1, {-300, 0, 300}), VertexColour::intensity);
-    EXPECT_EQ(grey[0], 0);
-    EXPECT_NEAR(grey[4], 128, 1);
-    EXPECT_EQ(grey[8], 255);
-    EXPECT_EQ(grey[8], grey[9]);
-    const auto flat = scaled(column_of<std::uint16_t>(ScalarType::u16, 1, {7, 7}), VertexColour::intensity);
-    EXPECT_EQ(flat, (Bytes{255, 255, 255, 255, 255, 255, 255, 255}));
-
-    // One hot pixel does not darken the rest.
-    std::vector<float> values(1000);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
-    values[500] = 1e30f;
-    const auto robust = scaled(column_of<float>(ScalarType::f32, 1, values), VertexColour::intensity);
-    EXPECT_GT(robust[4 * 990], 240);
 }

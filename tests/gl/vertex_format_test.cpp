@@ -103,6 +103,44 @@ TEST(VertexDiscs, NormalsHaveLengthOneOrZero)
     EXPECT_EQ(normals[3], 0);
 }
 
+TEST(VertexColours, EveryTypeFillsTheRange)
+{
+    const auto scaled = [](const Column& column, VertexColour colour) {
+        std::vector<std::uint8_t> rgba;
+        make_colours(column, ColourScale::of(column, colour), rgba);
+        return rgba;
+    };
+    using Bytes = std::vector<std::uint8_t>;
+    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 128, 255}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<std::uint8_t>(ScalarType::u8, 3, {0, 1, 2}), VertexColour::rgb), (Bytes{0, 1, 2, 255}));
+    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128 * 257, 65535}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<std::uint16_t>(ScalarType::u16, 3, {0, 128, 255}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {0.0f, 0.5f, 1.0f}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<double>(ScalarType::f64, 3, {0.0, 128.0, 255.0}), VertexColour::rgb),
+              (Bytes{0, 128, 255, 255}));
+    EXPECT_EQ(scaled(column_of<float>(ScalarType::f32, 3, {std::nanf(""), -4.0f, 1.0f}), VertexColour::rgb),
+              (Bytes{0, 0, 255, 255}));
+
+    const auto grey = scaled(column_of<std::int16_t>(ScalarType::i16, 1, {-300, 0, 300}), VertexColour::intensity);
+    EXPECT_EQ(grey[0], 0);
+    EXPECT_NEAR(grey[4], 128, 1);
+    EXPECT_EQ(grey[8], 255);
+    EXPECT_EQ(grey[8], grey[9]);
+    const auto flat = scaled(column_of<std::uint16_t>(ScalarType::u16, 1, {7, 7}), VertexColour::intensity);
+    EXPECT_EQ(flat, (Bytes{255, 255, 255, 255, 255, 255, 255, 255}));
+
+    // One hot pixel does not darken the rest.
+    std::vector<float> values(1000);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+    values[500] = 1e30f;
+    const auto robust = scaled(column_of<float>(ScalarType::f32, 1, values), VertexColour::intensity);
+    EXPECT_GT(robust[4 * 990], 240);
+}
+
 TEST(VertexColours, EveryClassHasAColour)
 {
     std::vector<std::uint8_t> rgba;
