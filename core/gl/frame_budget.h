@@ -23,7 +23,7 @@ struct FrameWork {
 
 class FrameBudget {
 public:
-    static constexpr std::uint64_t first_guess = 1'000'000;
+    static constexpr std::uint64_t first_guess = 300'000;
     static constexpr std::uint64_t least =
         20'000;  // a view of fewer points says nothing; most devices draw it at once
     static constexpr double most_growth = 1.5;  // of the points, from one frame to the next
@@ -51,8 +51,13 @@ public:
     bool can_grow(std::uint64_t ceiling) const { return points_ < ceiling && goal_ > worthwhile * static_cast<double>(points_); }
     double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
 
-    // Points of another kind cost something else.
-    void forget() { *this = FrameBudget(); }
+    // Points of another kind cost something else. It goes on with as many as there were.
+    void forget()
+    {
+        const std::uint64_t points = points_;
+        *this = FrameBudget();
+        goal_ = static_cast<double>(points_ = points);
+    }
 
 private:
     static constexpr double worthwhile = 1.2;  // growth

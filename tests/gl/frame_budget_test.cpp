@@ -144,6 +144,18 @@ TEST(FrameBudget, LeavesAMarginForTheSlowFrames)
     EXPECT_LT(over, 10);
 }
 
+TEST(FrameBudget, GoesOnWithAsManyPointsOfAnotherKind)
+{
+    FrameBudget budget;
+    settle(budget, cost_of_points(1e-4), 33, 100);
+    const std::uint64_t before = budget.points(0, 1'000'000'000);
+    budget.forget();
+    EXPECT_EQ(budget.points(0, 1'000'000'000), before);
+    EXPECT_EQ(budget.expected(work(before)), 0);
+    frame(budget, cost_of_points(1e-3), 33, 1'000'000'000);
+    EXPECT_LT(frame(budget, cost_of_points(1e-3), 33, 1'000'000'000), 33);
+}
+
 TEST(FrameBudget, KeepsItsBounds)
 {
     FrameBudget budget;
