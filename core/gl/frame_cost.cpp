@@ -29,13 +29,14 @@ FrameWork FrameCost::work(const Stroke& stroke, const FrameCloud::Gap& gap) cons
     const bool own = style.splats != SplatMode::constant && stroke.entry->format.radius;
     const double radius = own ? static_cast<double>(style.radius_scale) * static_cast<double>(stroke.entry->typical_radius) : 0;
     const double least = own ? 1.0 : std::max(1.0, static_cast<double>(style.point_size_px));
-    const double most_filled = static_cast<double>(fill_of(gap.spacing_px, style));
+    const auto most_filled = static_cast<double>(fill_of(gap.spacing_px, style));
+    // What covers the whole picture covers no more.
+    const double largest = std::max(frame_.picture.target.width(), frame_.picture.target.height());
     FrameWork work{stroke.entry->points, stroke.vertices, 0, 0};
     for (std::size_t i = stroke.first_part; i < stroke.first_part + stroke.parts; ++i) {
         const auto& [points, pixels_per_unit] = parts_[i];
         const double filled = std::min(most_filled, fill_of_spacing * gap.spacing * pixels_per_unit);
-        // What covers the whole picture covers no more.
-        const double side = std::min(std::max({least, 2 * radius * pixels_per_unit, filled}), static_cast<double>(std::max(frame_.picture.target.width(), frame_.picture.target.height())));
+        const double side = std::min(std::max({least, 2 * radius * pixels_per_unit, filled}), largest);
         work.splats += points;
         work.pixels += points * side * side;
     }
