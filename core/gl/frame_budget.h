@@ -16,7 +16,7 @@ namespace pcm {
 // What a frame draws.
 struct FrameWork {
     std::uint64_t points = 0;
-    std::uint64_t vertices = 0;  // runs of the vertex stage, one a point or more
+    std::uint64_t vertices = 0;  // runs of the vertex stage: none, one or four a point
     double splats = 0;           // of the points, that are in view, about
     double pixels = 0;           // that they cover, each of them, about
 };
