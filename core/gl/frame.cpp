@@ -53,7 +53,6 @@ DetailLimits Frame::current_limits()
         if (format.colour == VertexColour::none) format.colour = VertexColour::rgb;
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
     }
-    least_points = roots;
     allowed.point_budget = picture.budget.points(roots, options.point_budget);
     report.effective_point_budget = allowed.point_budget;
     const std::uint64_t pages = l1.pages_available(owners);

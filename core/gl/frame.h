@@ -42,7 +42,6 @@ struct Frame {
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
     DetailLimits limits{};  // of a moving view
-    std::uint64_t least_points = 0;  // the coarsest chunks of all clouds
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};

@@ -197,13 +197,10 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
                 scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
         entry.groups = make_groups(positions, scale, format.radius ? attributes.radii : nullptr);
         entry.largest_radius = entry.typical_radius = 0;
+        for (const VertexGroup& group : entry.groups) entry.largest_radius = std::max(entry.largest_radius, group.largest_radius);
         if (format.radius) {
             double squares = 0;
-            for (std::size_t i = 0; i < positions.size(); ++i) {
-                const float radius = attributes.radii[i];
-                entry.largest_radius = std::max(entry.largest_radius, radius);
-                squares += static_cast<double>(radius) * static_cast<double>(radius);
-            }
+            for (std::size_t i = 0; i < positions.size(); ++i) squares += static_cast<double>(attributes.radii[i]) * static_cast<double>(attributes.radii[i]);
             entry.typical_radius = static_cast<float>(std::sqrt(squares / std::max<double>(1, static_cast<double>(positions.size()))));
         }
         transfer(entry, slot->pages(), positions, scale, attributes);

@@ -177,12 +177,13 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     report.clouds.resize(frame.clouds.size());
     timed(frame, [&](Strokes& strokes) {
         for (std::size_t s = 0; s < count; ++s) {
-            const auto& [place, entry, vertices, first_part, parts] = cost.strokes()[s];
+            const SceneSelection::Place& place = cost.strokes()[s].place;
+            const VertexEntry& entry = *cost.strokes()[s].entry;
             const FrameCloud& cloud = frame.clouds[place.tree];
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
-            strokes.draw(cloud, node, *entry, cloud.residual[place.index], cloud.gaps[place.index]);
+            strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
-            report.clouds[place.tree].points_drawn += entry->points;
+            report.clouds[place.tree].points_drawn += entry.points;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
         }
     });

@@ -38,15 +38,14 @@ struct SplatCamera {
     // the view's origin) that is not outside of the clip volume. Infinite when there is no bound.
     double largest_square(const Box3d& box, double radius) const;
     double largest_box(const Box3d& box, double radius) const;
-    // Of the part of a box (relative to the view's origin) that is nearest to the eye along the view; may be behind it.
-    double least_depth(const Box3d& box) const;
+    // The same of discs whose diameter is so many pixels where their centres are.
+    double largest_box_of(double pixels) const;
     bool is_in_view(const Vec3d& local) const;  // as far as the sides of the view go
     // Pixels that a source unit covers at a depth in eye units, face on.
     double pixels_at(double depth) const { return scale * std::abs(focal[1]) / (orthographic ? 1 : std::max(depth, near)); }
-    // The same of discs whose diameter is so many pixels where their centres are.
-    double largest_box_of(double pixels) const;
 
 private:
+    double least_depth(const Box3d& box) const;
     double bound_of(double k) const;
 };
 

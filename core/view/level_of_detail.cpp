@@ -1,8 +1,8 @@
 #include "view/level_of_detail.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <utility>
 

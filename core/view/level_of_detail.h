@@ -11,10 +11,8 @@
 #include "tree/tree.h"
 #include "view/frustum.h"
 
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 namespace pcm {

@@ -119,12 +119,12 @@ std::vector<Disc> SplatScene::discs(const View& view) const
     return discs;
 }
 
-void SplatScene::draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples, const ChunkLook& look) const
+void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples, const ChunkLook& look) const
 {
     const GlStateGuard state;
     glClipControl(GL_LOWER_LEFT, static_cast<GLenum>(reversed ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE));
     pass.begin(view, info_, style, reversed, samples);
-    pass.draw(entry(), look);
+    pass.draw(entry, look);
     pass.end();
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     EXPECT_EQ(drain_gl_errors(), "");

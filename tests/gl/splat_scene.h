@@ -35,7 +35,12 @@ public:
 
     // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii and normals as floats.
     std::vector<Disc> discs(const View& view) const;
-    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1, const ChunkLook& look = {}) const;
+    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1, const ChunkLook& look = {}) const
+    {
+        draw(entry(), pass, view, style, reversed, samples, look);
+    }
+    // As if this were the scene's entry.
+    void draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples, const ChunkLook& look) const;
     const TreeInfo& info() const { return info_; }
     const VertexEntry& entry() const;
     static int disc_of(const Pixel& pixel) { return pixel.r + 256 * pixel.g + 65536 * pixel.b - 1; }  // -1: none

@@ -1,7 +1,6 @@
 // Boxes of a few points each: what is left out because of them is never seen.
 #include "splat_scene.h"
 
-#include "gl/gl_state.h"
 #include "gl/vertex_groups.h"
 #include "view/random_views.h"
 
@@ -64,12 +63,7 @@ struct Drawn {
 Drawn draw(SplatPass& pass, const DepthFramebuffer& framebuffer, const SplatScene& scene, const VertexEntry& entry, const View& view, const CloudStyle& style, const ChunkLook& look)
 {
     framebuffer.clear(true);
-    const GlStateGuard state;
-    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    pass.begin(view, scene.info(), style, true, 1);
-    pass.draw(entry, look);
-    pass.end();
-    glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    scene.draw(entry, pass, view, style, true, 1, look);
     return {framebuffer.colours(), framebuffer.depths()};
 }
 
