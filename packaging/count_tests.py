@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Adds up CTest's JUnit reports into one line: 'N passed, N failed, N skipped'.
 
-The exit code is 0 only if none failed and one passed. A test whose program is missing is a failure, though CTest's
-report calls it skipped.
+Before it stand the failed tests, each with the end of what it printed. The exit code is 0 only if none failed and one
+passed. A test whose program is missing is a failure, though CTest's report calls it skipped.
 """
 import argparse
 import sys
 import xml.etree.ElementTree as ElementTree
+
+LINES_OF_A_FAILURE = 40
 
 
 def outcome(case):
@@ -41,6 +43,8 @@ def main():
             count[result] += 1
             if result == "failed":
                 print(f"failed: {case.get('name')} ({report})")
+                for line in (case.findtext("system-out") or "").splitlines()[-LINES_OF_A_FAILURE:]:
+                    print(f"    {line}")
     print("{passed} passed, {failed} failed, {skipped} skipped".format(**count))
     return 0 if count["failed"] == 0 and count["passed"] > 0 else 1
 

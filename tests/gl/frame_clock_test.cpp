@@ -23,7 +23,7 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
             if (frame == 50) std::this_thread::sleep_for(std::chrono::milliseconds(30));
             clock.end({frame, frame, 0});
             if (frame % 10 == 0) glFinish();
-            if (const auto measure = clock.take()) {
+            while (const auto measure = clock.take()) {  // the device may finish another one meanwhile, but no frame comes twice
                 ++known;
                 EXPECT_GT(measure->work.points, last);
                 EXPECT_LE(measure->work.points, frame);
@@ -33,7 +33,6 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
                 // A frame that the device has to wait for takes as long as it waits.
                 if (last == 50) EXPECT_GE(measure->milliseconds, 30);
             }
-            EXPECT_FALSE(clock.take()) << "the same frame twice";
         }
         EXPECT_GE(known, 5u);
         if (!queries) EXPECT_EQ(known, 50u);
