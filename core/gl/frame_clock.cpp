@@ -5,18 +5,13 @@
 #include <GL/glew.h>
 
 #include <algorithm>
-#include <string_view>
 
 namespace pcm {
 namespace {
 
 bool has_useful_queries()
 {
-    if (!glQueryCounter || !glGetQueryObjectui64v) return false;
-    const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    const std::string_view name = renderer ? renderer : "";
-    for (const char* software : {"llvmpipe", "softpipe", "swrast", "Software", "SwiftShader"})
-        if (name.find(software) != std::string_view::npos) return false;
+    if (!glQueryCounter || !glGetQueryObjectui64v || gl_is_software()) return false;
     GLint bits = 0;
     glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
     return bits > 0;

@@ -3,6 +3,7 @@
 #include <GL/glew.h>
 
 #include <cstdio>
+#include <string_view>
 
 namespace pcm {
 
@@ -136,6 +137,15 @@ bool gl_functions_loaded()
 }
 
 bool gl_has_clip_control() { return (GLEW_VERSION_4_5 || GLEW_ARB_clip_control) && glClipControl; }
+
+bool gl_is_software()
+{
+    const auto* const renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    const std::string_view name = renderer ? renderer : "";
+    for (const char* software : {"llvmpipe", "softpipe", "swrast", "Software", "SwiftShader"})
+        if (name.find(software) != std::string_view::npos) return true;
+    return false;
+}
 
 std::string drain_gl_errors()
 {

@@ -67,6 +67,9 @@ bool is_compatibility_context();
 // Whether depth can run from 1 at the near plane to 0 at the far one with all the precision of float near 0 (OpenGL 4.5 or ARB_clip_control).
 bool gl_has_clip_control();
 
+// Whether the current context is drawn by the processor.
+bool gl_is_software();
+
 // Takes all pending errors off the context; their names, empty if there was none.
 std::string drain_gl_errors();
 

@@ -1,6 +1,7 @@
 #include "offscreen/offscreen.h"
 
 #include "cloud/error.h"
+#include "gl/gl_state.h"
 
 #include <GL/glew.h>
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <mutex>
 #include <vector>
 
 namespace pcm {
@@ -43,13 +45,6 @@ std::vector<EGLDisplay> displays()
     return found;
 }
 
-bool software(const std::string& renderer)
-{
-    for (const char* name : {"llvmpipe", "softpipe", "swrast", "Software", "SwiftShader"})
-        if (renderer.find(name) != std::string::npos) return true;
-    return false;
-}
-
 }  // namespace
 
 struct Offscreen::Impl {
@@ -75,21 +70,25 @@ struct Offscreen::Impl {
         context = made;
         glewExperimental = GL_TRUE;
         glewInit();  // complains that there is no GLX display, after having loaded the functions
-        drain_errors();
-        return glGenFramebuffers != nullptr;
+        drain_gl_errors();
+        return gl_functions_loaded();
     }
 
     void make_best()
     {
-        if (share) {
-            if (!make(share->display)) fail();
+        // Looked for once: a context on every display takes longer than many a picture.
+        static std::mutex mutex;
+        static std::array<EGLDisplay, 2> best_of_profiles{EGL_NO_DISPLAY, EGL_NO_DISPLAY};
+        const std::lock_guard lock(mutex);
+        EGLDisplay& best = best_of_profiles[profile == OffscreenProfile::core];
+        if (share || best != EGL_NO_DISPLAY) {
+            if (!make(share ? share->display : best)) fail();
             return;
         }
-        EGLDisplay best = EGL_NO_DISPLAY;
         for (const EGLDisplay on : displays()) {
             if (make(on)) {
-                if (!software(text_of(GL_RENDERER))) return;
-                best = on;  // software: the later ones ask for less of the machine
+                best = on;  // of software the last: the later ones ask for less of the machine
+                if (!gl_is_software()) return;
             }
             destroy();
         }
@@ -124,7 +123,7 @@ struct Offscreen::Impl {
         glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
         glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
         if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || glGetError() != GL_NO_ERROR) {
-            drain_errors();
+            drain_gl_errors();
             throw Error(ErrorCode::invalid_argument, {}, "this driver cannot draw a picture of " + size + " pixels", "memory may be short: try a smaller one");
         }
         glViewport(0, 0, width, height);
@@ -138,11 +137,6 @@ struct Offscreen::Impl {
         context = EGL_NO_CONTEXT;
     }
 
-    static void drain_errors()
-    {
-        for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i) {
-        }
-    }
     ~Impl() { destroy(); }
 };
 
@@ -191,6 +185,6 @@ Image Offscreen::read() const
 
 std::string Offscreen::renderer() const { return text_of(GL_RENDERER) + ", OpenGL " + text_of(GL_VERSION); }
 
-bool Offscreen::is_software() const { return software(text_of(GL_RENDERER)); }
+bool Offscreen::is_software() const { return gl_is_software(); }
 
 }  // namespace pcm

@@ -1,70 +1,23 @@
 #include "gl_support.h"
 
-#include "gl/gl_state.h"
+#include "cloud/error.h"
 #include "tree/builder.h"
-
-#include <EGL/eglext.h>
 
 #include <cmath>
 #include <random>
 
 namespace pcm::test {
 
-std::unique_ptr<GlContext> GlContext::make(Profile profile, std::string& why, const GlContext* share)
+std::unique_ptr<Offscreen> make_context(Profile profile, std::string& why, const Offscreen* share)
 {
-    static const EGLDisplay display = [] {
-        const auto get =
-            reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
-        EGLDisplay d = get ? get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr) : EGL_NO_DISPLAY;
-        if (d == EGL_NO_DISPLAY || !eglInitialize(d, nullptr, nullptr)) {
-            d = eglGetDisplay(EGL_DEFAULT_DISPLAY);
-            if (d != EGL_NO_DISPLAY && !eglInitialize(d, nullptr, nullptr)) d = EGL_NO_DISPLAY;
-        }
-        return d;
-    }();
-    if (display == EGL_NO_DISPLAY) {
-        why = "no EGL display";
+    try {
+        return std::make_unique<Offscreen>(16, 16, profile, share);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::unsupported) throw;
+        why = error.what();
         return nullptr;
     }
-    if (!eglBindAPI(EGL_OPENGL_API)) {
-        why = "EGL has no desktop OpenGL";
-        return nullptr;
-    }
-    const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION,
-        3,
-        EGL_CONTEXT_MINOR_VERSION,
-        3,
-        EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT,
-        EGL_NONE};
-    std::unique_ptr<GlContext> context(new GlContext);
-    context->display_ = display;
-    context->context_ =
-        eglCreateContext(display, EGL_NO_CONFIG_KHR, share ? share->context_ : EGL_NO_CONTEXT, attributes);
-    if (context->context_ == EGL_NO_CONTEXT ||
-        !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->context_)) {
-        why = "eglCreateContext or eglMakeCurrent failed with " + std::to_string(eglGetError());
-        return nullptr;
-    }
-    glewExperimental = GL_TRUE;
-    glewInit();  // complains that there is no GLX display, after having loaded the functions
-    drain_gl_errors();
-    if (!gl_functions_loaded()) {
-        why = "GLEW found no functions";
-        return nullptr;
-    }
-    return context;
 }
-
-GlContext::~GlContext()
-{
-    if (context_ == EGL_NO_CONTEXT) return;
-    if (eglGetCurrentContext() == context_) eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglDestroyContext(display_, context_);
-}
-
-void GlContext::make_current() const { eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_); }
 
 Framebuffer::Framebuffer(int width, int height) : width_(width), height_(height)
 {
@@ -89,6 +42,8 @@ Framebuffer::~Framebuffer()
     glDeleteRenderbuffers(1, &colour_);
     glDeleteRenderbuffers(1, &depth_);
 }
+
+void Framebuffer::bind() const { glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_); }
 
 void Framebuffer::clear() const
 {

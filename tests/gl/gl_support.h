@@ -1,14 +1,13 @@
-// An OpenGL context without a window, a framebuffer to draw into, and small trees to draw.
+// A framebuffer to draw into, and small trees to draw.
 #pragma once
 
 #include "las_points.h"
 #include "support.h"
 
 #include "gl/renderer.h"
+#include "offscreen/offscreen.h"
 
 #include <GL/glew.h>
-
-#include <EGL/egl.h>
 
 #include <array>
 #include <chrono>
@@ -21,23 +20,10 @@
 
 namespace pcm::test {
 
-enum class Profile { compatibility, core };
+using Profile = OffscreenProfile;
 
-// Current on the thread that made it, until it dies. `share` may be null.
-class GlContext {
-public:
-    // Null, with the reason in `why`, when this machine cannot make one.
-    static std::unique_ptr<GlContext> make(Profile profile, std::string& why, const GlContext* share = nullptr);
-    ~GlContext();
-    GlContext(const GlContext&) = delete;
-    GlContext& operator=(const GlContext&) = delete;
-    void make_current() const;
-
-private:
-    GlContext() = default;
-    EGLDisplay display_ = EGL_NO_DISPLAY;
-    EGLContext context_ = EGL_NO_CONTEXT;
-};
+// Current on this thread until it dies. Null, with the reason in `why`, when this machine cannot make one. `share` may be null.
+std::unique_ptr<Offscreen> make_context(Profile profile, std::string& why, const Offscreen* share = nullptr);
 
 struct Pixel {
     std::uint8_t r, g, b, a;
@@ -51,6 +37,7 @@ public:
     ~Framebuffer();
     Framebuffer(const Framebuffer&) = delete;
     Framebuffer& operator=(const Framebuffer&) = delete;
+    void bind() const;  // again, after another one was
     void clear() const;
     std::vector<Pixel> read() const;
     int width() const { return width_; }
@@ -107,7 +94,7 @@ FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, co
 }  // namespace pcm::test
 
 // Skips the test, saying so, where no context can be made.
-#define PCM_REQUIRE_GL(name, profile)                                  \
-    std::string name##_why;                                            \
-    const auto name = pcm::test::GlContext::make(profile, name##_why); \
+#define PCM_REQUIRE_GL(name, profile)                               \
+    std::string name##_why;                                         \
+    const auto name = pcm::test::make_context(profile, name##_why); \
     if (!name) GTEST_SKIP() << "no OpenGL context on this machine: " << name##_why

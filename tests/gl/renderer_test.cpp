@@ -561,9 +561,9 @@ TEST(Renderer, TwoCloudsShareOneCache)
 TEST(Renderer, ContextsOfOneGroupTakeTurns)
 {
     std::string why;
-    const auto first = GlContext::make(Profile::compatibility, why);
+    const auto first = make_context(Profile::compatibility, why);
     if (!first) GTEST_SKIP() << "no OpenGL context on this machine: " << why;
-    const auto second = GlContext::make(Profile::compatibility, why, first.get());
+    const auto second = make_context(Profile::compatibility, why, first.get());
     ASSERT_TRUE(second) << why;
     const TemporaryFolder folder;
     Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 10), 2000));
@@ -580,6 +580,7 @@ TEST(Renderer, ContextsOfOneGroupTakeTurns)
         (turn % 2 ? first : second)->make_current();
         if (turn % 2 == 0) std::swap(renderer.picture, of_second);
         const Framebuffer& framebuffer = turn % 2 ? *in_first : *in_second;
+        framebuffer.bind();
         framebuffer.clear();
         EXPECT_EQ(renderer.draw(camera, map_offset, everything()).points_drawn, 20000u);
         EXPECT_TRUE(framebuffer.read() == picture) << "turn " << turn;
