@@ -3,8 +3,7 @@
 #include "bpc/byte_order.h"
 #include "cloud/error.h"
 #include "tree/crew.h"
-
-#include <map>
+#include "tree/turns.h"
 
 namespace pcm {
 namespace {
@@ -226,12 +225,10 @@ Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const st
 {
     if (jobs_.empty()) return nullptr;
     Signal signal;
-    std::map<std::size_t, typename Builder::Output> waiting;  // finished ahead of their turn
-    std::size_t next_commit = restored_;
+    Turns<typename Builder::Output> commits(restored_);
     std::uint64_t points_done = 0;
     for (std::size_t j = 0; j < restored_; ++j)
         if (jobs_[j].bin) points_done += bins_.rows(*jobs_[j].bin);
-    bool committing = false;
 
     const auto ready = [&](const Job& job) {
         return !job.claimed && (job.bin || (jobs_[job.inputs[0]].done && jobs_[job.inputs[1]].done));
@@ -241,10 +238,11 @@ Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const st
         for (;;) {
             if (signal.stopped) return std::nullopt;
             bool any_left = false;
-            for (std::size_t j = next_commit; j < jobs_.size(); ++j) {
+            const std::size_t far = commits.next() + 2 * threads;
+            for (std::size_t j = commits.next(); j < jobs_.size(); ++j) {
                 any_left = any_left || !jobs_[j].claimed;
-                if (j <= next_commit + 2 * threads && ready(jobs_[j])) return j;
-                if (any_left && j > next_commit + 2 * threads) break;
+                if (j <= far && ready(jobs_[j])) return j;
+                if (any_left && j > far) break;
             }
             if (!any_left) return std::nullopt;
             signal.wake.wait(lock);
@@ -274,19 +272,10 @@ Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const st
             job.region = std::move(region);
             job.done = true;
             if (job.bin) points_done += bins_.rows(*job.bin);
-            waiting.emplace(*mine, std::move(output));
-            // One thread at a time writes what is next in turn.
-            while (!committing && !waiting.empty() && waiting.begin()->first == next_commit) {
-                committing = true;
-                const typename Builder::Output next = std::move(waiting.begin()->second);
-                waiting.erase(waiting.begin());
-                lock.unlock();
+            commits.add(lock, *mine, std::move(output), [&](std::size_t number, typename Builder::Output next) {
                 for (const auto& piece : next.pieces) files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
-                checkpoint(checkpoints, next_commit + 1);
-                lock.lock();
-                committing = false;
-                ++next_commit;
-            }
+                checkpoint(checkpoints, number + 1);
+            });
             signal.wake.notify_all();
         }
     };

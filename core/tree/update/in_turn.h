@@ -2,10 +2,10 @@
 #pragma once
 
 #include "tree/crew.h"
+#include "tree/turns.h"
 
 #include <algorithm>
 #include <cstddef>
-#include <map>
 #include <mutex>
 #include <utility>
 
@@ -20,30 +20,18 @@ void in_turn(std::size_t count, unsigned threads, const Make& make, const Take& 
     using Result = decltype(make(std::size_t{}));
     threads = std::max(1u, threads);
     Signal signal;
-    std::map<std::size_t, Result> waiting;
-    std::size_t next = 0, next_taken = 0;
-    bool taking = false;
+    Turns<Result> turns;
+    std::size_t next = 0;
     const auto work = [&] {
         std::unique_lock lock(signal.mutex);
         for (;;) {
-            signal.wake.wait(lock, [&] { return signal.stopped || next == count || next < next_taken + 2 * threads; });
+            signal.wake.wait(lock, [&] { return signal.stopped || next == count || next < turns.next() + 2 * threads; });
             if (signal.stopped || next == count) return;
             const std::size_t mine = next++;
             lock.unlock();
             Result result = make(mine);
             lock.lock();
-            waiting.emplace(mine, std::move(result));
-            while (!taking && !waiting.empty() && waiting.begin()->first == next_taken) {
-                taking = true;
-                Result first = std::move(waiting.begin()->second);
-                waiting.erase(waiting.begin());
-                const std::size_t number = next_taken;
-                lock.unlock();
-                take(number, std::move(first));
-                lock.lock();
-                taking = false;
-                ++next_taken;
-            }
+            turns.add(lock, mine, std::move(result), take);
             signal.wake.notify_all();
         }
     };
@@ -53,7 +41,7 @@ void in_turn(std::size_t count, unsigned threads, const Make& make, const Take& 
         std::size_t done;
         {
             const std::lock_guard lock(signal.mutex);
-            done = next_taken;
+            done = turns.next();
         }
         tick(done);
     });
