@@ -1,7 +1,7 @@
 #include "edit_cursor.h"
 
-#include "bpc/scalar_words.h"
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 #include "point_cloud.h"
 
 #include <cmath>
@@ -44,7 +44,7 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
     Column& to = column(attribute);
     if (component >= to.components())
         throw Error(ErrorCode::invalid_argument, {}, "there is no component " + std::to_string(component) + " of " + std::to_string(to.components()));
-    with_scalar(to.type(), [&](auto scalar) {
+    with_type(to.type(), [&](auto scalar) {
         using T = decltype(scalar);
         if (!can_have<T>(value))
             throw Error(ErrorCode::invalid_argument, {}, "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));

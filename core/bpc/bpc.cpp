@@ -5,6 +5,7 @@
 #include "bpc/read_head.h"
 #include "bpc/scalar_words.h"
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 
 #include <algorithm>
 #include <numeric>
@@ -85,7 +86,7 @@ private:
 
     static void fill(Column& column, const std::vector<std::uint64_t>& words)
     {
-        with_scalar(column.type(), [&](auto scalar) {
+        with_type(column.type(), [&](auto scalar) {
             using T = decltype(scalar);
             T* values = column.as<T>();
             const std::size_t n = words.size(), points = column.size();
@@ -134,7 +135,7 @@ private:
         Column& column = *columns_[static_cast<std::size_t>(wanted.attribute)];
         if (column.size() < points_) column.resize(points_);
         const std::size_t count = header_.segments[kept_[wanted.kept]].count, first = at_[wanted.kept];
-        return with_scalar(column.type(), [&](auto scalar) {
+        return with_type(column.type(), [&](auto scalar) {
             using T = decltype(scalar);
             std::vector<WordOf<T>>& words = scratch(WordOf<T>());
             words.resize(count);

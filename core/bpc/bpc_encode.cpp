@@ -5,6 +5,7 @@
 #include "bpc/scalar_words.h"
 #include "bpc/segments.h"
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 
 #include <algorithm>
 #include <limits>
@@ -80,7 +81,7 @@ public:
     void add(const Column& column, const std::vector<BpcSegment>& segments, bool may_be_constant)
     {
         begin();
-        with_scalar(column.type(), [&](auto scalar) {
+        with_type(column.type(), [&](auto scalar) {
             using T = decltype(scalar);
             if (may_be_constant) columns.back().constant = constant_of<T>(column);
             if (!columns.back().constant.empty()) return 0;

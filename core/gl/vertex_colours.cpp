@@ -1,5 +1,7 @@
 #include "gl/vertex_colours.h"
 
+#include "cloud/with_type.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -12,30 +14,9 @@ namespace {
 
 // Calls `use` with the column's values as what they are.
 template <class Use>
-void with_type(const Column& column, const Use& use)
+void with_values(const Column& column, const Use& use)
 {
-    switch (column.type()) {
-        case ScalarType::i8:
-            return use(column.as<std::int8_t>());
-        case ScalarType::u8:
-            return use(column.as<std::uint8_t>());
-        case ScalarType::i16:
-            return use(column.as<std::int16_t>());
-        case ScalarType::u16:
-            return use(column.as<std::uint16_t>());
-        case ScalarType::i32:
-            return use(column.as<std::int32_t>());
-        case ScalarType::u32:
-            return use(column.as<std::uint32_t>());
-        case ScalarType::i64:
-            return use(column.as<std::int64_t>());
-        case ScalarType::u64:
-            return use(column.as<std::uint64_t>());
-        case ScalarType::f32:
-            return use(column.as<float>());
-        case ScalarType::f64:
-            return use(column.as<double>());
-    }
+    with_type(column.type(), [&](auto zero) { use(column.as<decltype(zero)>()); });
 }
 
 }  // namespace
@@ -46,7 +27,7 @@ ColourScale ColourScale::of(const Column& column, VertexColour colour)
     const std::size_t scalars = column.size() * column.components();
     values.reserve(scalars);
     double type_maximum = 1;
-    with_type(column, [&](const auto* raw) {
+    with_values(column, [&](const auto* raw) {
         using T = std::remove_cv_t<std::remove_pointer_t<decltype(raw)>>;
         if constexpr (std::is_integral_v<T>) type_maximum = static_cast<double>(std::numeric_limits<T>::max());
         for (std::size_t i = 0; i < scalars; ++i) {
@@ -80,7 +61,7 @@ void make_colours(const Column& column, const ColourScale& scale, std::vector<st
     rgba.resize(4 * points);
     const double low = scale.low;
     const double factor = 255 / (scale.high - scale.low);
-    with_type(column, [&](const auto* raw) {
+    with_values(column, [&](const auto* raw) {
         const auto byte = [&](std::size_t i) {
             const double v = (static_cast<double>(raw[i]) - low) * factor + 0.5;
             return static_cast<std::uint8_t>(v >= 255 ? 255 : v > 0 ? v : 0);  // false for what is not a number: 0
@@ -138,7 +119,7 @@ void make_class_colours(const Column& column, const Attribute& attribute, std::v
     const std::size_t points = column.size();
     const std::size_t components = column.components();
     rgba.resize(4 * points);
-    with_type(column, [&](const auto* raw) {
+    with_values(column, [&](const auto* raw) {
         for (std::size_t p = 0; p < points; ++p) {
             const double number = std::floor(static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset + 0.5);
             const auto& colour = number >= 0 && number <= 255 ? palette[static_cast<std::size_t>(number)] : other;

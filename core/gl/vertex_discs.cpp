@@ -1,6 +1,6 @@
 #include "gl/vertex_discs.h"
 
-#include "io/scalars.h"
+#include "cloud/with_type.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "io/las_write_plan.h"
 
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 #include "io/las_layout.h"
 
 #include <algorithm>
@@ -325,61 +326,6 @@ void widen(const std::byte* from, std::size_t count, std::byte* to)
     }
 }
 
-template <class To>
-void widen(ScalarType from, const std::byte* values, std::size_t count, std::byte* to)
-{
-    switch (from) {
-        case ScalarType::i8:
-            return widen<To, std::int8_t>(values, count, to);
-        case ScalarType::u8:
-            return widen<To, std::uint8_t>(values, count, to);
-        case ScalarType::i16:
-            return widen<To, std::int16_t>(values, count, to);
-        case ScalarType::u16:
-            return widen<To, std::uint16_t>(values, count, to);
-        case ScalarType::i32:
-            return widen<To, std::int32_t>(values, count, to);
-        case ScalarType::u32:
-            return widen<To, std::uint32_t>(values, count, to);
-        case ScalarType::i64:
-            return widen<To, std::int64_t>(values, count, to);
-        case ScalarType::u64:
-            return widen<To, std::uint64_t>(values, count, to);
-        case ScalarType::f32:
-            return widen<To, float>(values, count, to);
-        case ScalarType::f64:
-            return widen<To, double>(values, count, to);
-    }
-}
-
-// Calls `work` with a number of the type.
-template <class Work>
-void with_type(ScalarType type, Work&& work)
-{
-    switch (type) {
-        case ScalarType::i8:
-            return work(std::int8_t{});
-        case ScalarType::u8:
-            return work(std::uint8_t{});
-        case ScalarType::i16:
-            return work(std::int16_t{});
-        case ScalarType::u16:
-            return work(std::uint16_t{});
-        case ScalarType::i32:
-            return work(std::int32_t{});
-        case ScalarType::u32:
-            return work(std::uint32_t{});
-        case ScalarType::i64:
-            return work(std::int64_t{});
-        case ScalarType::u64:
-            return work(std::uint64_t{});
-        case ScalarType::f32:
-            return work(float{});
-        case ScalarType::f64:
-            return work(double{});
-    }
-}
-
 std::uint64_t cut_to_bits(const Field& field, const std::byte* values, std::size_t count, std::byte* to)
 {
     const auto most = static_cast<std::byte>(field.mask);
@@ -412,7 +358,9 @@ std::uint64_t fill(const WriteColumn& column, const Column& values, std::size_t 
             cut = cut_to_bits(column.field, from, count, scratch.data());
             break;
         case Conversion::widened:
-            with_type(column.type, [&](auto to) { widen<decltype(to)>(values.type(), from, numbers, scratch.data()); });
+            with_type(column.type, [&](auto to) {
+                with_type(values.type(), [&](auto source) { widen<decltype(to), decltype(source)>(from, numbers, scratch.data()); });
+            });
             break;
         case Conversion::colours:
             for (std::size_t i = 0; i < numbers; ++i)

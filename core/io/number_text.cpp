@@ -1,6 +1,6 @@
 #include "io/number_text.h"
 
-#include "io/scalars.h"
+#include "cloud/with_type.h"
 #include "io/text_numbers.h"
 
 #include <fast_float/fast_float.h>

@@ -56,18 +56,10 @@ void unpack(const Target& target, const std::byte* from, std::size_t stride, std
         }
         return;
     }
-    switch (target.bytes) {
-        case 1:
-            return copy_scalars<1>(from, stride, count, to, to_stride);
-        case 2:
-            return copy_scalars<2>(from, stride, count, to, to_stride);
-        case 4:
-            return copy_scalars<4>(from, stride, count, to, to_stride);
-        case 8:
-            return copy_scalars<8>(from, stride, count, to, to_stride);
-        default:
-            for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * stride, target.bytes);
-    }
+    if (target.bytes == 1 || target.bytes == 2 || target.bytes == 4 || target.bytes == 8)
+        copy_scalars(target.bytes, from, stride, count, to, to_stride);
+    else
+        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * stride, target.bytes);
 }
 
 class PcdReader final : public PointReader {

@@ -451,22 +451,9 @@ void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& 
             continue;
         }
         Column& column = batch.attributes[target.attribute];
-        const std::size_t bytes = size_of(target.type), stride = column.point_bytes();
+        const std::size_t stride = column.point_bytes();
         std::byte* to = column.data() + first * stride + target.byte;
-        switch (bytes) {
-            case 1:
-                copy_scalars<1, Swap>(from, record_bytes_, count, to, stride);
-                break;
-            case 2:
-                copy_scalars<2, Swap>(from, record_bytes_, count, to, stride);
-                break;
-            case 4:
-                copy_scalars<4, Swap>(from, record_bytes_, count, to, stride);
-                break;
-            default:
-                copy_scalars<8, Swap>(from, record_bytes_, count, to, stride);
-                break;
-        }
+        copy_scalars<Swap>(size_of(target.type), from, record_bytes_, count, to, stride);
     }
 }
 

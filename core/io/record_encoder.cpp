@@ -1,6 +1,7 @@
 #include "io/record_encoder.h"
 
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 #include "io/text_output.h"
 
 #include <algorithm>
@@ -63,37 +64,9 @@ std::uint32_t packed_colour(const PointBatch& batch, const RecordField& field, s
     return alpha << 24 | std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | std::uint32_t{rgb[2]};
 }
 
-template <class T>
-char* put_number(const std::byte* from, char* to, char* end)
-{
-    return std::to_chars(to, end, load<T>(from)).ptr;
-}
-
 char* put_scalar(ScalarType type, const std::byte* from, char* to, char* end)
 {
-    switch (type) {
-        case ScalarType::i8:
-            return put_number<std::int8_t>(from, to, end);
-        case ScalarType::u8:
-            return put_number<std::uint8_t>(from, to, end);
-        case ScalarType::i16:
-            return put_number<std::int16_t>(from, to, end);
-        case ScalarType::u16:
-            return put_number<std::uint16_t>(from, to, end);
-        case ScalarType::i32:
-            return put_number<std::int32_t>(from, to, end);
-        case ScalarType::u32:
-            return put_number<std::uint32_t>(from, to, end);
-        case ScalarType::i64:
-            return put_number<std::int64_t>(from, to, end);
-        case ScalarType::u64:
-            return put_number<std::uint64_t>(from, to, end);
-        case ScalarType::f32:
-            return put_number<float>(from, to, end);
-        case ScalarType::f64:
-            break;
-    }
-    return put_number<double>(from, to, end);
+    return with_type(type, [&](auto zero) { return std::to_chars(to, end, load<decltype(zero)>(from)).ptr; });
 }
 
 }  // namespace

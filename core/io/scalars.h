@@ -1,42 +1,13 @@
 // Scalars of records as columns of a batch: of any type, at any distance from each other, in either byte order.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "cloud/with_type.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 namespace pcm {
-
-// Calls `f` with a value of the C++ type that `type` names.
-template <class F>
-auto with_type(ScalarType type, F&& f)
-{
-    switch (type) {
-        case ScalarType::i8:
-            return f(std::int8_t{});
-        case ScalarType::u8:
-            return f(std::uint8_t{});
-        case ScalarType::i16:
-            return f(std::int16_t{});
-        case ScalarType::u16:
-            return f(std::uint16_t{});
-        case ScalarType::i32:
-            return f(std::int32_t{});
-        case ScalarType::u32:
-            return f(std::uint32_t{});
-        case ScalarType::i64:
-            return f(std::int64_t{});
-        case ScalarType::u64:
-            return f(std::uint64_t{});
-        case ScalarType::f32:
-            return f(float{});
-        case ScalarType::f64:
-            break;
-    }
-    return f(double{});
-}
 
 template <std::size_t Bytes, bool Swap>
 void load_bytes(const std::byte* from, std::byte* to)
@@ -67,6 +38,22 @@ template <std::size_t Bytes, bool Swap = false>
 void copy_scalars(const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
 {
     for (std::size_t i = 0; i < count; ++i) load_bytes<Bytes, Swap>(from + i * stride, to + i * to_stride);
+}
+
+// The same of scalars of 1, 2, 4 or 8 bytes.
+template <bool Swap = false>
+void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
+{
+    switch (bytes) {
+        case 1:
+            return copy_scalars<1, Swap>(from, stride, count, to, to_stride);
+        case 2:
+            return copy_scalars<2, Swap>(from, stride, count, to, to_stride);
+        case 4:
+            return copy_scalars<4, Swap>(from, stride, count, to, to_stride);
+        default:
+            return copy_scalars<8, Swap>(from, stride, count, to, to_stride);
+    }
 }
 
 }  // namespace pcm

@@ -1,6 +1,7 @@
 #include "io/selection.h"
 
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 #include "io/batch_shape.h"
 
 #include <algorithm>
@@ -264,22 +265,9 @@ private:
 std::unique_ptr<Selector::Test> make_test(std::size_t slot, std::uint32_t component, const Condition& condition,
                                           const Attribute& attribute)
 {
-    const auto make = [&](auto example) -> std::unique_ptr<Selector::Test> {
-        return std::make_unique<TypedTest<decltype(example)>>(slot, component, condition, attribute);
-    };
-    switch (attribute.type) {
-    case ScalarType::i8: return make(std::int8_t{});
-    case ScalarType::u8: return make(std::uint8_t{});
-    case ScalarType::i16: return make(std::int16_t{});
-    case ScalarType::u16: return make(std::uint16_t{});
-    case ScalarType::i32: return make(std::int32_t{});
-    case ScalarType::u32: return make(std::uint32_t{});
-    case ScalarType::i64: return make(std::int64_t{});
-    case ScalarType::u64: return make(std::uint64_t{});
-    case ScalarType::f32: return make(float{});
-    case ScalarType::f64: break;
-    }
-    return make(double{});
+    return with_type(attribute.type, [&](auto zero) -> std::unique_ptr<Selector::Test> {
+        return std::make_unique<TypedTest<decltype(zero)>>(slot, component, condition, attribute);
+    });
 }
 
 }  // namespace

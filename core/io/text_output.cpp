@@ -1,6 +1,7 @@
 #include "io/text_output.h"
 
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 
 #include <algorithm>
 #include <charconv>
@@ -117,24 +118,12 @@ void TextOutput::put_scalar(const Attribute& attribute, const Column& column, st
     const bool raw = attribute.scale == 1 && attribute.offset == 0;
     char* const to = room();
     char* end = to;
-    const auto put_as = [&](auto example) {
-        using T = decltype(example);
+    with_type(column.type(), [&](auto zero) {
+        using T = decltype(zero);
         const T value = column.as<T>()[index];
         end = raw ? shortest(to, value)
                   : shortest(to, static_cast<double>(value) * attribute.scale + attribute.offset);
-    };
-    switch (column.type()) {
-        case ScalarType::i8: put_as(std::int8_t{}); break;
-        case ScalarType::u8: put_as(std::uint8_t{}); break;
-        case ScalarType::i16: put_as(std::int16_t{}); break;
-        case ScalarType::u16: put_as(std::uint16_t{}); break;
-        case ScalarType::i32: put_as(std::int32_t{}); break;
-        case ScalarType::u32: put_as(std::uint32_t{}); break;
-        case ScalarType::i64: put_as(std::int64_t{}); break;
-        case ScalarType::u64: put_as(std::uint64_t{}); break;
-        case ScalarType::f32: put_as(float{}); break;
-        case ScalarType::f64: put_as(double{}); break;
-    }
+    });
     used_ += static_cast<std::size_t>(end - to);
 }
 

@@ -2,8 +2,8 @@
 
 #include "cloud/error.h"
 #include "cloud/text.h"
+#include "cloud/with_type.h"
 #include "io/names.h"
-#include "io/scalars.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>

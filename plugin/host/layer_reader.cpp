@@ -1,6 +1,7 @@
 #include "host/layer_reader.h"
 
 #include "cloud/error.h"
+#include "cloud/with_type.h"
 #include "host/registry.h"
 #include "host/vertex_attributes.h"
 #include "io/batch_shape.h"
@@ -27,34 +28,6 @@ bool fits(double value)
                std::fabs(value) <= 9007199254740992.0;  // 2^53
     else
         return std::isnan(value) || static_cast<double>(static_cast<T>(value)) == value;
-}
-
-template <class Use>
-auto with_type(ScalarType type, const Use& use)
-{
-    switch (type) {
-        case ScalarType::i8:
-            return use(std::int8_t{});
-        case ScalarType::u8:
-            return use(std::uint8_t{});
-        case ScalarType::i16:
-            return use(std::int16_t{});
-        case ScalarType::u16:
-            return use(std::uint16_t{});
-        case ScalarType::i32:
-            return use(std::int32_t{});
-        case ScalarType::u32:
-            return use(std::uint32_t{});
-        case ScalarType::i64:
-            return use(std::int64_t{});
-        case ScalarType::u64:
-            return use(std::uint64_t{});
-        case ScalarType::f32:
-            return use(float{});
-        case ScalarType::f64:
-            break;
-    }
-    return use(double{});
 }
 
 bool is_whole(ScalarType type) { return type != ScalarType::f32 && type != ScalarType::f64; }
