@@ -31,7 +31,7 @@ public:
 
     // A frame drew so much in so many milliseconds.
     void measured(const FrameWork& work, double milliseconds);
-    // What else the frame took: choice of nodes, uploads, the picture's way into the host's.
+    // What else the frame took, of what a moving view's takes: choice of nodes, uploads, the picture's way into the host's.
     void measured_overhead(double milliseconds);
 
     // Points to choose for the next frame, between `floor` and `ceiling` (which wins).
@@ -39,6 +39,7 @@ public:
     // Milliseconds that drawing may be expected to take; infinite as long as nothing is known.
     double available(double budget_ms) const;
     double expected(const FrameWork& work) const;
+    double overhead_ms() const { return overhead_ms_; }
     // Of the points that points() allowed there was time for the first so many: all of them, or fewer.
     void fewer(std::uint64_t points) { goal_ = static_cast<double>(points); }
     // For so many times what the frame draws.

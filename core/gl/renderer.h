@@ -38,7 +38,7 @@ struct RenderOptions {
     double target_spacing_px = 1.4;           // refine until points are no farther apart than this on screen
     double frame_budget_ms = 33;              // fewer points are drawn in a frame when they would take longer
     std::uint64_t point_budget = 20'000'000;  // never draw more than this in a frame
-    double upload_budget_ms = L1Cache::default_milliseconds;  // of a frame; one chunk is uploaded whatever it takes
+    double upload_budget_ms = L1Cache::default_milliseconds;  // of a frame, at least while the view moves; one chunk is uploaded whatever it takes
     unsigned prefetch_frames = 8;             // what a moving view will need so many frames later is loaded ahead; 0: nothing is
     unsigned samples = 1;                     // a pixel: 1 to what the driver has (FrameReport::samples)
     float eye_dome = 0;                       // strength of eye-dome lighting, 1 is usual; 0: none

@@ -79,7 +79,7 @@ void add_settings(RichParameterList& parameters)
                                   QString("Most points drawn in a frame, of all layers together, in millions. Default %1.")
                                       .arg(static_cast<double>(render.point_budget) / 1e6)));
     parameters.addParam(RichFloat(upload_budget, static_cast<float>(render.upload_budget_ms), "Upload budget (ms)",
-                                  QString("Time in each frame for bringing new points to the graphics card, in milliseconds. Default %1.")
+                                  QString("Time in each frame for bringing new points to the graphics card while the view moves, in milliseconds. Default %1.")
                                       .arg(render.upload_budget_ms)));
     parameters.addParam(RichInt(l1_size, static_cast<int>(L1Options().capacity_bytes >> 20), "Video memory (MB)",
                                 QString("Memory on the graphics card for the points of all layers of a project, in megabytes. Default %1.")

@@ -300,6 +300,40 @@ TEST(Picture, EyeDomeLightingShowsSteps)
     EXPECT_GE(darkest, 0);
 }
 
+// The limit of uploads is there so that a moving view does not falter: one that rests uploads as long as its frames may take.
+TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(60000, 10000, 22), 1500);
+    const auto& all = cloud->tree()->nodes();
+    const auto nodes = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [](const Node& node) { return node.points > 0; }));
+    ASSERT_GT(nodes, 40u);
+    const Framebuffer framebuffer(160, 120);
+    const View view = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
+    for (const bool converge : {false, true}) {
+        cloud->cache().clear();
+        Drawing drawing(cloud);
+        RenderOptions options = everything();
+        options.upload_budget_ms = 0;  // one chunk a frame
+        options.converge = converge;
+        std::size_t frames = 1;
+        FrameReport report = drawing.draw(view, map_offset, options);
+        while (report.refining && frames < 10 * nodes) {
+            cloud->cache().wait_idle();
+            report = drawing.draw(view, map_offset, options);
+            ++frames;
+        }
+        EXPECT_FALSE(report.refining);
+        EXPECT_EQ(report.points_drawn, 60000u);
+        if (converge)
+            EXPECT_LT(frames, nodes / 2);
+        else
+            EXPECT_GE(frames, nodes);
+        drawing.release();
+    }
+}
+
 // What both trees need most is drawn first, under one budget; and each may be placed anywhere.
 TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
 {
