@@ -2,7 +2,6 @@
 #pragma once
 
 #include "cloud/attribute.h"
-#include "cloud/point_batch.h"
 
 #include <cstddef>
 #include <cstdint>

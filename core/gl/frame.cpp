@@ -13,9 +13,6 @@ namespace {
 // Beyond so many pixels a picture says nothing whatever its splats are.
 constexpr double largest_fill = 32;
 
-// What a resting view's frames may be lengthened by, milliseconds: whoever moves it again has to wait as long.
-constexpr double most_at_rest = 50;
-
 // The spacing on the screen that a style's own splats are taken to cover.
 double spacing_covered(const CloudStyle& style)
 {
@@ -77,15 +74,9 @@ void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)
         if (window.size() < ChunkFeed::window_size && std::find(window.begin(), window.end(), node) == window.end()) window.push_back(node);
 }
 
-double Frame::time_at_rest() const
-{
-    const double overhead = picture.budget.overhead_ms();
-    return std::max(options.frame_budget_ms - overhead, std::min(overhead, most_at_rest));
-}
-
 Served Frame::upload(const SceneSelection& selection)
 {
-    const double budget = rests ? std::max(options.upload_budget_ms, time_at_rest() / 2) : options.upload_budget_ms;
+    const double budget = converges ? std::max(options.upload_budget_ms, picture.budget.at_rest(options.frame_budget_ms) / 2) : options.upload_budget_ms;
     std::vector<std::size_t> turns;
     for (const SceneSelection::Place& place : selection.order) {
         const std::size_t leader = clouds[place.tree].leader;

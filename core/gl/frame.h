@@ -42,7 +42,7 @@ struct Frame {
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
     DetailLimits limits{};  // of a moving view
-    bool rests = false;     // the view is that of the last frame, and goes on to full resolution
+    bool converges = false;  // the view rests, and goes on to full resolution
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
@@ -54,9 +54,6 @@ struct Frame {
     void want(std::size_t item, const std::vector<NodeId>& nodes);
     // Begins the splats of a cloud, into the picture's target.
     void begin(const FrameCloud& cloud);
-    // Milliseconds for what a frame adds to the picture of a resting view, uploads and drawing: all that the budget has, as no frame is
-    // too late; and what each frame takes anyway is matched, up to some point: else where that leaves little it would take minutes.
-    double time_at_rest() const;
     // Uploads what has come of the clouds' windows, for the cloud first that lacks what is worth most.
     Served upload(const SceneSelection& selection);
 };

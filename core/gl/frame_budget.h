@@ -28,6 +28,7 @@ public:
         20'000;  // a view of fewer points says nothing; most devices draw it at once
     static constexpr double most_growth = 1.5;  // of the points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
+    static constexpr double most_at_rest = 50;  // milliseconds beyond the budget: whoever moves the view again has to wait as long
 
     // A frame drew so much in so many milliseconds.
     void measured(const FrameWork& work, double milliseconds);
@@ -38,8 +39,10 @@ public:
     std::uint64_t points(std::uint64_t floor, std::uint64_t ceiling);
     // Milliseconds that drawing may be expected to take; infinite as long as nothing is known.
     double available(double budget_ms) const;
+    // Milliseconds for what a frame adds to the picture of a view that rests, uploads and drawing: all that the budget has, as no frame is
+    // too late; and what each frame takes anyway is matched, up to some point: else where that leaves little it would take minutes.
+    double at_rest(double budget_ms) const { return std::max(budget_ms - overhead_ms_, std::min(overhead_ms_, most_at_rest)); }
     double expected(const FrameWork& work) const;
-    double overhead_ms() const { return overhead_ms_; }
     // Of the points that points() allowed there was time for the first so many: all of them, or fewer.
     void fewer(std::uint64_t points) { goal_ = static_cast<double>(points); }
     // For so many times what the frame draws.

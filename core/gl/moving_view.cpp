@@ -219,7 +219,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     if (frame.options.converge && !report.refining && can_converge(frame)) {
         // Another frame of this view goes on from here.
         report.refining = report.repaint = !everything;
-        if (resting && all_current) begin_rest(frame, selection, drawn);
+        if (frame.converges && all_current) begin_rest(frame, selection, drawn);
     }
 }
 

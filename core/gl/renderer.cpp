@@ -84,14 +84,14 @@ struct Renderer::Impl {
         }
         const bool resting = p.key && *p.key == key;
         p.key = std::move(key);
-        frame.rests = resting && options.converge;
+        frame.converges = resting && options.converge;
         p.target.bind();
         l1->begin_frame(frame.owners);
 
         if (!resting) p.rest.reset();
         if (p.rest && p.rest->begun) {
             draw_resting(frame);
-        } else if (frame.rests) {
+        } else if (frame.converges) {
             if (!p.rest) {
                 p.rest.emplace();
                 p.rest->lod = select_scene(frame.trees(), frame.current_limits());
@@ -116,7 +116,7 @@ struct Renderer::Impl {
         }
         report.clouds = std::move(clouds);
         report.frame_ms = milliseconds_since(frame.start);
-        const double more_uploads = frame.rests ? std::max(0.0, report.upload_ms - options.upload_budget_ms) : 0;
+        const double more_uploads = frame.converges ? std::max(0.0, report.upload_ms - options.upload_budget_ms) : 0;
         if (p.unmeasured == 0) p.budget.measured_overhead(report.frame_ms - frame.drawing_ms - more_uploads);
         return report;
     }

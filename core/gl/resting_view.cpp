@@ -109,7 +109,7 @@ void draw_resting(Frame& frame)
         for (const std::size_t i : next)
             if (ChunkFeed::is_current(cloud_at(i).feed->find(node_at(i).node), cloud_at(i).format)) places.push_back(rest.all.order[i]);
         const FrameCost cost(frame, rest.all, places);
-        const double time = frame.time_at_rest();
+        const double time = p.budget.at_rest(frame.options.frame_budget_ms);
         const double available = time - std::min(report.upload_ms, time / 2);
         if (rest.behind) p.next.bind();
         timed(frame, [&](Strokes& strokes) {

@@ -56,10 +56,7 @@ void unpack(const Target& target, const std::byte* from, std::size_t stride, std
         }
         return;
     }
-    if (target.bytes == 1 || target.bytes == 2 || target.bytes == 4 || target.bytes == 8)
-        copy_scalars(target.bytes, from, stride, count, to, to_stride);
-    else
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_stride, from + i * stride, target.bytes);
+    copy_scalars(target.bytes, from, stride, count, to, to_stride);
 }
 
 class PcdReader final : public PointReader {

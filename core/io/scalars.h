@@ -40,7 +40,7 @@ void copy_scalars(const std::byte* from, std::size_t stride, std::size_t count, 
     for (std::size_t i = 0; i < count; ++i) load_bytes<Bytes, Swap>(from + i * stride, to + i * to_stride);
 }
 
-// The same of scalars of 1, 2, 4 or 8 bytes.
+// The same of so many bytes, swapped as one number.
 template <bool Swap = false>
 void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
 {
@@ -51,8 +51,11 @@ void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, 
             return copy_scalars<2, Swap>(from, stride, count, to, to_stride);
         case 4:
             return copy_scalars<4, Swap>(from, stride, count, to, to_stride);
-        default:
+        case 8:
             return copy_scalars<8, Swap>(from, stride, count, to, to_stride);
+        default:
+            for (std::size_t i = 0; i < count; ++i)
+                for (std::size_t b = 0; b < bytes; ++b) to[i * to_stride + b] = from[i * stride + (Swap ? bytes - 1 - b : b)];
     }
 }
 

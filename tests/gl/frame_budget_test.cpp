@@ -156,6 +156,15 @@ TEST(FrameBudget, GoesOnWithAsManyPointsOfAnotherKind)
     EXPECT_LT(frame(budget, cost_of_points(1e-3), 33, 1'000'000'000), 33);
 }
 
+TEST(FrameBudget, AViewAtRestHasTheBudgetAndAtLeastWhatAFrameTakesAnyway)
+{
+    for (const auto& [overhead, time] : {std::pair{0.0, 33.0}, {10.0, 23.0}, {30.0, 30.0}, {200.0, 50.0}}) {
+        FrameBudget budget;
+        if (overhead > 0) budget.measured_overhead(overhead);
+        EXPECT_EQ(budget.at_rest(33), time) << overhead;
+    }
+}
+
 TEST(FrameBudget, KeepsItsBounds)
 {
     FrameBudget budget;

@@ -1,23 +1,11 @@
 #include "gl_support.h"
 
-#include "cloud/error.h"
 #include "tree/builder.h"
 
 #include <cmath>
 #include <random>
 
 namespace pcm::test {
-
-std::unique_ptr<Offscreen> make_context(Profile profile, std::string& why, const Offscreen* share)
-{
-    try {
-        return std::make_unique<Offscreen>(16, 16, profile, share);
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::unsupported) throw;
-        why = error.what();
-        return nullptr;
-    }
-}
 
 Framebuffer::Framebuffer(int width, int height) : width_(width), height_(height)
 {

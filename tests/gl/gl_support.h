@@ -2,10 +2,10 @@
 #pragma once
 
 #include "las_points.h"
+#include "offscreen_support.h"
 #include "support.h"
 
 #include "gl/renderer.h"
-#include "offscreen/offscreen.h"
 
 #include <GL/glew.h>
 
@@ -21,9 +21,6 @@
 namespace pcm::test {
 
 using Profile = OffscreenProfile;
-
-// Current on this thread until it dies. Null, with the reason in `why`, when this machine cannot make one. `share` may be null.
-std::unique_ptr<Offscreen> make_context(Profile profile, std::string& why, const Offscreen* share = nullptr);
 
 struct Pixel {
     std::uint8_t r, g, b, a;
@@ -94,7 +91,7 @@ FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, co
 }  // namespace pcm::test
 
 // Skips the test, saying so, where no context can be made.
-#define PCM_REQUIRE_GL(name, profile)                               \
-    std::string name##_why;                                         \
-    const auto name = pcm::test::make_context(profile, name##_why); \
-    if (!name) GTEST_SKIP() << "no OpenGL context on this machine: " << name##_why
+#define PCM_REQUIRE_GL(name, profile)                                         \
+    std::string name##_why;                                                   \
+    const auto name = pcm::test::make_offscreen(16, 16, name##_why, profile); \
+    if (!name) GTEST_SKIP() << name##_why

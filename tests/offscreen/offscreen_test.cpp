@@ -1,5 +1,4 @@
-#include "offscreen/offscreen.h"
-
+#include "offscreen_support.h"
 #include "support.h"
 
 #include "cloud/error.h"
@@ -11,25 +10,11 @@
 namespace {
 
 using namespace pcm;
+using namespace pcm::test;
 
-// Nothing, with the reason, where this machine has no OpenGL.
-std::unique_ptr<Offscreen> make(int width, int height, std::string& why, OffscreenProfile profile = OffscreenProfile::compatibility,
-                                const Offscreen* share = nullptr)
-{
-    try {
-        return std::make_unique<Offscreen>(width, height, profile, share);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::unsupported) << error.what();
-        why = error.what();
-        EXPECT_NE(why.find("no OpenGL context"), std::string::npos) << why;
-        EXPECT_NE(why.find("apt-get install"), std::string::npos) << why;
-        return nullptr;
-    }
-}
-
-#define REQUIRE_OFFSCREEN(name, ...)           \
-    std::string name##_why;                    \
-    const auto name = make(__VA_ARGS__, name##_why); \
+#define REQUIRE_OFFSCREEN(name, ...)                           \
+    std::string name##_why;                                    \
+    const auto name = make_offscreen(__VA_ARGS__, name##_why); \
     if (!name) GTEST_SKIP() << name##_why
 
 TEST(Offscreen, WhatIsDrawnIsReadUpperRowFirst)
@@ -71,7 +56,7 @@ TEST(Offscreen, ContextsShareObjectsAndTakeTurns)
 {
     REQUIRE_OFFSCREEN(first, 8, 8);
     std::string why;
-    const auto second = make(4, 4, why, OffscreenProfile::compatibility, first.get());
+    const auto second = make_offscreen(4, 4, why, OffscreenProfile::compatibility, first.get());
     ASSERT_TRUE(second) << why;
     GLuint buffer = 0;
     glGenBuffers(1, &buffer);
@@ -91,7 +76,7 @@ TEST(Offscreen, ContextsShareObjectsAndTakeTurns)
 TEST(Offscreen, ACoreProfileHasNoOldFunctions)
 {
     std::string why;
-    const auto screen = make(8, 8, why, OffscreenProfile::core);
+    const auto screen = make_offscreen(8, 8, why, OffscreenProfile::core);
     if (!screen) GTEST_SKIP() << why;
     GLint mask = 0;
     glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &mask);
