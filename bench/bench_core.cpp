@@ -1,5 +1,6 @@
-// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; beside memcpy, which is what
-// the machine can do. Run with --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true and compare medians.
+// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; beside memcpy,
+// which is what the machine can do. Run with --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true and
+// compare medians.
 
 #include "bpc/column_codec.h"
 #include "generate/scene.h"
@@ -96,7 +97,8 @@ void DecodeChunks(benchmark::State& state)
     pcm::ColumnSet columns = pcm::ColumnSet::only_positions();
     if (state.range(0)) columns = pcm::ColumnSet::named(tree->info().schema, {"rgb"});
     for (auto _ : state)
-        for (pcm::NodeId id = 0; id < tree->nodes().size(); ++id) benchmark::DoNotOptimize(tree->read_chunk(id, columns));
+        for (pcm::NodeId id = 0; id < tree->nodes().size(); ++id)
+            benchmark::DoNotOptimize(tree->read_chunk(id, columns));
     points_per_second(state, scene_points);
     state.SetLabel(state.range(0) ? "positions and colours" : "positions");
 }

@@ -93,7 +93,8 @@ Answer compare(const std::string& path, const std::string& positions)
     for (pcm::PointBatch batch; reader->read(batch, pcm::default_batch_points);) {
         other.resize(batch.size * 3);
         const auto bytes = static_cast<std::streamsize>(other.size() * sizeof(double));
-        if (!file.read(reinterpret_cast<char*>(other.data()), bytes)) throw std::runtime_error("fewer points than the file has");
+        if (!file.read(reinterpret_cast<char*>(other.data()), bytes))
+            throw std::runtime_error("fewer points than the file has");
         for (std::size_t i = 0; i < batch.size; ++i)
             for (std::size_t a = 0; a < 3; ++a) {
                 const double ours =
@@ -107,7 +108,8 @@ Answer compare(const std::string& path, const std::string& positions)
     return answer;
 }
 
-// A 64-bit multiplication that waits for the one before it takes 3 cycles on every x86-64 since 2008 and on current ARM cores.
+// A 64-bit multiplication that waits for the one before it takes 3 cycles on every x86-64 since 2008 and on current ARM
+// cores.
 Answer clock_rate()
 {
     constexpr std::uint64_t steps = 100'000'000;
@@ -129,8 +131,7 @@ Answer work(const std::vector<std::string>& fields)
     if (fields.size() < 2) throw std::runtime_error("which file?");
     if (fields[0] == "memcpy") return copy(fields[1]);
     if (fields[0] == "disk") return from_disk(fields[1]);
-    if (fields[0] == "read" && fields.size() == 3)
-        return read(fields[1], static_cast<unsigned>(std::stoul(fields[2])));
+    if (fields[0] == "read" && fields.size() == 3) return read(fields[1], static_cast<unsigned>(std::stoul(fields[2])));
     if (fields[0] == "compare" && fields.size() == 3) return compare(fields[1], fields[2]);
     throw std::runtime_error("unknown line: " + fields[0]);
 }

@@ -1,6 +1,6 @@
-// Whether the order of a chunk's points in its VBO changes the time to draw them: as the tree stores them (level by level, each in Morton
-// order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz et al., arXiv 2104.07526). Prints a table;
-// see README.md.
+// Whether the order of a chunk's points in its VBO changes the time to draw them: as the tree stores them (level by
+// level, each in Morton order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz
+// et al., arXiv 2104.07526). Prints a table; see README.md.
 #include "cloud/error.h"
 #include "gl/l1_cache.h"
 #include "gl/splat_pass.h"
@@ -8,8 +8,8 @@
 #include "offscreen/offscreen.h"
 #include "point_cloud.h"
 
-#include <CLI/CLI.hpp>
 #include <GL/glew.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -46,14 +46,18 @@ std::vector<std::uint32_t> order_of(const ChunkPositions& positions, const Vec3d
     std::iota(list.begin(), list.end(), 0u);
     if (order == 0) return list;
     // In steps of the chunk's largest side over 2^21, as the grid's may differ from axis to axis.
-    const auto place = [&](std::size_t i, std::size_t a) { return static_cast<double>(positions.relative(i, a)) * scale[a]; };
+    const auto place = [&](std::size_t i, std::size_t a) {
+        return static_cast<double>(positions.relative(i, a)) * scale[a];
+    };
     double most = 1e-300;
     for (std::size_t i = 0; i < list.size(); ++i)
         for (std::size_t a = 0; a < 3; ++a) most = std::max(most, place(i, a));
     std::vector<std::uint64_t> code(list.size());
     for (std::size_t i = 0; i < list.size(); ++i)
-        for (std::size_t a = 0; a < 3; ++a) code[i] |= spread_bits(static_cast<std::uint64_t>(place(i, a) / most * 0x1fffff)) << a;
-    std::sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) { return code[a] != code[b] ? code[a] < code[b] : a < b; });
+        for (std::size_t a = 0; a < 3; ++a)
+            code[i] |= spread_bits(static_cast<std::uint64_t>(place(i, a) / most * 0x1fffff)) << a;
+    std::sort(list.begin(), list.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return code[a] != code[b] ? code[a] < code[b] : a < b; });
     if (order == 1) return list;
     std::vector<std::size_t> batches((list.size() + 127) / 128);
     std::iota(batches.begin(), batches.end(), std::size_t(0));
@@ -61,7 +65,8 @@ std::vector<std::uint32_t> order_of(const ChunkPositions& positions, const Vec3d
     std::shuffle(batches.begin(), batches.end(), random);
     std::vector<std::uint32_t> shuffled;
     for (const std::size_t batch : batches)
-        for (std::size_t i = 128 * batch; i < std::min(list.size(), 128 * (batch + 1)); ++i) shuffled.push_back(list[i]);
+        for (std::size_t i = 128 * batch; i < std::min(list.size(), 128 * (batch + 1)); ++i)
+            shuffled.push_back(list[i]);
     return shuffled;
 }
 
@@ -93,14 +98,16 @@ struct Cloud {
         const std::vector<Node>& all = points->cache().tree().nodes();
         std::vector<NodeId> by_depth(all.size());
         std::iota(by_depth.begin(), by_depth.end(), NodeId(0));
-        std::stable_sort(by_depth.begin(), by_depth.end(), [&](NodeId a, NodeId b) { return all[a].depth < all[b].depth; });
+        std::stable_sort(by_depth.begin(), by_depth.end(),
+                         [&](NodeId a, NodeId b) { return all[a].depth < all[b].depth; });
         for (const NodeId node : by_depth)
             if (all[node].points > 0 && count + all[node].points <= most) {
                 nodes.push_back(node);
                 count += all[node].points;
             }
         L1Options options;
-        options.capacity_bytes = std::max<std::uint64_t>(orders * (count * format.stride() * 5 / 4 + nodes.size() * L1Cache::page_bytes), 64u << 20);
+        options.capacity_bytes = std::max<std::uint64_t>(
+            orders * (count * format.stride() * 5 / 4 + nodes.size() * L1Cache::page_bytes), 64u << 20);
         l1 = std::make_unique<L1Cache>(options);
         const Schema& schema = points->info().schema;
         std::vector<std::string> names;
@@ -113,8 +120,12 @@ struct Cloud {
         for (const NodeId node : nodes) {
             const auto chunk = points->cache().get(node, ColumnSet::named(schema, names));
             std::vector<float> radii, normals;
-            if (format.radius) make_radii(*chunk->attributes[*schema.find(attribute_name::radius)], schema[*schema.find(attribute_name::radius)], radii);
-            if (format.normal) make_normals(*chunk->attributes[*schema.find(attribute_name::normal)], schema[*schema.find(attribute_name::normal)], normals);
+            if (format.radius)
+                make_radii(*chunk->attributes[*schema.find(attribute_name::radius)],
+                           schema[*schema.find(attribute_name::radius)], radii);
+            if (format.normal)
+                make_normals(*chunk->attributes[*schema.find(attribute_name::normal)],
+                             schema[*schema.find(attribute_name::normal)], normals);
             for (std::size_t order = 0; order < orders; ++order) {
                 const auto list = order_of(*chunk->positions, points->info().grid.scale, order);
                 std::vector<float> r, n;
@@ -122,8 +133,10 @@ struct Cloud {
                     if (format.radius) r.push_back(radii[i]);
                     if (format.normal) n.insert(n.end(), normals.begin() + 3 * i, normals.begin() + 3 * i + 3);
                 }
-                if (!l1->upload(owners[order], node, permuted(*chunk->positions, list), points->info().grid.scale, format, {nullptr, r.data(), n.data()}))
-                    throw Error(ErrorCode::unsupported, path, "the device has no room for the points", "choose fewer with --points");
+                if (!l1->upload(owners[order], node, permuted(*chunk->positions, list), points->info().grid.scale,
+                                format, {nullptr, r.data(), n.data()}))
+                    throw Error(ErrorCode::unsupported, path, "the device has no room for the points",
+                                "choose fewer with --points");
             }
         }
     }
@@ -143,12 +156,29 @@ View view_of(const TreeInfo& info, double distance, int width, int height)
     for (double& v : d) v /= length;
     const double flat = std::hypot(d[0], d[1]);
     const Vec3d right{d[1] / flat, -d[0] / flat, 0};
-    const Vec3d up{right[1] * d[2] - right[2] * d[1], right[2] * d[0] - right[0] * d[2], right[0] * d[1] - right[1] * d[0]};
-    view.modelview = {right[0], up[0], -d[0], 0, right[1], up[1], -d[1], 0, right[2], up[2], -d[2], 0, 0, 0, -distance * diagonal, 1};
+    const Vec3d up{right[1] * d[2] - right[2] * d[1], right[2] * d[0] - right[0] * d[2],
+                   right[0] * d[1] - right[1] * d[0]};
+    view.modelview = {
+        right[0], up[0], -d[0], 0, right[1], up[1], -d[1], 0, right[2], up[2], -d[2], 0, 0, 0, -distance * diagonal, 1};
     const double near = 1e-4 * diagonal;
     const double far = 3 * diagonal;
     const double f = 1.7;
-    view.projection = {f * height / width, 0, 0, 0, 0, f, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, -2 * far * near / (far - near), 0};
+    view.projection = {f * height / width,
+                       0,
+                       0,
+                       0,
+                       0,
+                       f,
+                       0,
+                       0,
+                       0,
+                       0,
+                       -(far + near) / (far - near),
+                       -1,
+                       0,
+                       0,
+                       -2 * far * near / (far - near),
+                       0};
     return view;
 }
 
@@ -161,10 +191,13 @@ struct Setting {
 int run(const std::string& path, std::uint64_t most, int width, int height, unsigned rounds)
 {
     const Offscreen offscreen(width, height);
-    std::printf("%s\n%d x %d, medians of %u rounds in which the orders take turns; ms a frame, and the median ratio to the order as stored in the same round\n\n",
-                offscreen.renderer().c_str(), width, height, rounds);
-    std::printf("| splats | px | distance | points | %s | %s | ratio | %s | ratio |\n|---|---|---|---|---|---|---|---|---|\n", order_names[0], order_names[1],
-                order_names[2]);
+    std::printf(
+        "%s\n%d x %d, medians of %u rounds in which the orders take turns; ms a frame, and the median ratio to the "
+        "order as stored in the same round\n\n",
+        offscreen.renderer().c_str(), width, height, rounds);
+    std::printf(
+        "| splats | px | distance | points | %s | %s | ratio | %s | ratio |\n|---|---|---|---|---|---|---|---|---|\n",
+        order_names[0], order_names[1], order_names[2]);
     for (const SplatMode mode : {SplatMode::constant, SplatMode::perspective}) {
         const Cloud cloud(path, most, mode);
         if (mode != SplatMode::constant && !cloud.format.normal) {
@@ -205,8 +238,10 @@ int run(const std::string& path, std::uint64_t most, int width, int height, unsi
                     std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
                     return v[v.size() / 2];
                 };
-                std::printf("| %s | %g | %g | %llu | %.1f | %.1f | %.3f | %.1f | %.3f |\n", name_of(mode), mode == SplatMode::constant ? static_cast<double>(size) : 0.0, distance,
-                            static_cast<unsigned long long>(cloud.count), median(times[0]), median(times[1]), median(ratios[1]), median(times[2]), median(ratios[2]));
+                std::printf("| %s | %g | %g | %llu | %.1f | %.1f | %.3f | %.1f | %.3f |\n", name_of(mode),
+                            mode == SplatMode::constant ? static_cast<double>(size) : 0.0, distance,
+                            static_cast<unsigned long long>(cloud.count), median(times[0]), median(times[1]),
+                            median(ratios[1]), median(times[2]), median(ratios[2]));
                 std::fflush(stdout);
             }
         }

@@ -43,11 +43,14 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
 {
     Column& to = column(attribute);
     if (component >= to.components())
-        throw Error(ErrorCode::invalid_argument, {}, "there is no component " + std::to_string(component) + " of " + std::to_string(to.components()));
+        throw Error(ErrorCode::invalid_argument, {},
+                    "there is no component " + std::to_string(component) + " of " + std::to_string(to.components()));
     with_type(to.type(), [&](auto scalar) {
         using T = decltype(scalar);
         if (!can_have<T>(value))
-            throw Error(ErrorCode::invalid_argument, {}, "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));
+            throw Error(
+                ErrorCode::invalid_argument, {},
+                "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));
         to.as<T>()[std::size_t((*numbers_)[i]) * to.components() + component] = static_cast<T>(value);
     });
 }
@@ -68,7 +71,8 @@ struct EditCursor::State {
         edit.reset();
         if (unmarked)
             throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(),
-                        "points were changed and not marked as written; the change is dropped", "call mark_written() before going on");
+                        "points were changed and not marked as written; the change is dropped",
+                        "call mark_written() before going on");
     }
 };
 
@@ -80,7 +84,9 @@ EditCursor::EditCursor(std::shared_ptr<PointCloud> cloud, const Query& query)
     State state{cloud, cloud->points(which), {}, {}, {}, {}};
     for (const std::string& name : query.attributes) {
         const auto slot = cloud->info().schema.find(name);
-        if (!slot) throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(), "this cloud has no attribute '" + name + "'");
+        if (!slot)
+            throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(),
+                        "this cloud has no attribute '" + name + "'");
         state.slots.push_back(*slot);
         state.columns.attributes.set(*slot);
     }

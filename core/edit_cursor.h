@@ -12,8 +12,8 @@ namespace pcm {
 
 class PointCloud;
 
-// The points of one chunk that a query selects, to be changed. Valid until the cursor moves on or dies. What was changed counts once it is
-// marked; a cursor that is to move on from changes that are not throws.
+// The points of one chunk that a query selects, to be changed. Valid until the cursor moves on or dies. What was
+// changed counts once it is marked; a cursor that is to move on from changes that are not throws.
 class EditView {
 public:
     std::size_t size() const { return numbers_->size(); }
@@ -22,7 +22,8 @@ public:
     Vec3d position(std::size_t i) const { return grid_->to_source(edit_->chunk().positions->grid((*numbers_)[i])); }
     // Attribute number `attribute` of the query's list, raw, with what was set.
     double value(std::size_t i, std::size_t attribute, std::uint32_t component = 0) const;
-    // Throws Error(invalid_argument) for a value that the attribute's type cannot have: a fraction for an integer, one out of range.
+    // Throws Error(invalid_argument) for a value that the attribute's type cannot have: a fraction for an integer, one
+    // out of range.
     void set(std::size_t i, std::size_t attribute, double value, std::uint32_t component = 0);
     // All points of the chunk, selected or not, to be changed; selected point i is number index(i) there.
     Column& column(std::size_t attribute);
@@ -45,9 +46,9 @@ public:
     EditCursor(EditCursor&&) noexcept;
     EditCursor& operator=(EditCursor&&) noexcept;
     ~EditCursor();
-    // Moves to the next chunk with selected points; false at the end. Throws what reading throws, Error(invalid_argument) when the last view
-    // was changed and not marked as written (the change is dropped) and when the cloud was closed, and Error(cancelled) when the query's
-    // progress function says so.
+    // Moves to the next chunk with selected points; false at the end. Throws what reading throws,
+    // Error(invalid_argument) when the last view was changed and not marked as written (the change is dropped) and when
+    // the cloud was closed, and Error(cancelled) when the query's progress function says so.
     bool getNextData(EditView& view);
 
 private:

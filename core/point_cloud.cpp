@@ -63,8 +63,8 @@ std::shared_ptr<PointCloud> PointCloud::open(const std::filesystem::path& path, 
     return cloud;
 }
 
-std::shared_ptr<PointCloud> PointCloud::create(const std::filesystem::path& path, PointReader& points, const BuildOptions& build,
-                                               const L2Options& cache, Access access)
+std::shared_ptr<PointCloud> PointCloud::create(const std::filesystem::path& path, PointReader& points,
+                                               const BuildOptions& build, const L2Options& cache, Access access)
 {
     build_tree(points, {}, path, build);
     return open(path, cache, access);
@@ -117,7 +117,8 @@ void PointCloud::save(const std::filesystem::path& path)
     clone_tree(folder_, path);
 }
 
-std::shared_ptr<PointCloud> PointCloud::transform(const Affine& map, const std::filesystem::path& path, const BuildOptions& build, const L2Options& cache)
+std::shared_ptr<PointCloud> PointCloud::transform(const Affine& map, const std::filesystem::path& path,
+                                                  const BuildOptions& build, const L2Options& cache)
 {
     flush();
     const std::shared_ptr<const Tree> from = tree();
@@ -140,8 +141,7 @@ ColumnSet PointCloud::columns_of(const Query& query, const Selector& selector, s
     ColumnSet columns;
     for (const std::string& name : query.attributes) {
         const auto slot = info().schema.find(name);
-        if (!slot)
-            throw Error(ErrorCode::invalid_argument, folder_, "this cloud has no attribute '" + name + "'");
+        if (!slot) throw Error(ErrorCode::invalid_argument, folder_, "this cloud has no attribute '" + name + "'");
         slots.push_back(*slot);
         columns.attributes.set(*slot);
     }
@@ -155,7 +155,9 @@ PointCursor PointCloud::points(const Query& query)
     std::vector<std::size_t> slots;
     const ColumnSet columns = columns_of(query, selector, slots);
     return PointCursor(std::unique_ptr<PointCursor::State>(new PointCursor::State{
-        shared_from_this(), query.progress, std::move(slots),
+        shared_from_this(),
+        query.progress,
+        std::move(slots),
         {*cache_, pool_, rates_, std::move(selector), query.level, columns, query.reads_in_flight}}));
 }
 
@@ -184,7 +186,9 @@ HitResult PointCloud::first_hit(const Region& beam, const std::optional<std::uin
 std::vector<NodeId> PointCloud::nodes_of(const Query& query) const
 {
     std::vector<NodeId> ids;
-    for (const SelectedNode& node : selected_nodes(cache_->tree(), Selector(query.selection(), info().schema), query.level)) ids.push_back(node.node);
+    for (const SelectedNode& node :
+         selected_nodes(cache_->tree(), Selector(query.selection(), info().schema), query.level))
+        ids.push_back(node.node);
     return ids;
 }
 

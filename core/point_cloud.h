@@ -90,9 +90,10 @@ public:
     PointCursor(PointCursor&&) noexcept;
     PointCursor& operator=(PointCursor&&) noexcept;
     ~PointCursor();
-    // Moves to the next chunk with selected points; false at the end. Memory: Query::reads_in_flight chunks and the one in view.
-    // Chunks that the query cuts are read in part and not kept in the cache, unless they are there. Throws what reading throws, and
-    // Error(cancelled) when the query's progress function says so; the cursor may then be dropped, or asked again.
+    // Moves to the next chunk with selected points; false at the end. Memory: Query::reads_in_flight chunks and the one
+    // in view. Chunks that the query cuts are read in part and not kept in the cache, unless they are there. Throws
+    // what reading throws, and Error(cancelled) when the query's progress function says so; the cursor may then be
+    // dropped, or asked again.
     bool getNextData(PointView& view);
     CursorStatistics statistics() const;
 
@@ -113,10 +114,12 @@ class TreeChanges;
 class PointCloud : public std::enable_shared_from_this<PointCloud> {
 public:
     // Errors: those of Tree::open; with Access::write also Error(exists) when somebody else changes the tree.
-    static std::shared_ptr<PointCloud> open(const std::filesystem::path& path, const L2Options& cache = {}, Access access = Access::read);
+    static std::shared_ptr<PointCloud> open(const std::filesystem::path& path, const L2Options& cache = {},
+                                            Access access = Access::read);
     // A new tree of all points of a reader, opened. Errors: those of build_tree() (tree/builder.h).
-    static std::shared_ptr<PointCloud> create(const std::filesystem::path& path, PointReader& points, const BuildOptions& build = {},
-                                              const L2Options& cache = {}, Access access = Access::write);
+    static std::shared_ptr<PointCloud> create(const std::filesystem::path& path, PointReader& points,
+                                              const BuildOptions& build = {}, const L2Options& cache = {},
+                                              Access access = Access::write);
     // As close(), but who wants to hear of errors calls that.
     ~PointCloud();
 
@@ -126,8 +129,8 @@ public:
     std::shared_ptr<const Tree> tree() const { return store_->tree(); }
     L2Cache& cache() { return *cache_; }
 
-    // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute and what Selector
-    // throws.
+    // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute and
+    // what Selector throws.
     PointCursor points(const Query& query = {});
 
     // What points(query) will find and cost. Throws what points() throws.
@@ -139,27 +142,31 @@ public:
     // The point inside of a Region::ray() or Region::cone() that is nearest along it: what a click on the screen picks.
     HitResult first_hit(const Region& beam, const std::optional<std::uint16_t>& level = {});
 
-    // The selected points chunk by chunk, to be changed. Throws what points() throws, and Error(invalid_argument) when the cloud was opened
-    // for reading.
+    // The selected points chunk by chunk, to be changed. Throws what points() throws, and Error(invalid_argument) when
+    // the cloud was opened for reading.
     EditCursor edit(const Query& query);
-    // A new attribute at the end of the schema; all its values are zero. Returns its place there. It is part of the tree on disk from the
-    // next flush() on. Throws Error(invalid_argument) for a name that is there or not possible, and when the cloud was opened for reading.
+    // A new attribute at the end of the schema; all its values are zero. Returns its place there. It is part of the
+    // tree on disk from the next flush() on. Throws Error(invalid_argument) for a name that is there or not possible,
+    // and when the cloud was opened for reading.
     std::size_t add_attribute(const Attribute& attribute);
-    // What was changed becomes part of the tree on disk, all at one instant. Throws Error(no_space | io | ...); all is still there then, to be
-    // flushed again. Throws Error(invalid_argument) when points were changed and not marked as written.
+    // What was changed becomes part of the tree on disk, all at one instant. Throws Error(no_space | io | ...); all is
+    // still there then, to be flushed again. Throws Error(invalid_argument) when points were changed and not marked as
+    // written.
     void flush();
-    // flush(), and the lock is let go. Whatever is asked of the cloud and its cursors afterwards is Error(invalid_argument).
+    // flush(), and the lock is let go. Whatever is asked of the cloud and its cursors afterwards is
+    // Error(invalid_argument).
     void close();
     // close() without flush(): what was changed since the last one is dropped.
     void abandon();
     // The cloud as a tree of another name, in moments (tree/update/clone.h); what was changed is flushed first.
     void save(const std::filesystem::path& path);
 
-    // The cloud moved, turned or scaled, as a new tree, opened for reading; what was changed is flushed first. Where the map only stretches and shifts along
-    // the axes, positions stay what they are on a grid that is mapped; else they are rounded by less than their own last bit. What happens to attributes is in
-    // io/transformed_reader.h. Errors: those of build_tree(), and Error(invalid_argument) for a map that flattens space.
-    std::shared_ptr<PointCloud> transform(const Affine& map, const std::filesystem::path& path, const BuildOptions& build = {},
-                                          const L2Options& cache = {});
+    // The cloud moved, turned or scaled, as a new tree, opened for reading; what was changed is flushed first. Where
+    // the map only stretches and shifts along the axes, positions stay what they are on a grid that is mapped; else
+    // they are rounded by less than their own last bit. What happens to attributes is in io/transformed_reader.h.
+    // Errors: those of build_tree(), and Error(invalid_argument) for a map that flattens space.
+    std::shared_ptr<PointCloud> transform(const Affine& map, const std::filesystem::path& path,
+                                          const BuildOptions& build = {}, const L2Options& cache = {});
 
     // Nodes with points that a query may select, parents first.
     std::vector<NodeId> nodes_of(const Query& query) const;

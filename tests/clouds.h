@@ -68,7 +68,8 @@ void write_ply(const std::filesystem::path& path, const std::vector<std::array<S
     file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size() << "\n";
     for (const char* axis : {"x", "y", "z"}) file << "property " << type << " " << axis << "\n";
     file << "end_header\n";
-    file.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(points.size() * sizeof(points[0])));
+    file.write(reinterpret_cast<const char*>(points.data()),
+               static_cast<std::streamsize>(points.size() * sizeof(points[0])));
 }
 
 enum class Shape { surface, volume, line, coincident, duplicates, clusters, full_range };
@@ -80,29 +81,38 @@ inline std::vector<LasRecord> records(Shape shape, std::size_t count, std::uint6
     std::vector<LasRecord> points(count);
     for (LasRecord& p : points) {
         const auto any = [&](std::int64_t low, std::int64_t high) {
-            return static_cast<std::int32_t>(low + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1)));
+            return static_cast<std::int32_t>(
+                low + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(high - low + 1)));
         };
         switch (shape) {
-        case Shape::surface:
-            p.x = any(0, 100000);
-            p.y = any(0, 60000);
-            p.z = p.x / 7 + p.y / 11 + any(-3, 3);
-            break;
-        case Shape::volume: p.x = any(-50000, 50000), p.y = any(-50000, 50000), p.z = any(-50000, 50000); break;
-        case Shape::line: p.x = any(0, 1000000), p.y = 17, p.z = -3; break;
-        case Shape::coincident: p.x = 1, p.y = 2, p.z = 3; break;
-        case Shape::duplicates: p.x = any(0, 9), p.y = any(0, 4), p.z = 0; break;
-        case Shape::clusters: {
-            // A thousand units wide at the ends of the 32-bit range.
-            const std::int64_t corner = random() & 1 ? 2147482000 : -2147483000;
-            p.x = any(corner, corner + 600), p.y = any(corner, corner + 600), p.z = any(corner, corner + 600);
-            break;
-        }
-        case Shape::full_range:
-            p.x = static_cast<std::int32_t>(random());
-            p.y = static_cast<std::int32_t>(random());
-            p.z = static_cast<std::int32_t>(random());
-            break;
+            case Shape::surface:
+                p.x = any(0, 100000);
+                p.y = any(0, 60000);
+                p.z = p.x / 7 + p.y / 11 + any(-3, 3);
+                break;
+            case Shape::volume:
+                p.x = any(-50000, 50000), p.y = any(-50000, 50000), p.z = any(-50000, 50000);
+                break;
+            case Shape::line:
+                p.x = any(0, 1000000), p.y = 17, p.z = -3;
+                break;
+            case Shape::coincident:
+                p.x = 1, p.y = 2, p.z = 3;
+                break;
+            case Shape::duplicates:
+                p.x = any(0, 9), p.y = any(0, 4), p.z = 0;
+                break;
+            case Shape::clusters: {
+                // A thousand units wide at the ends of the 32-bit range.
+                const std::int64_t corner = random() & 1 ? 2147482000 : -2147483000;
+                p.x = any(corner, corner + 600), p.y = any(corner, corner + 600), p.z = any(corner, corner + 600);
+                break;
+            }
+            case Shape::full_range:
+                p.x = static_cast<std::int32_t>(random());
+                p.y = static_cast<std::int32_t>(random());
+                p.z = static_cast<std::int32_t>(random());
+                break;
         }
         p.intensity = static_cast<std::uint16_t>(random());
         p.returns = static_cast<std::uint8_t>(random());

@@ -20,10 +20,11 @@ struct Faulty {
     std::string err;      // what it wrote to stderr
 };
 
-// Runs `command` (program and arguments). The `at`-th file-changing call below `under` meets the fault `kind`: kill, torn, full or eio;
-// with "count" none does. `calls`, if given, receives how many there were, when the command ends by itself.
-inline Faulty run_with_fault(const std::vector<std::string>& command, const std::filesystem::path& under, const std::string& kind,
-                             long at = 0, long* calls = nullptr)
+// Runs `command` (program and arguments). The `at`-th file-changing call below `under` meets the fault `kind`: kill,
+// torn, full or eio; with "count" none does. `calls`, if given, receives how many there were, when the command ends by
+// itself.
+inline Faulty run_with_fault(const std::vector<std::string>& command, const std::filesystem::path& under,
+                             const std::string& kind, long at = 0, long* calls = nullptr)
 {
     TemporaryFolder notes;
     const std::string err = (notes / "stderr").string(), count = (notes / "count").string();

@@ -110,8 +110,10 @@ inline MemoryCloud read_all(PointReader& reader, std::size_t batch_points = 1000
         const std::size_t before = cloud.points.size;
         cloud.points.resize(before + batch.size);
         for (std::size_t a = 0; a < 3; ++a) {
-            std::copy(batch.grid_xyz[a].begin(), batch.grid_xyz[a].end(), cloud.points.grid_xyz[a].begin() + static_cast<std::ptrdiff_t>(batch.gridded ? before : 0));
-            std::copy(batch.xyz[a].begin(), batch.xyz[a].end(), cloud.points.xyz[a].begin() + static_cast<std::ptrdiff_t>(batch.gridded ? 0 : before));
+            std::copy(batch.grid_xyz[a].begin(), batch.grid_xyz[a].end(),
+                      cloud.points.grid_xyz[a].begin() + static_cast<std::ptrdiff_t>(batch.gridded ? before : 0));
+            std::copy(batch.xyz[a].begin(), batch.xyz[a].end(),
+                      cloud.points.xyz[a].begin() + static_cast<std::ptrdiff_t>(batch.gridded ? 0 : before));
         }
         for (std::size_t k = 0; k < batch.attributes.size(); ++k)
             if (batch.attributes[k].bytes())

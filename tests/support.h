@@ -38,6 +38,6 @@ inline std::filesystem::path sample(const std::string& name) { return std::files
 }  // namespace pcm::test
 
 // Skips the test, saying so, when a sample cloud is not on this machine.
-#define PCM_REQUIRE_SAMPLE(name)                       \
+#define PCM_REQUIRE_SAMPLE(name)                           \
     if (!std::filesystem::exists(pcm::test::sample(name))) \
     GTEST_SKIP() << "sample cloud " << pcm::test::sample(name) << " is not here"

@@ -1,5 +1,5 @@
-// What bench_caches measures. Each function opens the tree itself, in the state that the settings ask for, and adds its figures to the
-// row. They throw pcm::Error and std::runtime_error.
+// What bench_caches measures. Each function opens the tree itself, in the state that the settings ask for, and adds its
+// figures to the row. They throw pcm::Error and std::runtime_error.
 #pragma once
 
 #include "row.h"
@@ -12,21 +12,21 @@ namespace pcm::bench {
 
 struct Settings {
     std::filesystem::path tree;
-    bool cold = false;         // the system's cache of the tree's files is dropped before, else they are read before
+    bool cold = false;  // the system's cache of the tree's files is dropped before, else they are read before
     std::uint64_t l2_bytes = 0;
-    unsigned l2_threads = 1;   // that load for the cache
-    unsigned reads = 8;        // chunks that a scan reads at once
-    unsigned threads = 1;      // that ask: of neighbours
+    unsigned l2_threads = 1;             // that load for the cache
+    unsigned reads = 8;                  // chunks that a scan reads at once
+    unsigned threads = 1;                // that ask: of neighbours
     std::uint64_t queries = 20'000;      // of neighbours
     std::uint64_t timed_hits = 200'000;  // one by one
-    unsigned neighbours = 0;   // of a query
-    double seconds = 0;        // that a throughput is measured for
+    unsigned neighbours = 0;             // of a query
+    double seconds = 0;                  // that a throughput is measured for
 
     std::filesystem::path path;  // of the camera
     unsigned passes = 1;         // how often it is gone
     int width = 0, height = 0;
-    double pace_ms = 0;          // a frame takes at least this long, as on a display
-    double longest_rest_s = 0;   // a picture that is not complete by then is given up
+    double pace_ms = 0;         // a frame takes at least this long, as on a display
+    double longest_rest_s = 0;  // a picture that is not complete by then is given up
     std::uint64_t point_budget = 0;
     double target_px = 0;
     double upload_ms = 0;

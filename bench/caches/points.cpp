@@ -94,7 +94,8 @@ void measure_scan(const Settings& settings, Row& row)
     for (const NodeId id : nodes_with_points(*cloud->tree())) bytes += cloud->tree()->node(id).extent.bytes;
     Query query;
     query.reads_in_flight = settings.reads;
-    for (std::size_t k = 0; k < cloud->info().schema.size(); ++k) query.attributes.push_back(cloud->info().schema[k].name);
+    for (std::size_t k = 0; k < cloud->info().schema.size(); ++k)
+        query.attributes.push_back(cloud->info().schema[k].name);
     for (const std::string pass : {"", "again_"}) {
         std::uint64_t points = 0;
         const double cpu = processor_seconds();
@@ -103,7 +104,9 @@ void measure_scan(const Settings& settings, Row& row)
         for (PointView view; cursor.getNextData(view); points += view.size())
             looked_at += static_cast<std::uint64_t>(view.grid_position(0)[0]);
         const double seconds = seconds_since(start), cpu_seconds = processor_seconds() - cpu;
-        if (points != cloud->info().points) throw std::runtime_error("the scan found " + std::to_string(points) + " points of " + std::to_string(cloud->info().points));
+        if (points != cloud->info().points)
+            throw std::runtime_error("the scan found " + std::to_string(points) + " points of " +
+                                     std::to_string(cloud->info().points));
         row[pass + "seconds"] = seconds;
         row[pass + "cpu_seconds"] = cpu_seconds;
         row[pass + "mpoints_s"] = static_cast<double>(points) / seconds / 1e6;
@@ -184,7 +187,8 @@ void measure_hits(const Settings& settings, Row& row)
     std::vector<std::vector<double>> found(numbers.size());
     for (int round = 0; round < 5; ++round)
         for (std::size_t k = 0; k < numbers.size(); ++k) found[k].push_back(throughput(numbers[k]));
-    for (std::size_t k = 0; k < numbers.size(); ++k) row["mhits_s_" + std::to_string(numbers[k])] = quantile(found[k], 0.5);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        row["mhits_s_" + std::to_string(numbers[k])] = quantile(found[k], 0.5);
     if (misses() != misses_before) throw std::runtime_error("the cache dropped chunks while hits were measured");
 }
 
@@ -193,8 +197,8 @@ void measure_neighbours(const Settings& settings, Row& row)
     prepare_storage(settings, row);
     const auto cloud = open(settings);
     const auto nodes = nodes_with_points(*cloud->tree());
-    // Runs of consecutive points of random chunks, so that queries lie together as they do when all points are asked for. A chunk is as
-    // probable as it has points.
+    // Runs of consecutive points of random chunks, so that queries lie together as they do when all points are asked
+    // for. A chunk is as probable as it has points.
     constexpr std::size_t run = 500;
     std::vector<double> weights;
     for (const NodeId id : nodes) weights.push_back(cloud->tree()->node(id).points);
@@ -212,7 +216,8 @@ void measure_neighbours(const Settings& settings, Row& row)
     options.threads = settings.threads;
     const double cpu = processor_seconds();
     const auto start = Clock::now();
-    const NearestBatch found = cloud->nearest(points, settings.neighbours + 1, options);  // a point is its own nearest one
+    const NearestBatch found =
+        cloud->nearest(points, settings.neighbours + 1, options);  // a point is its own nearest one
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         double distances = 0;

@@ -53,17 +53,24 @@ L1Options l1_options(const Settings& settings)
 
 struct Drawn {
     std::vector<double> frame_ms, draw_ms, points, error_px, rest_ms;
-    double wanted = 0, found = 0, missing = 0;  // nodes, summed over the frames of the path; found: in L1 when they were asked for
+    double wanted = 0, found = 0,
+           missing = 0;  // nodes, summed over the frames of the path; found: in L1 when they were asked for
     unsigned given_up = 0;
 };
 
 class Player {
 public:
     Player(const Settings& settings, std::shared_ptr<PointCloud> cloud, const Offscreen& screen)
-        : settings_(settings), screen_(screen), l1_(std::make_shared<L1Cache>(l1_options(settings))), cloud_(cloud, l1_), renderer_(l1_),
-          box_(cloud->info().bounds()), origin_(cloud->info().grid.offset)
+        : settings_(settings),
+          screen_(screen),
+          l1_(std::make_shared<L1Cache>(l1_options(settings))),
+          cloud_(cloud, l1_),
+          renderer_(l1_),
+          box_(cloud->info().bounds()),
+          origin_(cloud->info().grid.offset)
     {
-        // What to draw depends on the view alone and not on how quick the machine is; and it is what a moving view wants.
+        // What to draw depends on the view alone and not on how quick the machine is; and it is what a moving view
+        // wants.
         options_.frame_budget_ms = 1e6;
         options_.converge = false;
         options_.point_budget = settings.point_budget;
@@ -115,7 +122,9 @@ public:
                 drawn.rest_ms.push_back(1000 * seconds_since(start));
                 drawn.given_up += report.refining;
             } else {
-                std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(settings_.pace_ms)));
+                std::this_thread::sleep_until(start +
+                                              std::chrono::duration_cast<Clock::duration>(
+                                                  std::chrono::duration<double, std::milli>(settings_.pace_ms)));
             }
         }
     }
@@ -127,7 +136,8 @@ private:
         SceneItem item;
         item.cloud = &cloud_;
         item.origin = origin_;
-        const FrameReport report = renderer_.draw(picture_, view_of(at, origin_, box_, settings_.width, settings_.height), {item}, options_);
+        const FrameReport report =
+            renderer_.draw(picture_, view_of(at, origin_, box_, settings_.width, settings_.height), {item}, options_);
         if (!report.error.empty()) throw std::runtime_error("a frame could not be drawn: " + report.error);
         glFinish();
         return report;
@@ -147,8 +157,8 @@ private:
 void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, const Drawn& drawn)
 {
     const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
-    // L1 is asked for each node that a frame wants. A miss is counted when the chunk comes: a moving camera that waits for one asks in
-    // vain more often, and what comes while it rests is counted too.
+    // L1 is asked for each node that a frame wants. A miss is counted when the chunk comes: a moving camera that waits
+    // for one asks in vain more often, and what comes while it rests is counted too.
     const double wanted = drawn.wanted;
     const double l1_misses = number(l1.compulsory_misses + l1.capacity_misses);
     row["l1_wanted"] = wanted;
@@ -168,8 +178,10 @@ void put_caches(Row& row, const L1Statistics& l1, const L2Statistics& l2, const 
     row["l1_mb_s"] = ratio(number(l1.uploaded_bytes) / 1e6, l1.upload_seconds);
     row["l1_allocated_mb"] = number(l1.allocated_bytes) / 1e6;
     row["l1_page_use"] = ratio(number(l1.resident_bytes), number(l1.allocated_bytes));
-    // L2 is asked for what L1 lacks. A chunk that had to be loaded is found when it has come: found ones less loaded ones were there.
-    const double l2_misses = number(l2.compulsory_misses + l2.capacity_misses), asked = std::max(number(l2.hits), l2_misses);
+    // L2 is asked for what L1 lacks. A chunk that had to be loaded is found when it has come: found ones less loaded
+    // ones were there.
+    const double l2_misses = number(l2.compulsory_misses + l2.capacity_misses),
+                 asked = std::max(number(l2.hits), l2_misses);
     row["l2_asked"] = asked;
     row["l2_compulsory"] = l2.compulsory_misses;
     row["l2_capacity"] = l2.capacity_misses;

@@ -19,7 +19,10 @@ namespace pcm::bench {
 using Row = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-inline double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+inline double seconds_since(Clock::time_point start)
+{
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 // Nearest rank; 0 of nothing.
 inline double quantile(std::vector<double> values, double q)
@@ -33,7 +36,8 @@ inline double quantile(std::vector<double> values, double q)
 
 inline double ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
-// NAME_p50, NAME_p99, in milliseconds, and the whole distribution: counts by powers of two of a microsecond, separated by spaces.
+// NAME_p50, NAME_p99, in milliseconds, and the whole distribution: counts by powers of two of a microsecond, separated
+// by spaces.
 inline void put_load_times(Row& row, const std::string& name, const LoadTimes& times)
 {
     row[name + "_ms_p50"] = 1000 * times.quantile(0.5);
@@ -48,7 +52,9 @@ inline double processor_seconds()
 {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 

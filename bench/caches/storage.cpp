@@ -61,7 +61,8 @@ void drop_from_cache(const std::filesystem::path& tree)
     for_each_file(tree, [](const std::filesystem::path& path) {
         const File file(path, O_RDONLY);
         if (file.number < 0) fail("open", path);
-        // Only clean pages are dropped. A file system that is mounted read-only refuses the first, and has no dirty ones.
+        // Only clean pages are dropped. A file system that is mounted read-only refuses the first, and has no dirty
+        // ones.
         ::fdatasync(file.number);
         if (const int error = ::posix_fadvise(file.number, 0, 0, POSIX_FADV_DONTNEED)) {
             errno = error;

@@ -1,5 +1,6 @@
-// MeshLab's own readers for bench/io/run.py: "read PATH" and "dump PATH FILE" (positions as doubles). The importers that its
-// plugins call (vcglib's PLY and PTX, its own XYZ, which takes PTS too), into vertices like MeshLab's: float positions.
+// MeshLab's own readers for bench/io/run.py: "read PATH" and "dump PATH FILE" (positions as doubles). The importers
+// that its plugins call (vcglib's PLY and PTX, its own XYZ, which takes PTS too), into vertices like MeshLab's: float
+// positions.
 #include "io/serve.h"
 
 #include <vcg/complex/complex.h>
@@ -17,10 +18,12 @@ using pcm::bench::Answer;
 class Vertex;
 class Face;
 struct Types : vcg::UsedTypes<vcg::Use<Vertex>::AsVertexType, vcg::Use<Face>::AsFaceType> {};
-class Vertex : public vcg::Vertex<Types, vcg::vertex::InfoOcf, vcg::vertex::Coord3f, vcg::vertex::BitFlags,
-                                  vcg::vertex::Normal3f, vcg::vertex::Qualityf, vcg::vertex::Color4b,
-                                  vcg::vertex::RadiusfOcf> {};
-class Face : public vcg::Face<Types, vcg::face::VertexRef, vcg::face::BitFlags, vcg::face::Normal3f, vcg::face::Color4b> {};
+class Vertex
+    : public vcg::Vertex<Types, vcg::vertex::InfoOcf, vcg::vertex::Coord3f, vcg::vertex::BitFlags,
+                         vcg::vertex::Normal3f, vcg::vertex::Qualityf, vcg::vertex::Color4b, vcg::vertex::RadiusfOcf> {
+};
+class Face
+    : public vcg::Face<Types, vcg::face::VertexRef, vcg::face::BitFlags, vcg::face::Normal3f, vcg::face::Color4b> {};
 class Mesh : public vcg::tri::TriMesh<vcg::vertex::vector_ocf<Vertex>, std::vector<Face>> {};
 
 bool ends_with(const std::string& text, const std::string& end)

@@ -1,5 +1,5 @@
-// What the programs of the reading benchmark share: they do as the lines on their standard input say, so that bench/io/run.py
-// can let several take turns in one run.
+// What the programs of the reading benchmark share: they do as the lines on their standard input say, so that
+// bench/io/run.py can let several take turns in one run.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ namespace pcm::bench {
 
 struct Answer {
     double seconds = 0;
-    double cpu_seconds = 0;    // of all threads
+    double cpu_seconds = 0;  // of all threads
     std::uint64_t points = 0;
     std::uint64_t values = 0;  // scalars kept of a point, coordinates included
     double error = 0;          // of a comparison: the largest distance on an axis
@@ -36,8 +36,10 @@ inline int serve(const std::function<Answer(const std::vector<std::string>&)>& w
         }
         try {
             const Answer a = work(fields);
-            std::printf("{\"seconds\": %.9g, \"cpu_seconds\": %.9g, \"points\": %llu, \"values\": %llu, \"error\": %.9g}\n", a.seconds,
-                        a.cpu_seconds, static_cast<unsigned long long>(a.points), static_cast<unsigned long long>(a.values), a.error);
+            std::printf(
+                "{\"seconds\": %.9g, \"cpu_seconds\": %.9g, \"points\": %llu, \"values\": %llu, \"error\": %.9g}\n",
+                a.seconds, a.cpu_seconds, static_cast<unsigned long long>(a.points),
+                static_cast<unsigned long long>(a.values), a.error);
         } catch (const std::exception& error) {
             std::string text;
             for (const char c : std::string(error.what())) {

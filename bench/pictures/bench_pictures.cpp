@@ -1,16 +1,17 @@
 // Draws the frames of a camera path and writes them as PNG; run.py starts it, and compares.
 //   bench_pictures reference TREE --path FILE --out FOLDER [options]    each frame complete, however long it takes
-//   bench_pictures replay TREE --path FILE --out FOLDER [options]       each frame once, at the pace of a display, as a viewer has it
-//   bench_pictures about                                                what it draws with
-// Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are transparent where nothing is drawn.
+//   bench_pictures replay TREE --path FILE --out FOLDER [options]       each frame once, at the pace of a display, as a
+//   viewer has it bench_pictures about                                                what it draws with
+// Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are
+// transparent where nothing is drawn.
 #include "row.h"
 
 #include "cloud/error.h"
 #include "offscreen/offscreen.h"
 #include "offscreen/scene.h"
 
-#include <CLI/CLI.hpp>
 #include <GL/glew.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <exception>
@@ -36,13 +37,19 @@ struct Arguments {
     int width = 0, height = 0;
 };
 
-const std::map<std::string, SplatMode> modes{{"constant", SplatMode::constant}, {"dynamic", SplatMode::dynamic}, {"affine", SplatMode::affine}, {"perspective", SplatMode::perspective}};
+const std::map<std::string, SplatMode> modes{{"constant", SplatMode::constant},
+                                             {"dynamic", SplatMode::dynamic},
+                                             {"affine", SplatMode::affine},
+                                             {"perspective", SplatMode::perspective}};
 const std::map<std::string, DetailOrder> orders{{"error", DetailOrder::error}, {"depth", DetailOrder::depth}};
 
 class Player {
 public:
     explicit Player(const Arguments& arguments)
-        : a_(arguments), screen_(a_.width, a_.height), scene_({a_.tree}, l1_options(), l2_options()), path_(CameraPath::read(a_.path).placed(scene_.box()))
+        : a_(arguments),
+          screen_(a_.width, a_.height),
+          scene_({a_.tree}, l1_options(), l2_options()),
+          path_(CameraPath::read(a_.path).placed(scene_.box()))
     {
         std::filesystem::create_directories(a_.out);
     }
@@ -60,11 +67,14 @@ public:
             scene_.forget();
             FrameReport report = frame(path_.frames[i], options);
             while (report.refining) {
-                if (seconds_since(start) > a_.longest_s) throw std::runtime_error("frame " + std::to_string(i + 1) + " is not complete after " + std::to_string(a_.longest_s) + " s");
+                if (seconds_since(start) > a_.longest_s)
+                    throw std::runtime_error("frame " + std::to_string(i + 1) + " is not complete after " +
+                                             std::to_string(a_.longest_s) + " s");
                 if (!report.repaint) scene_.wait();
                 report = frame(path_.frames[i], options);
             }
-            if (options.converge && !report.full_resolution) throw std::runtime_error("frame " + std::to_string(i + 1) + " ended without every point in view");
+            if (options.converge && !report.full_resolution)
+                throw std::runtime_error("frame " + std::to_string(i + 1) + " ended without every point in view");
             write(i, screen_.read());
             row["points_drawn"].push_back(report.points_drawn);
             row["complete_ms"].push_back(1000 * seconds_since(start));
@@ -93,12 +103,14 @@ public:
                     row["points_drawn"].push_back(report.points_drawn);
                     row["screen_error_px"].push_back(report.screen_error_px);
                     row["uploaded_bytes"].push_back(after.uploaded_bytes - before.uploaded_bytes);
-                    row["uploaded_chunks"].push_back(after.compulsory_misses + after.capacity_misses - before.compulsory_misses - before.capacity_misses);
+                    row["uploaded_chunks"].push_back(after.compulsory_misses + after.capacity_misses -
+                                                     before.compulsory_misses - before.capacity_misses);
                     row["upload_ms"].push_back(1000 * (after.upload_seconds - before.upload_seconds));
                     row["nodes_missing"].push_back(report.nodes_missing);
                     if (kept(i)) pictures.push_back(screen_.read());
                 }
-                std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::milli>(a_.pace_ms)));
+                std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(
+                                                          std::chrono::duration<double, std::milli>(a_.pace_ms)));
             }
         }
         row["l1_allocated_mb"] = static_cast<double>(scene_.l1_statistics().allocated_bytes) / megabyte;
@@ -132,15 +144,18 @@ private:
         FrameReport report = scene_.draw(scene_.view_of(camera, a_.width, a_.height), a_.style, options);
         glFinish();
         if (!report.error.empty()) throw std::runtime_error("a frame could not be drawn: " + report.error);
-        if (!report.clouds.empty() && !report.clouds.front().notice.empty()) throw std::runtime_error(report.clouds.front().notice);
+        if (!report.clouds.empty() && !report.clouds.front().notice.empty())
+            throw std::runtime_error(report.clouds.front().notice);
         return report;
     }
 
-    // Shaders are built by the first frames, which look at the path's first camera until something is there: a viewer opens so, too.
+    // Shaders are built by the first frames, which look at the path's first camera until something is there: a viewer
+    // opens so, too.
     void warm_up(const RenderOptions& options)
     {
         const auto start = Clock::now();
-        for (FrameReport report; report.points_drawn == 0 && seconds_since(start) < a_.longest_s; scene_.wait(std::chrono::milliseconds(10)))
+        for (FrameReport report; report.points_drawn == 0 && seconds_since(start) < a_.longest_s;
+             scene_.wait(std::chrono::milliseconds(10)))
             report = frame(path_.frames.front(), options);
         for (int i = 0; i < 8; ++i) frame(path_.frames.front(), options);
     }
@@ -164,16 +179,21 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("tree", a.tree, "Tree folder")->required()->check(CLI::ExistingDirectory);
     app.add_option("--path", a.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
     app.add_option("--out", a.out, "Folder for the pictures")->required();
-    app.add_option("--every", a.every, "Of so many frames one is kept as a picture, the last")->capture_default_str()->check(CLI::Range(1, 1000000));
+    app.add_option("--every", a.every, "Of so many frames one is kept as a picture, the last")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000000));
     app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
     app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes));
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
-    app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")->capture_default_str();
+    app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
+        ->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--l2-mb", a.l2_mb, "Capacity of L2, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--loaders", a.loaders, "Threads that load for L2")->capture_default_str()->check(CLI::Range(1, 64));
-    app.add_option("--longest-s", a.longest_s, "That a complete picture is waited for")->capture_default_str()->check(CLI::PositiveNumber);
+    app.add_option("--longest-s", a.longest_s, "That a complete picture is waited for")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
 }
 
 }  // namespace
@@ -189,21 +209,32 @@ int main(int argc, char** argv)
     reference->add_flag("--to-target", a.to_target, "Complete is what --target-px asks for, not every point in view");
     CLI::App* const replay = app.add_subcommand("replay", "Each frame once, at a pace");
     add_options(*replay, a);
-    replay->add_option("--order", a.options.order, "error: best first; depth: the root first")->transform(CLI::CheckedTransformer(orders));
-    replay->add_flag("--plain{false}", a.options.fill_gaps, "Splats of their own sizes only, whatever gaps are between them");
-    replay->add_option("--frame-budget-ms", a.frame_budget_ms, "0: none, and no feedback from the time that frames take")->capture_default_str()->check(CLI::NonNegativeNumber);
+    replay->add_option("--order", a.options.order, "error: best first; depth: the root first")
+        ->transform(CLI::CheckedTransformer(orders));
+    replay->add_flag("--plain{false}", a.options.fill_gaps,
+                     "Splats of their own sizes only, whatever gaps are between them");
+    replay
+        ->add_option("--frame-budget-ms", a.frame_budget_ms, "0: none, and no feedback from the time that frames take")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
     replay->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
     replay->add_option("--upload-ms", a.options.upload_budget_ms, "Of a frame, for uploads")->capture_default_str();
-    replay->add_option("--prefetch-frames", a.options.prefetch_frames, "That a moving camera is loaded ahead for")->capture_default_str();
-    replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")->capture_default_str()->check(CLI::NonNegativeNumber);
-    replay->add_option("--passes", a.passes, "How often the path is gone; the last time is measured")->capture_default_str()->check(CLI::Range(1, 100));
+    replay->add_option("--prefetch-frames", a.options.prefetch_frames, "That a moving camera is loaded ahead for")
+        ->capture_default_str();
+    replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    replay->add_option("--passes", a.passes, "How often the path is gone; the last time is measured")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 100));
     CLI11_PARSE(app, argc, argv);
     try {
         Row row;
         if (about->parsed()) {
             row["gl"] = Offscreen().renderer();
         } else {
-            if (std::sscanf(a.size.c_str(), "%5dx%5d", &a.width, &a.height) != 2) throw std::runtime_error("--size: WIDTHxHEIGHT in pixels was expected, not " + a.size);
+            if (std::sscanf(a.size.c_str(), "%5dx%5d", &a.width, &a.height) != 2)
+                throw std::runtime_error("--size: WIDTHxHEIGHT in pixels was expected, not " + a.size);
             Player player(a);
             const double cpu = processor_seconds();
             const auto start = Clock::now();

@@ -1,9 +1,9 @@
 // How long a program waits for the points of a tree; run.py starts it, each time as a process of its own.
 //
-//   bench_tree first TREE POINTS THREADS     opens the tree and loads its first POINTS points, coarse ones first, with all attributes
-//   bench_tree box TREE SIDE COUNT THREADS cold|warm
-//       opens it and reads the positions of the points in a column of SIDE x SIDE, twice; so COUNT times, elsewhere each time. Cold:
-//       the system's cache of the files is dropped before each.
+//   bench_tree first TREE POINTS THREADS     opens the tree and loads its first POINTS points, coarse ones first, with
+//   all attributes bench_tree box TREE SIDE COUNT THREADS cold|warm
+//       opens it and reads the positions of the points in a column of SIDE x SIDE, twice; so COUNT times, elsewhere
+//       each time. Cold: the system's cache of the files is dropped before each.
 //
 // Prints one line of JSON, times in ms, of columns the medians.
 #include "point_cloud.h"
@@ -23,7 +23,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double ms_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+double ms_since(Clock::time_point start)
+{
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 std::shared_ptr<pcm::PointCloud> open(const char* path, const char* threads)
 {
@@ -106,8 +109,8 @@ int box(char** argument)
             if (to == &times) numbers.push_back(static_cast<double>(points));
         }
     }
-    std::printf("{\"open_ms\": %.3f, \"box_ms\": %.3f, \"again_ms\": %.3f, \"points\": %.0f, \"sum\": %.6g}\n", median(opened),
-                median(times), median(again), median(numbers), sum);
+    std::printf("{\"open_ms\": %.3f, \"box_ms\": %.3f, \"again_ms\": %.3f, \"points\": %.0f, \"sum\": %.6g}\n",
+                median(opened), median(times), median(again), median(numbers), sum);
     return 0;
 }
 

@@ -66,7 +66,8 @@ try {
         std::size_t compared = 0;
         for (std::size_t i = 0; i < points.size(); ++i)
             for (std::size_t j = found.first[i]; j < found.first[i + 1]; ++j) {
-                const double error = found.points[j].distance() - exact.points[exact.first[i] + (j - found.first[i])].distance();
+                const double error =
+                    found.points[j].distance() - exact.points[exact.first[i] + (j - found.first[i])].distance();
                 all += error;
                 ++compared;
                 if (j > found.first[i]) continue;
@@ -74,8 +75,9 @@ try {
                 largest = std::max(largest, error);
             }
         const auto queries = static_cast<double>(std::max<std::size_t>(points.size(), 1));
-        std::printf("%5u  %10.4g  %8.4g  %11.4g  %11.4g  %13.4g  %12.2f  %14.2f\n", level, cloud->info().spacings[level], found.outcome.error,
-                    sum / queries, largest, all / static_cast<double>(std::max<std::size_t>(compared, 1)), batch / queries * 1e6,
+        std::printf("%5u  %10.4g  %8.4g  %11.4g  %11.4g  %13.4g  %12.2f  %14.2f\n", level,
+                    cloud->info().spacings[level], found.outcome.error, sum / queries, largest,
+                    all / static_cast<double>(std::max<std::size_t>(compared, 1)), batch / queries * 1e6,
                     single / static_cast<double>(std::max<std::size_t>(singles, 1)) * 1e6);
     }
 } catch (const std::exception& error) {

@@ -1,6 +1,6 @@
-// A disk far away: loaded before a program (LD_PRELOAD), every read of a file below PCM_LATENCY_UNDER waits PCM_LATENCY_MS, and its
-// bytes come at PCM_LATENCY_MBS megabytes a second over one line that all reads share. So a network file system whose server has
-// the data in its memory and whose client has nothing cached behaves.
+// A disk far away: loaded before a program (LD_PRELOAD), every read of a file below PCM_LATENCY_UNDER waits
+// PCM_LATENCY_MS, and its bytes come at PCM_LATENCY_MBS megabytes a second over one line that all reads share. So a
+// network file system whose server has the data in its memory and whose client has nothing cached behaves.
 #include <dlfcn.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -41,7 +41,9 @@ void wait_for(int file, ssize_t bytes)
     if (length <= 0) return;
     path[length] = 0;
     if (std::strncmp(path, line.under, std::strlen(line.under)) != 0) return;
-    const auto seconds = [](double s) { return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s)); };
+    const auto seconds = [](double s) {
+        return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+    };
     Clock::time_point until = Clock::now() + seconds(line.latency_s);
     if (line.bytes_per_s > 0) {
         const std::lock_guard lock(line.mutex);

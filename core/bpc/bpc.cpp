@@ -51,8 +51,8 @@ public:
         const auto size = static_cast<std::size_t>(wanted.piece->bytes);
         if (checksum(data, size) != wanted.piece->checksum)
             throw Error(ErrorCode::corrupt, {}, "the checksum of '" + name(wanted) + "' does not hold");
-        const std::size_t used = wanted.attribute < 0 ? decode_positions(wanted.kept, data, size)
-                                                      : decode_scalars(wanted, data, size);
+        const std::size_t used =
+            wanted.attribute < 0 ? decode_positions(wanted.kept, data, size) : decode_scalars(wanted, data, size);
         if (used != size) throw Error(ErrorCode::corrupt, {}, "'" + name(wanted) + "' is followed by stray bytes");
     }
 
@@ -108,7 +108,8 @@ private:
     }
 
     template <class Word>
-    std::size_t decode_axes(std::array<PageVector<Word>, 3>& axes, std::size_t kept, const std::byte* data, std::size_t size)
+    std::size_t decode_axes(std::array<PageVector<Word>, 3>& axes, std::size_t kept, const std::byte* data,
+                            std::size_t size)
     {
         const BpcSegment& segment = header_.segments[kept_[kept]];
         std::size_t used = 0;
@@ -168,8 +169,8 @@ private:
 // Bytes between two pieces that are read along, since that takes less time than a second read.
 constexpr std::uint64_t join_gap = 16384;
 
-// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie at most `gap` bytes apart
-// come in one read. Returns the bytes read.
+// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie at most `gap`
+// bytes apart come in one read. Returns the bytes read.
 std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHeader& header, const ColumnSet& columns,
                             const std::vector<std::uint32_t>& kept, std::uint64_t gap, Chunk& chunk)
 {
@@ -180,7 +181,9 @@ std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHea
     std::uint64_t bytes_read = 0;
     for (std::size_t from = 0; from < wanted.size();) {
         std::size_t to = from + 1;
-        while (to < wanted.size() && wanted[to].piece->offset >= end(to - 1) && wanted[to].piece->offset - end(to - 1) <= gap) ++to;
+        while (to < wanted.size() && wanted[to].piece->offset >= end(to - 1) &&
+               wanted[to].piece->offset - end(to - 1) <= gap)
+            ++to;
         const std::uint64_t start = wanted[from].piece->offset;
         const auto bytes = static_cast<std::size_t>(end(to - 1) - start);
         buffer.resize(bytes + codec_slack);

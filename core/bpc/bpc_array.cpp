@@ -51,7 +51,7 @@ struct BpcArray::State {
     std::size_t largest_chunk = 0;  // points
     std::unique_ptr<BpcFile> base;
     std::vector<std::uint64_t> first{0};
-    double chunks_a_point = 0;  // of the first chunk
+    double chunks_a_point = 0;      // of the first chunk
     std::list<Resident> residents;  // used last, first
     std::vector<Place> where;       // by chunk; residents.end() for none
     std::size_t resident_bytes = 0;

@@ -162,7 +162,8 @@ private:
     // The chunk that was used last.
     std::uint64_t first_ = 0;
     std::uint64_t count_ = 0;
-    std::byte** window_data_ = nullptr;       // null for columns that nobody has touched since the chunk was loaded; x, y, z as one
+    std::byte** window_data_ =
+        nullptr;  // null for columns that nobody has touched since the chunk was loaded; x, y, z as one
     std::uint8_t* window_changed_ = nullptr;  // by column
     Statistics statistics_;
     std::unique_ptr<State> state_;

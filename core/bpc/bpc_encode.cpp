@@ -123,8 +123,8 @@ void put_pieces(ByteWriter& out, const BpcColumn& column)
 }
 
 // A chunk's header up to its columns.
-ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdentity* identity, const Box3i& box, bool wide,
-                    const Schema& schema)
+ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdentity* identity, const Box3i& box,
+                    bool wide, const Schema& schema)
 {
     const NodePath path = identity ? identity->path : NodePath();
     ByteWriter out;
@@ -148,7 +148,8 @@ ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdent
 std::vector<std::byte> finish(ByteWriter& out, const std::vector<std::byte>& payload)
 {
     const std::size_t header_bytes = out.size() + 8;
-    if (header_bytes > bpc_layout::most_header_bytes) throw Error(ErrorCode::unsupported, {}, "a chunk's header is too long");
+    if (header_bytes > bpc_layout::most_header_bytes)
+        throw Error(ErrorCode::unsupported, {}, "a chunk's header is too long");
     out.set(bpc_layout::header_bytes_at, static_cast<std::uint32_t>(header_bytes));
     out.set(bpc_layout::total_bytes_at, static_cast<std::uint64_t>(header_bytes + payload.size()));
     out.put(checksum(out.bytes().data(), out.size()));
@@ -176,9 +177,11 @@ void find_boxes(const ChunkPositions& positions, std::vector<BpcSegment>& segmen
     for (BpcSegment& segment : segments)
         for (std::size_t a = 0; a < 3; ++a) {
             if (positions.wide)
-                extend(segment.box, a, positions.origin[a], positions.wide_xyz[a].data() + segment.first, segment.count);
+                extend(segment.box, a, positions.origin[a], positions.wide_xyz[a].data() + segment.first,
+                       segment.count);
             else
-                extend(segment.box, a, positions.origin[a], positions.narrow_xyz[a].data() + segment.first, segment.count);
+                extend(segment.box, a, positions.origin[a], positions.narrow_xyz[a].data() + segment.first,
+                       segment.count);
         }
 }
 
@@ -228,13 +231,15 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
     return encode(chunk, schema, {bpc_layout::version_of_doubles, doubles.divisor, shift});
 }
 
-std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid, const ChunkIdentity& identity)
+std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid,
+                                    const ChunkIdentity& identity)
 {
     std::uint64_t of_levels = 0;
     for (const std::uint32_t points : identity.level_points) of_levels += points;
     if (of_levels != chunk.points)
-        throw Error(ErrorCode::invalid_argument, {},
-                    "a chunk of " + std::to_string(chunk.points) + " points whose levels have " + std::to_string(of_levels));
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            "a chunk of " + std::to_string(chunk.points) + " points whose levels have " + std::to_string(of_levels));
     if (const char* wrong = bpc_layout::wrong_with(identity)) throw Error(ErrorCode::invalid_argument, {}, wrong);
     if (chunk.points > 0) check(chunk, schema);
 
@@ -253,7 +258,8 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
         payload.columns.resize(1 + schema.size());
     }
 
-    ByteWriter out = put_head({bpc_layout::version_of_trees, grid.scale, grid.offset}, chunk.points, &identity, box, wide, schema);
+    ByteWriter out =
+        put_head({bpc_layout::version_of_trees, grid.scale, grid.offset}, chunk.points, &identity, box, wide, schema);
     out.put(identity.part);
     out.put(identity.generation);
     out.put(identity.spacing);
@@ -263,7 +269,8 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
     for (const BpcSegment& segment : segments)
         for (const Vec3i& corner : {segment.box.min, segment.box.max})
             for (std::size_t a = 0; a < 3; ++a) {
-                const std::uint64_t relative = static_cast<std::uint64_t>(corner[a]) - static_cast<std::uint64_t>(box.min[a]);
+                const std::uint64_t relative =
+                    static_cast<std::uint64_t>(corner[a]) - static_cast<std::uint64_t>(box.min[a]);
                 if (wide)
                     out.put(relative);
                 else

@@ -86,7 +86,8 @@ void BpcFile::check(const ChunkPlace& place, const BpcHeader& header) const
                  " bytes; a chunk of at most " + std::to_string(most_decoded_bytes) + " was expected");
     const auto next = index_.at(place.number + 1);
     if (next && next->first_point != place.first_point + header.points)
-        fail(ErrorCode::corrupt, place, "its points are not as many as when the file was opened, or as the chunk table says");
+        fail(ErrorCode::corrupt, place,
+             "its points are not as many as when the file was opened, or as the chunk table says");
     if (!has_block_) return;
     if (cloud_.grid && !(fits_gridded_batch(header) && header.grid == *cloud_.grid))
         fail(ErrorCode::corrupt, place, "its positions are not on the cloud's grid");

@@ -1,5 +1,5 @@
-// A file of a whole cloud, open for reading: chunks one after another, a cloud block before them or not. In a data file of a tree
-// there may also be tombstones and commit records: they are passed over.
+// A file of a whole cloud, open for reading: chunks one after another, a cloud block before them or not. In a data file
+// of a tree there may also be tombstones and commit records: they are passed over.
 #pragma once
 
 #include "bpc/bpc.h"

@@ -11,7 +11,8 @@
 
 namespace pcm {
 
-// As many points as a chunk of a cloud has unless there is a reason for another number: 100,000, fewer where points are large.
+// As many points as a chunk of a cloud has unless there is a reason for another number: 100,000, fewer where points are
+// large.
 std::size_t default_chunk_points(const Schema& schema);
 
 // One thread. The file appears under its name only when finish() returns: at any instant the name stands for what was

@@ -53,8 +53,9 @@ bool can_be_packed(std::uint64_t bytes, std::uint64_t sequences, std::uint64_t p
 bool fits(const Box3i& box, bool wide)
 {
     for (std::size_t a = 0; a < 3; ++a)
-        if (box.min[a] > box.max[a] || (!wide && static_cast<std::uint64_t>(box.max[a]) - static_cast<std::uint64_t>(box.min[a]) >
-                                                     std::numeric_limits<std::uint32_t>::max()))
+        if (box.min[a] > box.max[a] ||
+            (!wide && static_cast<std::uint64_t>(box.max[a]) - static_cast<std::uint64_t>(box.min[a]) >
+                          std::numeric_limits<std::uint32_t>::max()))
             return false;
     return true;
 }
@@ -62,7 +63,10 @@ bool fits(const Box3i& box, bool wide)
 // Reads a header behind its first 144 bytes.
 class HeaderReader {
 public:
-    HeaderReader(ByteReader& in, BpcHeader& header, const std::filesystem::path& path) : in_(in), header_(header), path_(path) {}
+    HeaderReader(ByteReader& in, BpcHeader& header, const std::filesystem::path& path)
+        : in_(in), header_(header), path_(path)
+    {
+    }
 
     // Versions 1 and 2.
     void read_whole_columns(std::uint32_t attributes)
@@ -140,7 +144,8 @@ private:
     void read_boxes()
     {
         const std::uint64_t segments = count_segments(*header_.identity, header_.points);
-        if (segments > in_.left() / (header_.wide ? 48u : 24u)) refuse("a chunk's header is too short for its segments");
+        if (segments > in_.left() / (header_.wide ? 48u : 24u))
+            refuse("a chunk's header is too short for its segments");
         header_.segments = segments_of(*header_.identity, header_.points);
         const Box3i& whole = header_.box;
         Box3i all;
@@ -215,7 +220,8 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     std::memcpy(&header.header_bytes, data + header_bytes_at, 4);
     std::memcpy(&header.total_bytes, data + total_bytes_at, 8);
     // The smallest header has a checksum behind its fixed part.
-    if (header.header_bytes < fixed_header + 8 || header.header_bytes > size || header.header_bytes > header.total_bytes)
+    if (header.header_bytes < fixed_header + 8 || header.header_bytes > size ||
+        header.header_bytes > header.total_bytes)
         throw Error(ErrorCode::corrupt, path, "a chunk's header length is impossible");
     std::uint64_t stored;
     std::memcpy(&stored, data + header.header_bytes - 8, 8);

@@ -1,5 +1,5 @@
-// Little-endian scalars in byte buffers, for headers and tables. The library runs on little-endian machines only (that is
-// checked at compile time), so this is memcpy with a bounds check.
+// Little-endian scalars in byte buffers, for headers and tables. The library runs on little-endian machines only (that
+// is checked at compile time), so this is memcpy with a bounds check.
 #pragma once
 
 #include "cloud/error.h"

@@ -41,12 +41,12 @@ struct Chunk {
     std::shared_ptr<const ChunkPositions> positions;
     std::vector<std::shared_ptr<const Column>> attributes;  // one slot an attribute of the schema
 
-    std::size_t bytes() const;     // of the columns present
-    ColumnSet columns() const;     // which are present
+    std::size_t bytes() const;  // of the columns present
+    ColumnSet columns() const;  // which are present
 };
 
-// Gives a chunk that was written before its cloud got the last attributes of `schema` a slot for each, and zeros in those of them that are asked
-// for.
+// Gives a chunk that was written before its cloud got the last attributes of `schema` a slot for each, and zeros in
+// those of them that are asked for.
 void add_missing_columns(Chunk& chunk, const Schema& schema, const ColumnSet& asked);
 
 }  // namespace pcm

@@ -25,10 +25,10 @@ struct NodePath {
 
 // What a chunk of a tree says about its node, so that a tree can be put together from its chunks.
 struct ChunkIdentity {
-    NodePath path;                            // from the root of its part
-    std::uint32_t part = 0;                   // 0: what the build made; each append adds one
-    std::uint32_t generation = 1;             // of the tree when the chunk was written: 1 at the build, one more with each update
-    std::uint16_t first_level = 0;            // of its points
+    NodePath path;                  // from the root of its part
+    std::uint32_t part = 0;         // 0: what the build made; each append adds one
+    std::uint32_t generation = 1;   // of the tree when the chunk was written: 1 at the build, one more with each update
+    std::uint16_t first_level = 0;  // of its points
     std::vector<std::uint32_t> level_points;  // how many of them are of first_level, of the next, ...
     double spacing = 0;                       // as Node::spacing
 

@@ -12,9 +12,9 @@
 namespace pcm {
 namespace {
 
-// Stream: u8 mode, u8 base_bits, u16 0, u32 bytes of the whole stream, u64 smallest base (or the constant); then, unless
-// constant: a (u8 width, u8 shift) pair a block, the bases less the smallest in base_bits each, padded to a byte, and a
-// block's 128 differences in width bits each (16 * width bytes; the last block is filled up with zeros).
+// Stream: u8 mode, u8 base_bits, u16 0, u32 bytes of the whole stream, u64 smallest base (or the constant); then,
+// unless constant: a (u8 width, u8 shift) pair a block, the bases less the smallest in base_bits each, padded to a
+// byte, and a block's 128 differences in width bits each (16 * width bytes; the last block is filled up with zeros).
 enum Mode : std::uint8_t { constant = 0, frame_of_reference = 1, delta = 2 };
 constexpr std::size_t stream_header = 16;
 
@@ -78,8 +78,8 @@ BlockShape shape_of_delta(const Word* v, std::size_t n)
     return shape;
 }
 
-// 128 values of `Width` bits, least significant bit first, are 16 * Width bytes, and eight of them are Width bytes. With the width
-// known when this is compiled all shifts are.
+// 128 values of `Width` bits, least significant bit first, are 16 * Width bytes, and eight of them are Width bytes.
+// With the width known when this is compiled all shifts are.
 template <class Word, int Width>
 void pack_block(const Word* values, std::byte* to)
 {
@@ -267,8 +267,8 @@ std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::s
         if (width > word_bits || shift >= word_bits) throw refuse("block wider than its type");
         const std::size_t block_bytes = static_cast<std::size_t>(width) * (codec_block / 8);
         if (block_bytes > left) throw refuse("shorter than its blocks");
-        const auto base =
-            static_cast<Word>(low + (base_bits ? bits_at(bases, b * static_cast<std::size_t>(base_bits), base_bits) : 0));
+        const auto base = static_cast<Word>(
+            low + (base_bits ? bits_at(bases, b * static_cast<std::size_t>(base_bits), base_bits) : 0));
         Word* v = values + b * codec_block;
         const std::size_t n = std::min(codec_block, count - b * codec_block);
         if (width == 0) {
@@ -282,8 +282,7 @@ std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::s
             for (std::size_t i = 0; i < n; ++i)
                 v[i] = sum = static_cast<Word>(sum + static_cast<Word>(unzigzag(target[i]) << shift));
         } else {
-            for (std::size_t i = 0; i < n; ++i)
-                v[i] = static_cast<Word>(base + static_cast<Word>(target[i] << shift));
+            for (std::size_t i = 0; i < n; ++i) v[i] = static_cast<Word>(base + static_cast<Word>(target[i] << shift));
         }
         payload += block_bytes;
         left -= block_bytes;

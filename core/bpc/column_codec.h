@@ -1,8 +1,8 @@
 // Packs a sequence of integers: blocks of 128 values, each against its own base with its own bit width.
 //
 // A block is stored either as differences from its smallest value (frame of reference) or as zigzag differences from
-// value to value; one choice for the whole sequence, whichever is smaller. Low bits that are zero in all differences of a
-// block are not stored. A sequence of one repeated value takes 16 bytes. The layout is in FORMAT.md. Lossless.
+// value to value; one choice for the whole sequence, whichever is smaller. Low bits that are zero in all differences of
+// a block are not stored. A sequence of one repeated value takes 16 bytes. The layout is in FORMAT.md. Lossless.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ template <class Word>
 void pack(const Word* values, std::size_t count, std::vector<std::byte>& out);
 
 // Reads `count` values from the `size` bytes at `data` and returns the bytes consumed. `data` must be followed by
-// codec_slack readable bytes. Never reads or writes outside, whatever the bytes are; throws Error(corrupt) naming `path`
-// for bytes that pack() cannot have written.
+// codec_slack readable bytes. Never reads or writes outside, whatever the bytes are; throws Error(corrupt) naming
+// `path` for bytes that pack() cannot have written.
 template <class Word>
 std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::size_t count,
                    const std::filesystem::path& path);

@@ -26,7 +26,8 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint16_t>();
     if (found != version)
-        throw Error(ErrorCode::unsupported, {}, "its version is " + std::to_string(found) + ", this program reads version 1");
+        throw Error(ErrorCode::unsupported, {},
+                    "its version is " + std::to_string(found) + ", this program reads version 1");
     CommitRecord record;
     const auto flags = in.get<std::uint16_t>();
     if (flags > 1) throw Error(ErrorCode::corrupt, {}, "it makes no sense");
@@ -74,7 +75,8 @@ std::vector<std::byte> encode_commit(const CommitRecord& record)
     return std::move(out.bytes());
 }
 
-std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, std::uint64_t available, std::uint64_t& bytes)
+std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, std::uint64_t available,
+                                        std::uint64_t& bytes)
 {
     char head[12];
     if (available < sizeof head) return std::nullopt;
@@ -85,8 +87,9 @@ std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, 
         std::memcpy(&size, head + 8, 4);
         if (size < commit_bytes(0)) throw Error(ErrorCode::corrupt, {}, "its length is impossible");
         if (size > available)
-            throw Error(ErrorCode::truncated, {},
-                        "it says that it has " + std::to_string(size) + " bytes; " + std::to_string(available) + " are left");
+            throw Error(
+                ErrorCode::truncated, {},
+                "it says that it has " + std::to_string(size) + " bytes; " + std::to_string(available) + " are left");
         std::vector<std::byte> record(size);
         file.read_at(record.data(), record.size(), offset);
         bytes = size;

@@ -14,7 +14,8 @@ struct SegmentRule {
     std::uint64_t most;  // points of a segment
 
     explicit SegmentRule(std::uint32_t chunk_points)
-        : most(std::max<std::uint64_t>(most_segment_points, ((std::uint64_t{chunk_points} + 4095) / 4096 + 127) / 128 * 128))
+        : most(std::max<std::uint64_t>(most_segment_points,
+                                       ((std::uint64_t{chunk_points} + 4095) / 4096 + 127) / 128 * 128))
     {
     }
     std::uint64_t segments(std::uint32_t level_points) const { return (level_points + most - 1) / most; }
@@ -44,8 +45,8 @@ inline std::vector<BpcSegment> segments_of(const ChunkIdentity& identity, std::u
         for (std::uint32_t left = identity.level_points[k]; left > 0;) {
             BpcSegment segment;
             segment.first = first;
-            segment.count = static_cast<std::uint32_t>(
-                std::min<std::uint64_t>(left, rule.points(identity.level_points[k])));
+            segment.count =
+                static_cast<std::uint32_t>(std::min<std::uint64_t>(left, rule.points(identity.level_points[k])));
             segment.level = static_cast<std::uint16_t>(identity.first_level + k);
             first += segment.count;
             left -= segment.count;

@@ -6,7 +6,8 @@ namespace pcm {
 
 void ChunkStore::write(NodeId, const Chunk&, const ColumnSet&)
 {
-    throw Error(ErrorCode::invalid_argument, tree()->folder(), "this point cloud was opened for reading only", "open it for writing");
+    throw Error(ErrorCode::invalid_argument, tree()->folder(), "this point cloud was opened for reading only",
+                "open it for writing");
 }
 
 }  // namespace pcm

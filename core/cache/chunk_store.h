@@ -22,11 +22,11 @@ public:
                                 const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const = 0;
 
     virtual bool writable() const { return false; }
-    // A chunk with all its columns, in place of the one that was there; `changed` are those that differ. Throws Error, and then the
-    // chunk is the one that was there.
+    // A chunk with all its columns, in place of the one that was there; `changed` are those that differ. Throws Error,
+    // and then the chunk is the one that was there.
     virtual void write(NodeId node, const Chunk& chunk, const ColumnSet& changed);
-    // What was written since the last commit() becomes part of the tree on disk, all at once. Throws Error; all is still there then, to
-    // be committed later.
+    // What was written since the last commit() becomes part of the tree on disk, all at once. Throws Error; all is
+    // still there then, to be committed later.
     virtual void commit() {}
 };
 

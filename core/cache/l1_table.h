@@ -1,15 +1,16 @@
-// The bookkeeping of L1, without OpenGL: which chunks of which owners lie in which pages of video memory, and which of them make
-// room for others.
+// The bookkeeping of L1, without OpenGL: which chunks of which owners lie in which pages of video memory, and which of
+// them make room for others.
 //
-// An owner is one client of the cache (a renderer, a computation); an entry is one node of it. Entries take whole pages, wherever
-// they are free. An entry is protected, so that no other takes its room, while somebody pins it, and while its owner used it in the
-// latest frame, unless `frames_protected` frames of all owners have begun since. An entry that is marked as written holds what is
-// nowhere else: it leaves only after it has been written back, and stays when that fails.
+// An owner is one client of the cache (a renderer, a computation); an entry is one node of it. Entries take whole
+// pages, wherever they are free. An entry is protected, so that no other takes its room, while somebody pins it, and
+// while its owner used it in the latest frame, unless `frames_protected` frames of all owners have begun since. An
+// entry that is marked as written holds what is nowhere else: it leaves only after it has been written back, and stays
+// when that fails.
 //
 // What to drop is the policy's choice; how entries are found is the container's. One thread.
 //
-// Invariants: every page below pages() is free or of exactly one entry; the list from newest_ to oldest_ has every entry once; an
-// entry whose owner has been removed is pinned or marked as written.
+// Invariants: every page below pages() is free or of exactly one entry; the list from newest_ to oldest_ has every
+// entry once; an entry whose owner has been removed is pinned or marked as written.
 #pragma once
 
 #include "tree/tree.h"
@@ -27,13 +28,13 @@
 
 namespace pcm {
 
-// lru: the entries that were used longest ago, as many as it takes. naive: one sweep over the whole cache drops every entry that is
-// not protected, whatever its age.
+// lru: the entries that were used longest ago, as many as it takes. naive: one sweep over the whole cache drops every
+// entry that is not protected, whatever its age.
 enum class L1Policy : std::uint8_t { lru, naive };
 enum class L1Container : std::uint8_t { hash_map, ordered_map };
 
-// A miss is counted at insert: compulsory when this form of the node was never inserted before, capacity when it had been and was
-// dropped; forced, beside either, when somebody waited for it. A hit is a use() that found its entry.
+// A miss is counted at insert: compulsory when this form of the node was never inserted before, capacity when it had
+// been and was dropped; forced, beside either, when somebody waited for it. A hit is a use() that found its entry.
 struct L1Counts {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
@@ -115,7 +116,8 @@ public:
         }
     }
 
-    // The entry, or null; valid until it is dropped. use() marks it as used in the owner's latest frame and counts a hit.
+    // The entry, or null; valid until it is dropped. use() marks it as used in the owner's latest frame and counts a
+    // hit.
     Entry* find(Owner owner, NodeId node)
     {
         const auto found = entries_.find(Key{owner, node});
@@ -131,9 +133,10 @@ public:
         return entry;
     }
 
-    // A new entry of `pages` pages of an owner that is there, in place of the node's former one if there is one; used in the owner's latest frame. Null when
-    // no room can be made, or the former entry is pinned or cannot be written back: nothing is dropped then. `form` (0 to 15) tells
-    // forms of a node apart for the counting of misses. Asks, in this order and as far as needed,
+    // A new entry of `pages` pages of an owner that is there, in place of the node's former one if there is one; used
+    // in the owner's latest frame. Null when no room can be made, or the former entry is pinned or cannot be written
+    // back: nothing is dropped then. `form` (0 to 15) tells forms of a node apart for the counting of misses. Asks, in
+    // this order and as far as needed,
     //   hooks.grow()              for more pages: how many add_pages() has added, 0 when there are no more to be had;
     //   hooks.write_back(Entry&)  for a marked entry to be written back: false when that failed.
     template <class Hooks>
@@ -208,8 +211,8 @@ public:
     {
         for (std::uint32_t p = 0; p < count; ++p) free_.insert(free_.end(), pages_++);
     }
-    // Gives up the pages from `first` on, and drops the entries that lie there, protected or not. False, and nothing is dropped, when
-    // one of them is pinned or cannot be written back.
+    // Gives up the pages from `first` on, and drops the entries that lie there, protected or not. False, and nothing is
+    // dropped, when one of them is pinned or cannot be written back.
     template <class Hooks>
     bool retire_pages(std::uint32_t first, Hooks&& hooks)
     {
@@ -243,7 +246,10 @@ public:
     }
 
     // Pages in entries that other owners' latest frames, or pins, protect.
-    std::uint64_t pages_protected_by_others(Owner owner) const { return pages_protected_by_others(std::vector<Owner>{owner}); }
+    std::uint64_t pages_protected_by_others(Owner owner) const
+    {
+        return pages_protected_by_others(std::vector<Owner>{owner});
+    }
     std::uint64_t pages_protected_by_others(const std::vector<Owner>& owners) const
     {
         std::uint64_t pages = 0;
@@ -314,8 +320,9 @@ private:
         return !entry.written_;
     }
 
-    // Frees pages until `pages` are free, counting those of the entry that is about to be replaced (may be null). Victims are chosen
-    // and written back first, and dropped only if together they make the room: a refusal costs nobody his pages.
+    // Frees pages until `pages` are free, counting those of the entry that is about to be replaced (may be null).
+    // Victims are chosen and written back first, and dropped only if together they make the room: a refusal costs
+    // nobody his pages.
     template <class Hooks>
     bool make_room(std::size_t pages, const Entry* former, Hooks& hooks)
     {

@@ -164,7 +164,8 @@ L2Cache::Edit::~Edit()
     {
         const std::lock_guard lock(state.mutex);
         inner_->handle.entry_->editing = false;
-        if (inner_->any() && std::uncaught_exceptions() <= inner_->exceptions && !state.unmarked) state.unmarked = inner_->node;
+        if (inner_->any() && std::uncaught_exceptions() <= inner_->exceptions && !state.unmarked)
+            state.unmarked = inner_->node;
     }
     state.loaded.notify_all();
 }
@@ -195,8 +196,8 @@ void L2Cache::Edit::mark_written()
     for (const auto& column : inner_->changed)
         if (column && column->size() != inner_->handle->points)
             throw Error(ErrorCode::invalid_argument, state.store->tree()->folder(),
-                        "a changed column of node " + std::to_string(inner_->node) + " has " + std::to_string(column->size()) + " points, not " +
-                            std::to_string(inner_->handle->points));
+                        "a changed column of node " + std::to_string(inner_->node) + " has " +
+                            std::to_string(column->size()) + " points, not " + std::to_string(inner_->handle->points));
     std::unique_lock lock(state.mutex);
     state.check_open(inner_->node);
     Entry& entry = *inner_->handle.entry_;
@@ -221,8 +222,8 @@ L2Cache::Edit L2Cache::edit(NodeId node, const ColumnSet& columns)
     std::unique_lock lock(state_->mutex);
     state_->check_open(node);
     if (!state_->store->writable())
-        throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(), "this point cloud was opened for reading only",
-                    "open it for writing");
+        throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(),
+                    "this point cloud was opened for reading only", "open it for writing");
     if (state_->write_failure && state_->charged > state_->capacity) state_->write_failure->raise();
     state_->loaded.wait(lock, [&] { return !state_->entry_of(node).editing; });
     state_->check_open(node);
@@ -253,9 +254,10 @@ void L2Cache::flush()
     if (state_->unmarked) {
         const NodeId node = *state_->unmarked;
         state_->unmarked.reset();
-        throw Error(ErrorCode::invalid_argument, state_->store->tree()->folder(),
-                    "points of node " + std::to_string(node) + " were changed and not marked as written; the change is dropped",
-                    "mark them with mark_written() before going on");
+        throw Error(
+            ErrorCode::invalid_argument, state_->store->tree()->folder(),
+            "points of node " + std::to_string(node) + " were changed and not marked as written; the change is dropped",
+            "mark them with mark_written() before going on");
     }
     std::vector<NodeId> dirty;
     for (const auto& [node, entry] : state_->entries)
@@ -302,7 +304,9 @@ void L2Cache::take_schema()
 void L2Cache::wait_idle()
 {
     std::unique_lock lock(state_->mutex);
-    state_->loaded.wait(lock, [&] { return state_->wanted.empty() && state_->soon.empty() && !state_->room_wanted && state_->active_loads == 0; });
+    state_->loaded.wait(lock, [&] {
+        return state_->wanted.empty() && state_->soon.empty() && !state_->room_wanted && state_->active_loads == 0;
+    });
 }
 
 void L2Cache::clear()

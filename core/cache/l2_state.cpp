@@ -46,9 +46,12 @@ std::uint64_t L2Cache::Entry::dirty_bytes() const
 
 void L2Cache::State::check_open(NodeId node) const
 {
-    if (closed) throw Error(ErrorCode::invalid_argument, trees.back()->folder(), "this point cloud was closed", "open it again");
+    if (closed)
+        throw Error(ErrorCode::invalid_argument, trees.back()->folder(), "this point cloud was closed",
+                    "open it again");
     if (node >= trees.back()->nodes().size())
-        throw Error(ErrorCode::invalid_argument, trees.back()->folder(), "no node " + std::to_string(node) + " in this tree");
+        throw Error(ErrorCode::invalid_argument, trees.back()->folder(),
+                    "no node " + std::to_string(node) + " in this tree");
 }
 
 L2Cache::Entry& L2Cache::State::entry_of(NodeId node)

@@ -22,20 +22,21 @@ namespace pcm {
 
 // One node's place in the cache; guarded by State::mutex. It stays where it is as long as the cache lives.
 //
-// Invariants: charged == chunk ? chunk->bytes() : 0, and the sum of all `charged` is State::charged. An entry is in the order of use exactly
-// when it holds a chunk, nobody pins it, and it is not one that could not be written. `loading` is set while one thread reads, `writing`
-// while one thread writes; both pin it. Others wait for them on State::loaded. An entry that is dirty holds all its dirty columns.
+// Invariants: charged == chunk ? chunk->bytes() : 0, and the sum of all `charged` is State::charged. An entry is in the
+// order of use exactly when it holds a chunk, nobody pins it, and it is not one that could not be written. `loading` is
+// set while one thread reads, `writing` while one thread writes; both pin it. Others wait for them on State::loaded. An
+// entry that is dirty holds all its dirty columns.
 struct L2Cache::Entry {
     NodeId node = no_node;
     std::shared_ptr<const Chunk> chunk;
     std::uint64_t charged = 0;
     std::size_t pins = 0;
     bool loading = false, writing = false, editing = false, listed = false;
-    bool stuck = false;                  // could not be written
-    ColumnSet columns;                   // of `chunk`
-    std::bitset<max_attributes> dirty;   // columns that the store has otherwise
-    std::uint64_t version = 0;           // one more with each change
-    ColumnSet once_loaded;               // ever since the cache was made; tells compulsory from capacity misses
+    bool stuck = false;                 // could not be written
+    ColumnSet columns;                  // of `chunk`
+    std::bitset<max_attributes> dirty;  // columns that the store has otherwise
+    std::uint64_t version = 0;          // one more with each change
+    ColumnSet once_loaded;              // ever since the cache was made; tells compulsory from capacity misses
     bool ever_loaded = false;
     Entry *older = nullptr, *newer = nullptr;  // in the order of use
     std::optional<std::string> error;
@@ -49,7 +50,7 @@ struct L2Cache::State {
 
     std::shared_ptr<ChunkStore> store;
     std::vector<std::shared_ptr<const Tree>> trees;  // all that tree() gave
-    std::atomic<const Tree*> tree{nullptr};  // the last of them
+    std::atomic<const Tree*> tree{nullptr};          // the last of them
     mutable BriefMutex mutex;
     std::condition_variable_any work;    // for loader threads: there is something in the list, or the end has come
     std::condition_variable_any loaded;  // a load, a write or an edit has ended
@@ -88,7 +89,8 @@ struct L2Cache::State {
     Entry& entry_of(NodeId node);
     Entry& get(NodeId node, const ColumnSet& columns, Lock& lock);
     void load(Entry& entry, const ColumnSet& columns, Lock& lock);
-    // The entry is changed and nobody writes it. What could not be written stays changed; returns why, as write_failure does.
+    // The entry is changed and nobody writes it. What could not be written stays changed; returns why, as write_failure
+    // does.
     std::optional<WriteFailure> write_back(Entry& entry, Lock& lock);
 
     void loader();  // a loader thread's life; without the mutex

@@ -44,11 +44,12 @@ int append(Arguments& arguments)
         return 0;
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%s: %s points added in %.1f s (%.2f M points/s), %s nodes, %s; %s points in %u parts now\n", arguments.tree.c_str(),
-                grouped(report.points_added).c_str(), report.outcome.seconds,
-                report.outcome.seconds > 0 ? static_cast<double>(report.points_added) / report.outcome.seconds / 1e6 : 0.0,
-                grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(), grouped(report.outcome.points_out).c_str(),
-                report.parts);
+    std::printf(
+        "%s: %s points added in %.1f s (%.2f M points/s), %s nodes, %s; %s points in %u parts now\n",
+        arguments.tree.c_str(), grouped(report.points_added).c_str(), report.outcome.seconds,
+        report.outcome.seconds > 0 ? static_cast<double>(report.points_added) / report.outcome.seconds / 1e6 : 0.0,
+        grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(),
+        grouped(report.outcome.points_out).c_str(), report.parts);
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
                 bytes_text(peak_rss_bytes()).c_str());
     return 0;
@@ -61,8 +62,10 @@ void add_append(CLI::App& app, int& result)
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand("append", "Add files to a tree");
     command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")->required();
-    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_option("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")
+        ->required();
+    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")
+        ->transform(CLI::AsSizeValue(false));
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     arguments->reading.add_to(*command);

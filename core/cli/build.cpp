@@ -50,8 +50,8 @@ int build(Arguments& arguments)
         for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
         std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes a point)\n",
                     output.string().c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
-                    points_per_second(report.outcome) / 1e6,
-                    static_cast<unsigned long long>(report.nodes), report.levels, bytes_text(report.bytes).c_str(),
+                    points_per_second(report.outcome) / 1e6, static_cast<unsigned long long>(report.nodes),
+                    report.levels, bytes_text(report.bytes).c_str(),
                     report.outcome.points_out
                         ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
                         : 0.0);
@@ -68,7 +68,8 @@ void add_build(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand("build", "Build a point cloud tree from files");
-    command->add_option("input", arguments->inputs, "Files, or folders of files, that together are one cloud")->required();
+    command->add_option("input", arguments->inputs, "Files, or folders of files, that together are one cloud")
+        ->required();
     command->add_option("-o,--output", arguments->output, "Tree folder to make (default: first input with .pct)");
     command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
         ->transform(CLI::AsSizeValue(false));
@@ -78,8 +79,9 @@ void add_build(CLI::App& app, int& result)
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
     command->add_flag("!--no-resume", arguments->options.resume,
                       "Start afresh where a build of these files was interrupted, and make no checkpoints");
-    command->add_option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
-                        "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
+    command
+        ->add_option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
+                     "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
         ->check(CLI::NonNegativeNumber);
     arguments->reading.add_to(*command);
     add_common(*command, arguments->common);

@@ -33,12 +33,14 @@ double points_per_second(const Outcome& outcome);
 // points, seconds, points_per_second, peak_rss_bytes: what every command that works through points prints.
 void put_outcome(Json& json, const Outcome& outcome);
 
-// Parses, which runs what was asked for and sets `result`; says on stderr what went wrong. Exit codes: 0 all is well; 1 it is not (the
-// message says what); 2 the command line makes no sense; 130 cancelled. `first` runs before, and may do it all.
+// Parses, which runs what was asked for and sets `result`; says on stderr what went wrong. Exit codes: 0 all is well; 1
+// it is not (the message says what); 2 the command line makes no sense; 130 cancelled. `first` runs before, and may do
+// it all.
 int run(CLI::App& app, int argc, char** argv, int& result, const std::function<void()>& first = {});
 
 void add_render(CLI::App& app);
-void run_render(char** arguments);  // arguments[0] is "render"; does not return. Throws Error(not_found) when the program is not there.
+void run_render(char** arguments);  // arguments[0] is "render"; does not return. Throws Error(not_found) when the
+                                    // program is not there.
 void add_build(CLI::App& app, int& result);
 void add_convert(CLI::App& app, int& result);
 void add_info(CLI::App& app, int& result);

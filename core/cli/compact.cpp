@@ -35,9 +35,9 @@ int compact(Arguments& arguments)
         return 0;
     }
     std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%s before)\n", output.c_str(),
-                grouped(report.build.outcome.points_out).c_str(), report.build.outcome.seconds, points_per_second(report.build.outcome) / 1e6,
-                static_cast<unsigned long long>(report.build.nodes), report.build.levels, bytes_text(report.build.bytes).c_str(),
-                bytes_text(report.bytes_before).c_str());
+                grouped(report.build.outcome.points_out).c_str(), report.build.outcome.seconds,
+                points_per_second(report.build.outcome) / 1e6, static_cast<unsigned long long>(report.build.nodes),
+                report.build.levels, bytes_text(report.build.bytes).c_str(), bytes_text(report.bytes_before).c_str());
     return 0;
 }
 
@@ -46,11 +46,14 @@ int compact(Arguments& arguments)
 void add_compact(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("compact", "Write a tree anew after appending and deleting: smaller, with even levels");
+    CLI::App* command =
+        app.add_subcommand("compact", "Write a tree anew after appending and deleting: smaller, with even levels");
     command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
     command->add_option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
-    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if there is a tree of this name");
-    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_flag("--overwrite", arguments->options.overwrite,
+                      "Replace the output if there is a tree of this name");
+    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")
+        ->transform(CLI::AsSizeValue(false));
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     add_common(*command, arguments->common);

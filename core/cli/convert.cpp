@@ -33,7 +33,8 @@ void take_grid(const Arguments& arguments, ConvertOptions& options)
     for (const double s : scale)
         if (!(s > 0)) throw Error(ErrorCode::invalid_argument, {}, "the steps of a grid are positive");
     if (!arguments.offset.empty()) {
-        if (scale.empty()) throw Error(ErrorCode::invalid_argument, {}, "an offset goes with a scale", "say --scale too");
+        if (scale.empty())
+            throw Error(ErrorCode::invalid_argument, {}, "an offset goes with a scale", "say --scale too");
         options.write.grid = Grid{vector_of(scale), vector_of(arguments.offset)};
     } else if (!scale.empty()) {
         options.scale = vector_of(scale);
@@ -72,10 +73,12 @@ int convert(Arguments& arguments)
         return 0;
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%s: %s points in %.1f s (%.2f M points/s), %s\n", output.c_str(), grouped(report.outcome.points_out).c_str(),
-                report.outcome.seconds, points_per_second(report.outcome) / 1e6, bytes_text(report.bytes).c_str());
+    std::printf("%s: %s points in %.1f s (%.2f M points/s), %s\n", output.c_str(),
+                grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
+                points_per_second(report.outcome) / 1e6, bytes_text(report.bytes).c_str());
     if (report.grid)
-        std::printf("grid chosen: scale %s, offset %s\n", exact(report.grid->scale).c_str(), exact(report.grid->offset).c_str());
+        std::printf("grid chosen: scale %s, offset %s\n", exact(report.grid->scale).c_str(),
+                    exact(report.grid->offset).c_str());
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
                 bytes_text(peak_rss_bytes()).c_str());
     return 0;
@@ -87,18 +90,26 @@ void add_convert(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
     ConvertOptions& options = arguments->options;
-    CLI::App* command = app.add_subcommand("convert", "Write clouds of any format, or trees, as a file of another, or as a tree");
+    CLI::App* command =
+        app.add_subcommand("convert", "Write clouds of any format, or trees, as a file of another, or as a tree");
     std::string writable = tree_extension;
     for (const std::string& extension : writable_extensions()) writable += ", " + extension;
-    command->add_option("paths", arguments->paths,
-                        "Files, folders of files or trees, together one cloud; last the output, whose extension says the format: " + writable)
+    command
+        ->add_option(
+            "paths", arguments->paths,
+            "Files, folders of files or trees, together one cloud; last the output, whose extension says the format: " +
+                writable)
         ->required();
 
     const char* group = "What is taken";
     command->add_option("--level", options.cloud.level, "Of trees: the cloud at this level")->group(group);
-    command->add_option("--max-points", options.cloud.max_points, "Of a tree: its deepest level with at most so many points")->group(group);
+    command
+        ->add_option("--max-points", options.cloud.max_points,
+                     "Of a tree: its deepest level with at most so many points")
+        ->group(group);
     arguments->region.add_to(*command, group);
-    command->add_option("--attributes,--keep", options.cloud.selection.keep, "Only these attributes, names between commas")
+    command
+        ->add_option("--attributes,--keep", options.cloud.selection.keep, "Only these attributes, names between commas")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->group(group);
@@ -108,16 +119,26 @@ void add_convert(CLI::App& app, int& result)
         ->group(group);
 
     group = "How it is written";
-    command->add_option("--grid", arguments->step, "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
+    command
+        ->add_option("--grid", arguments->step,
+                     "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
         ->group(group);
-    command->add_option("--scale", arguments->scale, "LAS, LAZ: steps x y z")->expected(3)->excludes("--grid")->group(group);
+    command->add_option("--scale", arguments->scale, "LAS, LAZ: steps x y z")
+        ->expected(3)
+        ->excludes("--grid")
+        ->group(group);
     command->add_option("--offset", arguments->offset, "LAS, LAZ: offset x y z of the grid")->expected(3)->group(group);
-    command->add_option("--decimals", options.write.decimals, "Text: digits after the point (default: as many as are exact)")->group(group);
+    command
+        ->add_option("--decimals", options.write.decimals,
+                     "Text: digits after the point (default: as many as are exact)")
+        ->group(group);
     command->add_flag("--ascii", options.write.ascii, "PLY, PCD: text instead of binary")->group(group);
-    command->add_option("-m,--memory", arguments->memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
+    command
+        ->add_option("-m,--memory", arguments->memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
         ->transform(CLI::AsSizeValue(false))
         ->group(group);
-    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 25000)")->group(group);
+    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 25000)")
+        ->group(group);
     command->add_flag("--overwrite", options.overwrite, "Replace the output if it is there")->group(group);
     command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
     arguments->reading.add_to(*command);

@@ -20,7 +20,8 @@ int erase(Arguments& arguments)
 {
     const Selection selection = arguments.region.get();
     if (!selection.chooses_points())
-        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted", "give a box, another region or a condition");
+        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted",
+                    "give a box, another region or a condition");
     arguments.options.progress = console_progress(arguments.common);
     const EraseReport report = erase_points(arguments.tree, selection, arguments.options);
     end_progress(arguments.common);
@@ -38,13 +39,15 @@ int erase(Arguments& arguments)
         return 0;
     }
     if (arguments.options.count_only) {
-        std::printf("%s: %s of %s points would be deleted\n", arguments.tree.c_str(), grouped(report.points_deleted).c_str(),
-                    grouped(report.outcome.points_in).c_str());
+        std::printf("%s: %s of %s points would be deleted\n", arguments.tree.c_str(),
+                    grouped(report.points_deleted).c_str(), grouped(report.outcome.points_in).c_str());
         return 0;
     }
-    std::printf("%s: %s points deleted, %s are left; %s nodes written anew (%s), %s without points now, in %.1f s\n", arguments.tree.c_str(),
-                grouped(report.points_deleted).c_str(), grouped(report.outcome.points_out).c_str(), grouped(report.nodes_rewritten).c_str(),
-                bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(), report.outcome.seconds);
+    std::printf("%s: %s points deleted, %s are left; %s nodes written anew (%s), %s without points now, in %.1f s\n",
+                arguments.tree.c_str(), grouped(report.points_deleted).c_str(),
+                grouped(report.outcome.points_out).c_str(), grouped(report.nodes_rewritten).c_str(),
+                bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(),
+                report.outcome.seconds);
     if (!report.coverage_kept)
         std::printf("note: coarse levels have gaps where points went; 'pcm compact' closes them and frees the space\n");
     return 0;

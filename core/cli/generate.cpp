@@ -19,7 +19,8 @@ struct Arguments {
 
 int generate(Arguments& arguments)
 {
-    if (!arguments.origin.empty()) arguments.options.origin = {arguments.origin[0], arguments.origin[1], arguments.origin[2]};
+    if (!arguments.origin.empty())
+        arguments.options.origin = {arguments.origin[0], arguments.origin[1], arguments.origin[2]};
     arguments.options.progress = console_progress(arguments.common);
     const SceneReport report = generate_scene(arguments.output, arguments.options, !arguments.no_truth);
     end_progress(arguments.common);
@@ -39,8 +40,7 @@ int generate(Arguments& arguments)
     } else {
         std::printf("%s: %s points in %.1f s (%.2f M points/s); %zu planes, %zu cylinders, %zu spheres\n",
                     arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
-                    points_per_second(report.outcome) / 1e6, planes,
-                    cylinders, spheres);
+                    points_per_second(report.outcome) / 1e6, planes, cylinders, spheres);
     }
     return 0;
 }
@@ -54,7 +54,9 @@ void add_generate(CLI::App& app, int& result)
     CLI::App* command = app.add_subcommand("generate", "Write a scan-like scene with exact ground truth as LAS or LAZ");
     command->add_option("output", arguments->output, "LAS or LAZ file to write")->required();
     command->add_option("-n,--points", options.points, "Number of points (default 1000000)");
-    command->add_option("--origin", arguments->origin, "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
+    command
+        ->add_option("--origin", arguments->origin,
+                     "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
         ->delimiter(',')
         ->expected(3);
     command->add_option("--extent", options.extent, "Side of the scene, metres (default: grows with the points)");

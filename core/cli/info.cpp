@@ -71,7 +71,8 @@ void print_metadata(const std::vector<Metadata>& metadata)
     for (const Metadata& block : metadata) {
         std::string text = text_of(block);
         if (text.size() > shown) text = text.substr(0, shown) + "...";
-        std::printf("metadata    %s, %s%s%s\n", block.key.c_str(), bytes_text(block.value.size()).c_str(), text.empty() ? "" : ": ", text.c_str());
+        std::printf("metadata    %s, %s%s%s\n", block.key.c_str(), bytes_text(block.value.size()).c_str(),
+                    text.empty() ? "" : ": ", text.c_str());
     }
 }
 
@@ -129,7 +130,8 @@ int tree_info(const Arguments& arguments)
     if (info.generation > 1)
         std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree->part_roots().size(),
                     tree->part_roots().size() == 1 ? "part" : "parts");
-    if (!info.coverage_kept) std::printf("levels      have gaps where points were deleted; 'pcm compact' closes them\n");
+    if (!info.coverage_kept)
+        std::printf("levels      have gaps where points were deleted; 'pcm compact' closes them\n");
     if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -188,7 +190,8 @@ int file_info(const Arguments& arguments)
         json["points_known"] = info.points_known;
         json["promised_bounds"] = box_of(info.promised_box.value_or(Box3d()));
         if (scanned) {
-            json["scanned"] = {{"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
+            json["scanned"] = {
+                {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
             json["peak_rss_bytes"] = peak_rss_bytes();
         }
         json["position_type"] = name_of(info.position_type);
@@ -205,13 +208,15 @@ int file_info(const Arguments& arguments)
     if (cloud.sources().size() == 1)
         std::printf("%s\n", cloud.sources()[0].path.string().c_str());
     else
-        std::printf("%s files, the first %s\n", grouped(cloud.sources().size()).c_str(), cloud.sources()[0].path.string().c_str());
+        std::printf("%s files, the first %s\n", grouped(cloud.sources().size()).c_str(),
+                    cloud.sources()[0].path.string().c_str());
     std::printf("format      %s\n", info.format.c_str());
     if (scanned)
         std::printf("points      %s\n", grouped(scanned->points).c_str());
     else
         std::printf("points      %s%s\n", info.points_known ? "" : "about ", grouped(info.points).c_str());
-    if (scanned && scanned->not_finite) std::printf("            %s without a finite position\n", grouped(scanned->not_finite).c_str());
+    if (scanned && scanned->not_finite)
+        std::printf("            %s without a finite position\n", grouped(scanned->not_finite).c_str());
     if (scanned && !scanned->box.empty()) {
         print_vec("min", scanned->box.min);
         print_vec("max", scanned->box.max);
@@ -248,7 +253,9 @@ void add_info(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
     CLI::App* command = app.add_subcommand("info", "Say what a point cloud tree, or cloud files of any format, hold");
-    command->add_option("input", arguments->inputs, "A tree folder, or the index file in it; or files and folders of files, together one cloud")
+    command
+        ->add_option("input", arguments->inputs,
+                     "A tree folder, or the index file in it; or files and folders of files, together one cloud")
         ->required();
     command->add_flag("--scan", arguments->scan, "Files: read all points, for the true number and box");
     command->add_option("-t,--threads", arguments->threads, "Threads to read with (default: one a processor)");

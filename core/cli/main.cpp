@@ -1,4 +1,5 @@
-// The pcm command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set, transform.
+// The pcm command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set,
+// transform.
 #include "cli/common.h"
 
 #include <string>

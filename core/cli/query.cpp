@@ -44,7 +44,9 @@ Query query_of(const Arguments& arguments, const PointCloud& cloud)
     query.level = arguments.level;
     const std::uint16_t levels = cloud.info().levels;
     if (query.level && levels > 0 && *query.level >= levels)
-        refuse("level " + std::to_string(*query.level) + " asked for; this tree has levels 0 to " + std::to_string(levels - 1), "");
+        refuse("level " + std::to_string(*query.level) + " asked for; this tree has levels 0 to " +
+                   std::to_string(levels - 1),
+               "");
     const Selection selection = arguments.region.get();
     query.box = selection.box;
     query.region = selection.region;
@@ -72,15 +74,18 @@ int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
-    std::printf("points      about %s%s; from %s to %s\n", grouped(static_cast<std::uint64_t>(std::llround(e.points_expected))).c_str(),
-                e.conditions ? " before the conditions" : "", grouped(e.points_least).c_str(), grouped(e.points_most).c_str());
-    std::printf("to read     %s chunks, at most %s points and %s\n", grouped(e.chunks).c_str(), grouped(e.points_read).c_str(),
-                bytes_text(e.bytes).c_str());
+    std::printf("points      about %s%s; from %s to %s\n",
+                grouped(static_cast<std::uint64_t>(std::llround(e.points_expected))).c_str(),
+                e.conditions ? " before the conditions" : "", grouped(e.points_least).c_str(),
+                grouped(e.points_most).c_str());
+    std::printf("to read     %s chunks, at most %s points and %s\n", grouped(e.chunks).c_str(),
+                grouped(e.points_read).c_str(), bytes_text(e.bytes).c_str());
     if (e.seconds)
         std::printf("time        about %s\n", time_text(*e.seconds).c_str());
     else
         std::printf("time        unknown: nothing was read of this tree yet; --count says it too\n");
-    std::printf("estimated in %s from %s\n", time_text(e.own_seconds).c_str(), arguments.headers ? "the index and the headers of chunks" : "the index");
+    std::printf("estimated in %s from %s\n", time_text(e.own_seconds).c_str(),
+                arguments.headers ? "the index and the headers of chunks" : "the index");
     return 0;
 }
 
@@ -112,28 +117,34 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
         return 0;
     }
     std::printf("%s points in %s; %s points of %s chunks were looked at\n", grouped(outcome.points_out).c_str(),
-                time_text(outcome.seconds).c_str(), grouped(statistics.points_read).c_str(), grouped(statistics.chunks).c_str());
-    if (!found.empty()) std::printf("from        %s\nto          %s\n", exact(found.min).c_str(), exact(found.max).c_str());
+                time_text(outcome.seconds).c_str(), grouped(statistics.points_read).c_str(),
+                grouped(statistics.chunks).c_str());
+    if (!found.empty())
+        std::printf("from        %s\nto          %s\n", exact(found.min).c_str(), exact(found.max).c_str());
     if (!query.level || outcome.error == 0)
         std::printf("exact: every point of the cloud was considered\n");
     else
-        std::printf("level %u only: every point of the cloud has one of it nearer than %s\n", *query.level, brief(outcome.error).c_str());
+        std::printf("level %u only: every point of the cloud has one of it nearer than %s\n", *query.level,
+                    brief(outcome.error).c_str());
     return 0;
 }
 
 int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
 {
     if (query.region || query.box || !query.where.empty())
-        refuse("--nearest was given together with a region, a box or a condition", "neighbours are searched in the whole cloud, or at a --level");
+        refuse("--nearest was given together with a region, a box or a condition",
+               "neighbours are searched in the whole cloud, or at a --level");
     NearestOptions options;
     options.level = query.level;
     if (arguments.max_distance) options.max_distance = *arguments.max_distance;
-    const NearestResult result = cloud.nearest({arguments.nearest[0], arguments.nearest[1], arguments.nearest[2]}, arguments.k, options);
+    const NearestResult result =
+        cloud.nearest({arguments.nearest[0], arguments.nearest[1], arguments.nearest[2]}, arguments.k, options);
     const Outcome& outcome = result.outcome;
     if (arguments.common.json) {
         Json json, points = Json::array();
         for (const Neighbour& n : result.points)
-            points.push_back({{"distance", n.distance()}, {"position", json_of(n.position)}, {"node", n.node}, {"index", n.index}});
+            points.push_back(
+                {{"distance", n.distance()}, {"position", json_of(n.position)}, {"node", n.node}, {"index", n.index}});
         json["tree"] = arguments.tree;
         put_outcome(json, outcome);
         json["neighbours"] = points;
@@ -144,13 +155,15 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
-    for (const Neighbour& n : result.points) std::printf("%-14s  at %s\n", brief(n.distance()).c_str(), exact(n.position).c_str());
-    std::printf("%zu points in %s, %s compared; ", result.points.size(), time_text(outcome.seconds).c_str(), grouped(outcome.points_in).c_str());
+    for (const Neighbour& n : result.points)
+        std::printf("%-14s  at %s\n", brief(n.distance()).c_str(), exact(n.position).c_str());
+    std::printf("%zu points in %s, %s compared; ", result.points.size(), time_text(outcome.seconds).c_str(),
+                grouped(outcome.points_in).c_str());
     if (outcome.error == 0)
         std::printf("exact\n");
     else
-        std::printf("of level %u: no point of the cloud is nearer than %s, %s less\n", *query.level, brief(result.least_distance).c_str(),
-                    brief(outcome.error).c_str());
+        std::printf("of level %u: no point of the cloud is nearer than %s, %s less\n", *query.level,
+                    brief(result.least_distance).c_str(), brief(outcome.error).c_str());
     return 0;
 }
 
@@ -166,20 +179,25 @@ int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
         put_outcome(json, result.outcome);
         json["hit"] = Json();
         if (result.hit)
-            json["hit"] = {{"along", result.hit->along}, {"position", json_of(result.hit->position)}, {"node", result.hit->node}, {"index", result.hit->index}};
+            json["hit"] = {{"along", result.hit->along},
+                           {"position", json_of(result.hit->position)},
+                           {"node", result.hit->node},
+                           {"index", result.hit->index}};
         json["error"] = std::isfinite(result.outcome.error) ? Json(result.outcome.error) : Json();
         if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
     if (result.hit)
-        std::printf("%s, %s along, in %s", exact(result.hit->position).c_str(), brief(result.hit->along).c_str(), time_text(result.outcome.seconds).c_str());
+        std::printf("%s, %s along, in %s", exact(result.hit->position).c_str(), brief(result.hit->along).c_str(),
+                    time_text(result.outcome.seconds).c_str());
     else
         std::printf("nothing is met, in %s", time_text(result.outcome.seconds).c_str());
     if (result.outcome.error == 0)
         std::printf("; exact\n");
     else
-        std::printf("; of level %u, to which every point of the cloud is nearer than %s\n", *query.level, brief(result.outcome.error).c_str());
+        std::printf("; of level %u, to which every point of the cloud is nearer than %s\n", *query.level,
+                    brief(result.outcome.error).c_str());
     return 0;
 }
 
@@ -211,24 +229,36 @@ int query(const Arguments& arguments)
 void add_query(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("query", "Ask a tree: how many points are in a region, which are nearest to a point, what a ray meets first");
+    CLI::App* command = app.add_subcommand(
+        "query", "Ask a tree: how many points are in a region, which are nearest to a point, what a ray meets first");
     command->add_option("tree", arguments->tree, "A tree folder, or the index file in it")->required();
 
     const char* group = "What is asked";
-    command->add_flag("--count", arguments->count, "How many points there are, and the box around them (this is the default)")->group(group);
-    command->add_flag("--estimate", arguments->estimate, "How many to expect and what it would cost, without reading a point")->group(group);
-    command->add_flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")->group(group);
+    command
+        ->add_flag("--count", arguments->count,
+                   "How many points there are, and the box around them (this is the default)")
+        ->group(group);
+    command
+        ->add_flag("--estimate", arguments->estimate,
+                   "How many to expect and what it would cost, without reading a point")
+        ->group(group);
+    command
+        ->add_flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")
+        ->group(group);
     command->add_option("--nearest", arguments->nearest, "The points nearest to x y z")->expected(3)->group(group);
     command->add_option("-k", arguments->k, "How many (default 1)")->needs("--nearest")->group(group);
     command->add_option("--max-distance", arguments->max_distance, "None farther than this")->group(group);
-    command->add_flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets")->group(group);
+    command->add_flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets")
+        ->group(group);
 
     group = "Of which points";
     command->add_option("--level", arguments->level, "The cloud at this level (default: all of it)")->group(group);
     arguments->region.add_to(*command, group);
 
-    command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")->check(CLI::Range(1, 64));
-    command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")
+        ->check(CLI::Range(1, 64));
+    command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")
+        ->transform(CLI::AsSizeValue(false));
     command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = query(*arguments); });

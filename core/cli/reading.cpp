@@ -7,8 +7,12 @@ namespace pcm::cli {
 void ReadingOptions::add_to(CLI::App& command)
 {
     const char* const group = "Text files (detected where not given)";
-    command.add_option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")->group(group);
-    command.add_option("--separator", separator_, "space (any run of blanks), tab, comma, semicolon, or the character itself")->group(group);
+    command.add_option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")
+        ->group(group);
+    command
+        .add_option("--separator", separator_,
+                    "space (any run of blanks), tab, comma, semicolon, or the character itself")
+        ->group(group);
     command.add_option("--skip-lines", skip_lines_, "Lines before the first point")->group(group);
     command.add_option("--colour-range", colour_range_, "Largest value of a colour: 1, 255 or 65535")->group(group);
 }
@@ -20,9 +24,15 @@ ReadOptions ReadingOptions::get(unsigned threads) const
     if (!columns_.empty()) options.text.columns = parse_columns(columns_);
     if (!separator_.empty()) {
         const std::string& s = separator_;
-        const char c = s == "space" ? ' ' : s == "tab" || s == "\\t" ? '\t' : s == "comma" ? ',' : s == "semicolon" ? ';' : s.size() == 1 ? s[0] : '\0';
+        const char c = s == "space"               ? ' '
+                       : s == "tab" || s == "\\t" ? '\t'
+                       : s == "comma"             ? ','
+                       : s == "semicolon"         ? ';'
+                       : s.size() == 1            ? s[0]
+                                                  : '\0';
         if (c != ' ' && c != '\t' && c != ',' && c != ';')
-            throw Error(ErrorCode::invalid_argument, {}, "'" + s + "' does not separate columns", "use space, tab, comma or semicolon");
+            throw Error(ErrorCode::invalid_argument, {}, "'" + s + "' does not separate columns",
+                        "use space, tab, comma or semicolon");
         options.text.separator = c;
     }
     options.text.skip_lines = skip_lines_;

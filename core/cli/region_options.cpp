@@ -6,22 +6,33 @@ namespace pcm::cli {
 
 void RegionOptions::add_to(CLI::App& command, const char* group)
 {
-    command.add_option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")->expected(6)->group(group);
+    command.add_option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
+        ->expected(6)
+        ->group(group);
     const auto add = [&](const char* name, int least, int most, const char* help) {
         command.add_option(std::string("--") + name, given_[name], help)->expected(least, most)->group(group);
     };
     add("sphere", 4, 4, "Points in the sphere cx cy cz radius");
-    add("oriented-box", 7, 12, "In the box around cx cy cz with half sizes hx hy hz, turned about z by an angle in degrees, or along the axes ux uy uz vx vy vz");
+    add("oriented-box", 7, 12,
+        "In the box around cx cy cz with half sizes hx hy hz, turned about z by an angle in degrees, or along the axes "
+        "ux uy uz vx vy vz");
     add("ray", 7, 8, "In the cylinder from ox oy oz along dx dy dz with a radius and, if it ends, a length");
-    add("cone", 7, 8, "In the cone from ax ay az along dx dy dz with half its angle in degrees and, if it ends, a length");
-    add("frustum", 10, 13, "Seen from ex ey ez towards tx ty tz, with the angle of view upwards in degrees, width over height, near, far, and which way is up (default 0 0 1)");
-    add("planes", 7, 259, "On the inner side of planes: a centre cx cy cz, then nx ny nz offset for each, where n.(p-c)+offset>=0 is inside");
+    add("cone", 7, 8,
+        "In the cone from ax ay az along dx dy dz with half its angle in degrees and, if it ends, a length");
+    add("frustum", 10, 13,
+        "Seen from ex ey ez towards tx ty tz, with the angle of view upwards in degrees, width over height, near, far, "
+        "and which way is up (default 0 0 1)");
+    add("planes", 7, 259,
+        "On the inner side of planes: a centre cx cy cz, then nx ny nz offset for each, where n.(p-c)+offset>=0 is "
+        "inside");
     command.add_option("--region", given_["region"], "One of these in words, such as \"sphere 1 2 3 0.5\"")
         ->expected(1)
         ->allow_extra_args(false)
         ->group(group);
-    command.add_option("--where", where_,
-                       "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or rgb[0]!=0; of several all")
+    command
+        .add_option("--where", where_,
+                    "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or "
+                    "gps_time=100..200 or rgb[0]!=0; of several all")
         ->allow_extra_args(false)
         ->group(group);
 }

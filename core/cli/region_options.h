@@ -12,7 +12,8 @@
 
 namespace pcm::cli {
 
-// --box; --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words, one of them; --where.
+// --box; --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words, one of
+// them; --where.
 class RegionOptions {
 public:
     void add_to(CLI::App& command, const char* group);

@@ -13,7 +13,9 @@ namespace pcm::cli {
 
 void add_render(CLI::App& app)
 {
-    app.add_subcommand("render", "Draw trees to PNG, from a camera or along a path, without a window");  // for --help; see run_render()
+    app.add_subcommand(
+        "render",
+        "Draw trees to PNG, from a camera or along a path, without a window");  // for --help; see run_render()
 }
 
 void run_render(char** arguments)

@@ -42,7 +42,8 @@ int repair(Arguments& arguments)
     if (!report.index_written)
         std::printf("%s: whole; %s points\n", tree, points.c_str());
     else
-        std::printf("%s: %s from its chunks; %s points, %s lost\n", tree, check ? "can be put together" : "put together", points.c_str(),
+        std::printf("%s: %s from its chunks; %s points, %s lost\n", tree,
+                    check ? "can be put together" : "put together", points.c_str(),
                     grouped(report.points_lost).c_str());
     return result;
 }
@@ -52,7 +53,8 @@ int repair(Arguments& arguments)
 void add_repair(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("repair", "Make a tree's index anew from its chunks, without those that are damaged");
+    CLI::App* command =
+        app.add_subcommand("repair", "Make a tree's index anew from its chunks, without those that are damaged");
     command->add_option("tree", arguments->tree, "Tree folder")->required();
     command->add_flag("--check", arguments->options.check_only, "Only say what is damaged and what could be saved");
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");

@@ -39,7 +39,8 @@ Attribute parse_attribute(const std::string& text)
     std::string type = text.substr(colon + 1);
     if (const auto x = type.find('x'); x != std::string::npos) {
         const std::string number = type.substr(x + 1);
-        if (number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos || std::stoul(number) == 0)
+        if (number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos ||
+            std::stoul(number) == 0)
             refuse(text, "'" + number + "' is no number of components", expected);
         attribute.components = static_cast<std::uint32_t>(std::stoul(number));
         type.resize(x);
@@ -57,13 +58,14 @@ struct Assignment {
     std::string name, text;
     std::optional<std::uint32_t> component;
     std::vector<double> values;
-    std::size_t slot = 0;       // in the query's list
-    std::vector<double> raw;    // as they are stored
+    std::size_t slot = 0;     // in the query's list
+    std::vector<double> raw;  // as they are stored
 };
 
 Assignment parse_assignment(const std::string& text)
 {
-    const char* const expected = "write NAME=VALUE, NAME=VALUE,VALUE,... with a value a component, or NAME[COMPONENT]=VALUE";
+    const char* const expected =
+        "write NAME=VALUE, NAME=VALUE,VALUE,... with a value a component, or NAME[COMPONENT]=VALUE";
     Assignment assignment;
     assignment.text = text;
     const auto equals = text.find('=');
@@ -71,7 +73,8 @@ Assignment parse_assignment(const std::string& text)
     assignment.name = text.substr(0, equals);
     if (const auto open = assignment.name.find('['); open != std::string::npos) {
         const std::string number = assignment.name.substr(open + 1, assignment.name.size() - open - 2);
-        if (assignment.name.back() != ']' || number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos)
+        if (assignment.name.back() != ']' || number.empty() || number.size() > 3 ||
+            number.find_first_not_of("0123456789") != std::string::npos)
             refuse(text, "it names no component", expected);
         assignment.component = static_cast<std::uint32_t>(std::stoul(number));
         assignment.name.resize(open);
@@ -95,10 +98,12 @@ void make_raw(Assignment& assignment, const Attribute& attribute)
 {
     const std::size_t wanted = assignment.component ? 1 : attribute.components;
     if (assignment.values.size() != wanted)
-        refuse(assignment.text, "it has " + std::to_string(assignment.values.size()) + " values, not " + std::to_string(wanted),
+        refuse(assignment.text,
+               "it has " + std::to_string(assignment.values.size()) + " values, not " + std::to_string(wanted),
                "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components");
     if (assignment.component && *assignment.component >= attribute.components)
-        refuse(assignment.text, "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components", "they are counted from 0");
+        refuse(assignment.text, "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components",
+               "they are counted from 0");
     const bool scaled = attribute.scale != 1 || attribute.offset != 0;
     const bool real = attribute.type == ScalarType::f32 || attribute.type == ScalarType::f64;
     for (const double value : assignment.values) {
@@ -133,7 +138,8 @@ int set(Arguments& arguments)
             const auto slot = cloud->info().schema.find(assignment.name);
             if (!slot) {
                 std::string names;
-                for (const Attribute& attribute : cloud->info().schema) names += (names.empty() ? "" : ", ") + attribute.name;
+                for (const Attribute& attribute : cloud->info().schema)
+                    names += (names.empty() ? "" : ", ") + attribute.name;
                 refuse(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
                        names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
             }
@@ -147,7 +153,8 @@ int set(Arguments& arguments)
                 for (const Assignment& assignment : assignments)
                     for (std::size_t i = 0; i < view.size(); ++i)
                         for (std::size_t v = 0; v < assignment.raw.size(); ++v)
-                            view.set(i, assignment.slot, assignment.raw[v], assignment.component.value_or(static_cast<std::uint32_t>(v)));
+                            view.set(i, assignment.slot, assignment.raw[v],
+                                     assignment.component.value_or(static_cast<std::uint32_t>(v)));
                 view.mark_written();
                 points += view.size();
             }
@@ -173,8 +180,8 @@ int set(Arguments& arguments)
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
-    std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(), grouped(points).c_str(),
-                grouped(chunks).c_str(), grouped(added.size()).c_str(), seconds);
+    std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
+                grouped(points).c_str(), grouped(chunks).c_str(), grouped(added.size()).c_str(), seconds);
     if (arguments.statistics) print(statistics);
     return 0;
 }
@@ -184,15 +191,20 @@ int set(Arguments& arguments)
 void add_set(CLI::App& app, int& result)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("set", "Set attributes of a tree's points, and add attributes; all at once or not at all");
+    CLI::App* command =
+        app.add_subcommand("set", "Set attributes of a tree's points, and add attributes; all at once or not at all");
     command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("values", arguments->values, "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
-    command->add_option("--new", arguments->attributes, "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
+    command->add_option("values", arguments->values,
+                        "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
+    command
+        ->add_option("--new", arguments->attributes,
+                     "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
         ->allow_extra_args(false);
     const char* const group = "Of which points (default: all)";
     command->add_option("--level", arguments->level, "The cloud at this level")->group(group);
     arguments->region.add_to(*command, group);
-    command->add_option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)")->transform(CLI::AsSizeValue(false));
+    command->add_option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)")
+        ->transform(CLI::AsSizeValue(false));
     command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
     add_common(*command, arguments->common);
     command->callback([arguments, &result] { result = set(*arguments); });

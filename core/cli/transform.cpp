@@ -20,7 +20,10 @@ struct Arguments {
     BuildOptions options;
 };
 
-[[noreturn]] void refuse(const std::string& what, const std::string& hint) { throw Error(ErrorCode::invalid_argument, {}, what, hint); }
+[[noreturn]] void refuse(const std::string& what, const std::string& hint)
+{
+    throw Error(ErrorCode::invalid_argument, {}, what, hint);
+}
 
 Affine map_of(const Arguments& arguments, const Box3d& box)
 {
@@ -43,7 +46,8 @@ Affine map_of(const Arguments& arguments, const Box3d& box)
     double radians = 0;
     if (!arguments.rotate.empty()) {
         axis = {arguments.rotate[0], arguments.rotate[1], arguments.rotate[2]};
-        if (axis == Vec3d{0, 0, 0}) refuse("--rotate has an axis without a direction", "0 0 1 30 turns by 30 degrees about the upright axis");
+        if (axis == Vec3d{0, 0, 0})
+            refuse("--rotate has an axis without a direction", "0 0 1 30 turns by 30 degrees about the upright axis");
         radians = arguments.rotate[3] * 3.14159265358979323846 / 180;
     }
     Affine map;
@@ -82,7 +86,8 @@ int transform(Arguments& arguments)
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     std::printf("%s: %s points in %.1f s, %s; largest position error %s source units\n", arguments.output.c_str(),
-                grouped(report.outcome.points_out).c_str(), report.outcome.seconds, bytes_text(report.bytes).c_str(), exact(report.outcome.error).c_str());
+                grouped(report.outcome.points_out).c_str(), report.outcome.seconds, bytes_text(report.bytes).c_str(),
+                exact(report.outcome.error).c_str());
     return 0;
 }
 
@@ -96,11 +101,20 @@ void add_transform(CLI::App& app, int& result)
     command->add_option("output", arguments->output, "The new tree's folder, by convention NAME.pct")->required();
     const char* group = "How (scaled and turned about the pivot, then moved)";
     command->add_option("--translate", arguments->translate, "By dx dy dz, source units")->expected(3)->group(group);
-    command->add_option("--rotate", arguments->rotate, "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")->expected(4)->group(group);
+    command
+        ->add_option("--rotate", arguments->rotate,
+                     "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")
+        ->expected(4)
+        ->group(group);
     command->add_option("--scale", arguments->scale, "By a factor (default 1)")->group(group);
-    command->add_option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")->expected(12)->group(group);
-    command->add_option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")->expected(3)->group(group);
-    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")->transform(CLI::AsSizeValue(false));
+    command->add_option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")
+        ->expected(12)
+        ->group(group);
+    command->add_option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")
+        ->expected(3)
+        ->group(group);
+    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
+        ->transform(CLI::AsSizeValue(false));
     command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
     command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
     command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");

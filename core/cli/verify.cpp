@@ -30,7 +30,8 @@ void print(const LevelsReport& report)
     if (std::isinf(report.coverage_limit))
         std::printf("points were deleted: coverage is not promised until 'pcm compact'\n");
     else if (report.coverage_limit > 1)
-        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcm compact'\n", report.coverage_limit);
+        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcm compact'\n",
+                    report.coverage_limit);
 }
 
 Json to_json(const LevelsReport& report)
@@ -74,7 +75,8 @@ int verify(const Arguments& arguments)
     }
     if (!levels.levels.empty()) print(levels);
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    for (const std::string& fault : report.around) std::printf("fault: %s\nno point is lost; 'pcm repair' heals it\n", fault.c_str());
+    for (const std::string& fault : report.around)
+        std::printf("fault: %s\nno point is lost; 'pcm repair' heals it\n", fault.c_str());
     if (report.faults.empty()) {
         std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
                     grouped(report.outcome.points_out).c_str(), report.outcome.seconds,

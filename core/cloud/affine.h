@@ -8,15 +8,18 @@
 
 namespace pcm {
 
-// p becomes linear * (p - pivot) + target. With a pivot near the points no large numbers are subtracted, so a rotation at map coordinates is as exact as
-// one at the origin.
+// p becomes linear * (p - pivot) + target. With a pivot near the points no large numbers are subtracted, so a rotation
+// at map coordinates is as exact as one at the origin.
 struct Affine {
     std::array<Vec3d, 3> linear{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  // rows
     Vec3d pivot{0, 0, 0}, target{0, 0, 0};
 
-    static Affine translation(const Vec3d& by) { return {{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, {0, 0, 0}, by}; }
-    // About an axis through `centre`, counter-clockwise for who looks against it; the axis need not be of unit length, and not be zero (Rodrigues'
-    // formula). A scale grows or shrinks about the centre besides.
+    static Affine translation(const Vec3d& by)
+    {
+        return {{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, {0, 0, 0}, by};
+    }
+    // About an axis through `centre`, counter-clockwise for who looks against it; the axis need not be of unit length,
+    // and not be zero (Rodrigues' formula). A scale grows or shrinks about the centre besides.
     static Affine rotation(const Vec3d& axis, double radians, const Vec3d& centre, double scale = 1)
     {
         const double length = std::hypot(axis[0], axis[1], axis[2]), c = std::cos(radians), s = std::sin(radians);
@@ -36,8 +39,9 @@ struct Affine {
     {
         Affine affine{linear, pivot, shift};
         for (std::size_t i = 0; i < 3; ++i)
-            affine.target[i] = static_cast<double>(static_cast<long double>(shift[i]) + static_cast<long double>(linear[i][0]) * pivot[0] +
-                                                   static_cast<long double>(linear[i][1]) * pivot[1] + static_cast<long double>(linear[i][2]) * pivot[2]);
+            affine.target[i] = static_cast<double>(
+                static_cast<long double>(shift[i]) + static_cast<long double>(linear[i][0]) * pivot[0] +
+                static_cast<long double>(linear[i][1]) * pivot[1] + static_cast<long double>(linear[i][2]) * pivot[2]);
         return affine;
     }
 
@@ -45,7 +49,8 @@ struct Affine {
     {
         const Vec3d d{p[0] - pivot[0], p[1] - pivot[1], p[2] - pivot[2]};
         Vec3d q;
-        for (std::size_t i = 0; i < 3; ++i) q[i] = (linear[i][0] * d[0] + linear[i][1] * d[1] + linear[i][2] * d[2]) + target[i];
+        for (std::size_t i = 0; i < 3; ++i)
+            q[i] = (linear[i][0] * d[0] + linear[i][1] * d[1] + linear[i][2] * d[2]) + target[i];
         return q;
     }
     double determinant() const

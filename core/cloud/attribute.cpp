@@ -11,24 +11,27 @@ bool is_valid(ScalarType type) { return type >= ScalarType::i8 && type <= Scalar
 std::size_t size_of(ScalarType type)
 {
     switch (type) {
-    case ScalarType::i8:
-    case ScalarType::u8: return 1;
-    case ScalarType::i16:
-    case ScalarType::u16: return 2;
-    case ScalarType::i32:
-    case ScalarType::u32:
-    case ScalarType::f32: return 4;
-    case ScalarType::i64:
-    case ScalarType::u64:
-    case ScalarType::f64: return 8;
+        case ScalarType::i8:
+        case ScalarType::u8:
+            return 1;
+        case ScalarType::i16:
+        case ScalarType::u16:
+            return 2;
+        case ScalarType::i32:
+        case ScalarType::u32:
+        case ScalarType::f32:
+            return 4;
+        case ScalarType::i64:
+        case ScalarType::u64:
+        case ScalarType::f64:
+            return 8;
     }
     return 0;
 }
 
 std::string_view name_of(ScalarType type)
 {
-    static constexpr std::string_view names[] = {"i8",  "u8",  "i16", "u16", "i32",
-                                                 "u32", "i64", "u64", "f32", "f64"};
+    static constexpr std::string_view names[] = {"i8", "u8", "i16", "u16", "i32", "u32", "i64", "u64", "f32", "f64"};
     return is_valid(type) ? names[static_cast<std::size_t>(type) - 1] : std::string_view("?");
 }
 
@@ -46,8 +49,7 @@ void Schema::add(Attribute attribute)
     if (find(attribute.name))
         throw Error(ErrorCode::invalid_argument, {}, "attribute '" + attribute.name + "' appears twice");
     if (attributes_.size() == max_attributes)
-        throw Error(ErrorCode::unsupported, {},
-                    "more than " + std::to_string(max_attributes) + " attributes a point");
+        throw Error(ErrorCode::unsupported, {}, "more than " + std::to_string(max_attributes) + " attributes a point");
     attributes_.push_back(std::move(attribute));
 }
 

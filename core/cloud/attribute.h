@@ -19,10 +19,10 @@ bool is_valid(ScalarType type);             // false for a byte read from a file
 
 // Names with a meaning to the library; any other name is carried through untouched. Types are the source's own.
 namespace attribute_name {
-inline constexpr std::string_view rgb = "rgb";                // 3 components: u16 (LAS), u8 (PLY), or float 0..1
-inline constexpr std::string_view normal = "normal";          // 3 components
-inline constexpr std::string_view intensity = "intensity";    // 1 component
-inline constexpr std::string_view radius = "radius";          // 1 component, source units
+inline constexpr std::string_view rgb = "rgb";              // 3 components: u16 (LAS), u8 (PLY), or float 0..1
+inline constexpr std::string_view normal = "normal";        // 3 components
+inline constexpr std::string_view intensity = "intensity";  // 1 component
+inline constexpr std::string_view radius = "radius";        // 1 component, source units
 inline constexpr std::string_view classification = "classification";
 inline constexpr std::string_view gps_time = "gps_time";
 }  // namespace attribute_name

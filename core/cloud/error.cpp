@@ -16,17 +16,22 @@ std::string compose(const std::filesystem::path& path, const std::string& what, 
 ErrorCode code_of(int error_number)
 {
     switch (error_number) {
-    case ENOENT:
-    case ENOTDIR: return ErrorCode::not_found;
-    case EACCES:
-    case EPERM:
-    case EROFS: return ErrorCode::permission;
-    case ENOSPC:
-    case EDQUOT:
-    case EFBIG: return ErrorCode::no_space;
-    case EEXIST:
-    case ENOTEMPTY: return ErrorCode::exists;
-    default: return ErrorCode::io;
+        case ENOENT:
+        case ENOTDIR:
+            return ErrorCode::not_found;
+        case EACCES:
+        case EPERM:
+        case EROFS:
+            return ErrorCode::permission;
+        case ENOSPC:
+        case EDQUOT:
+        case EFBIG:
+            return ErrorCode::no_space;
+        case EEXIST:
+        case ENOTEMPTY:
+            return ErrorCode::exists;
+        default:
+            return ErrorCode::io;
     }
 }
 

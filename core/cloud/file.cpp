@@ -20,13 +20,11 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path)
                       : mode == Mode::create_new ? O_RDWR | O_CREAT | O_EXCL
                                                  : O_RDWR | O_CREAT | O_TRUNC;
     descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) throw Error::from_errno(errno, path, mode == Mode::read || mode == Mode::change ? "opening" : "creating");
+    if (descriptor_ < 0)
+        throw Error::from_errno(errno, path, mode == Mode::read || mode == Mode::change ? "opening" : "creating");
 }
 
-File::File(File&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_))
-{
-}
+File::File(File&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
 
 File& File::operator=(File&& other) noexcept
 {
@@ -54,8 +52,8 @@ std::size_t File::read_some_at(void* to, std::size_t bytes, std::uint64_t offset
 {
     std::size_t done = 0;
     while (done < bytes) {
-        const ssize_t got = ::pread(descriptor_, static_cast<char*>(to) + done, bytes - done,
-                                    static_cast<off_t>(offset + done));
+        const ssize_t got =
+            ::pread(descriptor_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
         if (got < 0) {
             if (errno == EINTR) continue;
             throw Error::from_errno(errno, path_, "reading at byte " + std::to_string(offset + done));

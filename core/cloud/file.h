@@ -41,8 +41,8 @@ private:
 // Makes a rename or a new name in `folder` durable.
 void sync_folder(const std::filesystem::path& folder);
 
-// Writes the whole file under a temporary name, syncs, and renames it over `path`: at any instant `path` is the old file
-// or the new one.
+// Writes the whole file under a temporary name, syncs, and renames it over `path`: at any instant `path` is the old
+// file or the new one.
 void replace_file(const std::filesystem::path& path, const void* bytes, std::size_t size);
 
 }  // namespace pcm

@@ -36,8 +36,7 @@ struct Box3d {
     }
     bool contains(const Vec3d& p) const
     {
-        return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] &&
-               p[2] <= max[2];
+        return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] && p[2] <= max[2];
     }
     bool contains(const Box3d& b) const { return !b.empty() && contains(b.min) && contains(b.max); }
     bool intersects(const Box3d& b) const
@@ -78,8 +77,7 @@ struct Box3i {
     }
     bool contains(const Vec3i& p) const
     {
-        return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] &&
-               p[2] <= max[2];
+        return p[0] >= min[0] && p[0] <= max[0] && p[1] >= min[1] && p[1] <= max[1] && p[2] >= min[2] && p[2] <= max[2];
     }
     bool operator==(const Box3i& o) const { return min == o.min && max == o.max; }
 };

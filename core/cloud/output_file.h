@@ -11,8 +11,8 @@
 
 namespace pcm {
 
-// One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes; finish() makes
-// them durable and renames over whatever has the name. Throws Error(no_space | permission | not_found | io).
+// One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes; finish()
+// makes them durable and renames over whatever has the name. Throws Error(no_space | permission | not_found | io).
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& path);

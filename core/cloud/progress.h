@@ -9,9 +9,9 @@
 namespace pcm {
 
 struct ProgressUpdate {
-    std::string_view stage;      // "Reading points", "Building chunks", ... in words a user can read
-    double fraction = 0;         // of the whole operation, 0..1, never falling
-    double seconds_left = -1;    // estimate; negative while unknown
+    std::string_view stage;    // "Reading points", "Building chunks", ... in words a user can read
+    double fraction = 0;       // of the whole operation, 0..1, never falling
+    double seconds_left = -1;  // estimate; negative while unknown
 };
 
 // Called on the thread that runs the operation, a few times a second. Returning false cancels: the operation cleans up
@@ -23,8 +23,8 @@ struct Outcome {
     std::uint64_t points_in = 0;
     std::uint64_t points_out = 0;
     double seconds = 0;
-    double error = 0;            // in the unit that `error_meaning` names; 0 when the result is exact
-    std::string error_meaning;   // e.g. "largest position error, source units"
+    double error = 0;           // in the unit that `error_meaning` names; 0 when the result is exact
+    std::string error_meaning;  // e.g. "largest position error, source units"
 };
 
 }  // namespace pcm

@@ -168,7 +168,8 @@ Region Region::convex(const Vec3d& centre, const std::vector<Plane>& planes)
     return region;
 }
 
-Region Region::frustum(const std::array<double, 16>& modelview, const std::array<double, 16>& projection, const Vec3d& origin)
+Region Region::frustum(const std::array<double, 16>& modelview, const std::array<double, 16>& projection,
+                       const Vec3d& origin)
 {
     const std::string name = "frustum";
     require_finite(name, "origin", origin);
@@ -215,7 +216,8 @@ Region Region::frustum(const std::array<double, 16>& modelview, const std::array
             Vec3d n = row(3);
             for (std::size_t a = 0; a < 3; ++a) n[a] += sign * row(r)[a];
             Plane plane{{}, projection[15] + sign * projection[12 + r]};
-            for (std::size_t a = 0; a < 3; ++a) plane.normal[a] = n[0] * rows[0][a] + n[1] * rows[1][a] + n[2] * rows[2][a];
+            for (std::size_t a = 0; a < 3; ++a)
+                plane.normal[a] = n[0] * rows[0][a] + n[1] * rows[1][a] + n[2] * rows[2][a];
             if (largest(plane.normal) == 0) {
                 if (plane.offset >= 0) continue;  // as the far plane of a view without end
                 refuse(name, "nothing is inside of its clip volume");
@@ -227,13 +229,16 @@ Region Region::frustum(const std::array<double, 16>& modelview, const std::array
     return convex(centre, planes);
 }
 
-Region Region::frustum(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double view_angle, double aspect, double near, double far)
+Region Region::frustum(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double view_angle, double aspect,
+                       double near, double far)
 {
     const std::string name = "frustum";
     require_finite(name, "eye", eye);
     require_finite(name, "target", target);
-    if (!(view_angle > 0 && view_angle < 180)) refuse(name, "its angle of view is " + exact(view_angle) + "; it is between 0 and 180 degrees");
-    if (!(aspect > 0) || !std::isfinite(aspect)) refuse(name, "its aspect is " + exact(aspect) + "; it is a positive number, width over height");
+    if (!(view_angle > 0 && view_angle < 180))
+        refuse(name, "its angle of view is " + exact(view_angle) + "; it is between 0 and 180 degrees");
+    if (!(aspect > 0) || !std::isfinite(aspect))
+        refuse(name, "its aspect is " + exact(aspect) + "; it is a positive number, width over height");
     if (!(near > 0 && far > near) || !std::isfinite(far))
         refuse(name, "its planes are at " + exact(near) + " and " + exact(far) + "; 0 < near < far is needed");
     const Vec3d forward = unit(name, "direction of view", minus(target, eye));
@@ -297,8 +302,8 @@ void Region::set_bounds(const Vec3d& low, const Vec3d& high)
     }
 }
 
-// With multipliers m >= 0 and r = e + sum m_i n_i, each d inside has e . d <= sum m_i offset_i + r . d. Three planes and the
-// multipliers that make r 0, but for rounding, give the least bound; r is looked at rather than believed.
+// With multipliers m >= 0 and r = e + sum m_i n_i, each d inside has e . d <= sum m_i offset_i + r . d. Three planes
+// and the multipliers that make r 0, but for rounding, give the least bound; r is looked at rather than believed.
 void Region::bound_by_planes()
 {
     bounds_.min.fill(-infinity);
@@ -312,7 +317,8 @@ void Region::bound_by_planes()
         for (std::size_t j = i + 1; j < n; ++j)
             for (std::size_t k = j + 1; k < n; ++k) {
                 const std::array<const Plane*, 3> three{&planes_[i], &planes_[j], &planes_[k]};
-                const std::array<Vec3d, 3> crossed{cross(three[1]->normal, three[2]->normal), cross(three[2]->normal, three[0]->normal),
+                const std::array<Vec3d, 3> crossed{cross(three[1]->normal, three[2]->normal),
+                                                   cross(three[2]->normal, three[0]->normal),
                                                    cross(three[0]->normal, three[1]->normal)};
                 const double determinant = dot(three[0]->normal, crossed[0]);
                 if (determinant == 0) continue;
@@ -384,17 +390,18 @@ bool Region::contains(const Vec3d& p) const
     const Vec3d d = minus(p, centre_);
     if (!is_finite(d)) return false;
     switch (kind_) {
-    case Kind::oriented_box:
-    case Kind::convex:
-        for (const Plane& plane : planes_)
-            if (!(dot(plane.normal, d) + plane.offset >= 0)) return false;
-        return true;
-    case Kind::sphere: {
-        if (!(largest(d) <= radius_)) return false;
-        const Vec3d v = scaled(d, inverse_unit_);
-        return dot(v, v) <= scaled_square_;
-    }
-    default: return radial_contains(d);
+        case Kind::oriented_box:
+        case Kind::convex:
+            for (const Plane& plane : planes_)
+                if (!(dot(plane.normal, d) + plane.offset >= 0)) return false;
+            return true;
+        case Kind::sphere: {
+            if (!(largest(d) <= radius_)) return false;
+            const Vec3d v = scaled(d, inverse_unit_);
+            return dot(v, v) <= scaled_square_;
+        }
+        default:
+            return radial_contains(d);
     }
 }
 
@@ -405,8 +412,8 @@ BoxRelation Region::half_space(const Plane& plane, const Box3d& d)
     return low + plane.offset >= 0 ? BoxRelation::inside : BoxRelation::crosses;
 }
 
-// f(d) = |d - t u| cos - t sin is convex, so its largest value in a box is at a corner. For the least: f(d) >= g . d with
-// g = cos (v - (v . u) u) - sin u for every unit v, and a good v points from the axis to the box.
+// f(d) = |d - t u| cos - t sin is convex, so its largest value in a box is at a corner. For the least: f(d) >= g . d
+// with g = cos (v - (v . u) u) - sin u for every unit v, and a good v points from the axis to the box.
 BoxRelation Region::radial_relation(const Box3d& d) const
 {
     const auto [first, last] = range(axis_, d);
@@ -436,9 +443,11 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         const double length = std::hypot(x, y);
         if (!(length > 0)) return false;
         Vec3d v;
-        for (std::size_t a = 0; a < 3; ++a) v[a] = (x / length * across_[0][a] + y / length * across_[1][a]) * (1 - 8 * epsilon);
+        for (std::size_t a = 0; a < 3; ++a)
+            v[a] = (x / length * across_[0][a] + y / length * across_[1][a]) * (1 - 8 * epsilon);
         const double tilt = cosine_ * dot(v, axis_) + sine_;
-        const Vec3d g = {cosine_ * v[0] - tilt * axis_[0], cosine_ * v[1] - tilt * axis_[1], cosine_ * v[2] - tilt * axis_[2]};
+        const Vec3d g = {cosine_ * v[0] - tilt * axis_[0], cosine_ * v[1] - tilt * axis_[1],
+                         cosine_ * v[2] - tilt * axis_[2]};
         return range(g, d).first > limit + margin + 8 * epsilon * limit;
     };
     for (std::size_t i = 0; i < 8; ++i) {
@@ -466,26 +475,27 @@ BoxRelation Region::relation(const Box3d& box) const
     const Box3d d{minus(box.min, centre_), minus(box.max, centre_)};
     if (!is_finite(d.min) || !is_finite(d.max)) return BoxRelation::crosses;
     switch (kind_) {
-    case Kind::oriented_box:
-    case Kind::convex: {
-        BoxRelation relation = BoxRelation::inside;
-        for (const Plane& plane : planes_) relation = both(relation, half_space(plane, d));
-        return relation;
-    }
-    case Kind::sphere: {
-        // Squares and sums are rising too, so the sphere is told exactly.
-        Vec3d near, far;
-        for (std::size_t a = 0; a < 3; ++a) {
-            near[a] = nearest_to_zero(d.min[a], d.max[a]);
-            far[a] = farthest_from_zero(d.min[a], d.max[a]);
+        case Kind::oriented_box:
+        case Kind::convex: {
+            BoxRelation relation = BoxRelation::inside;
+            for (const Plane& plane : planes_) relation = both(relation, half_space(plane, d));
+            return relation;
         }
-        const auto holds = [&](const Vec3d& v) {
-            const Vec3d s = scaled(v, inverse_unit_);
-            return largest(v) <= radius_ && dot(s, s) <= scaled_square_;
-        };
-        return !holds(near) ? BoxRelation::outside : holds(far) ? BoxRelation::inside : BoxRelation::crosses;
-    }
-    default: return radial_relation(d);
+        case Kind::sphere: {
+            // Squares and sums are rising too, so the sphere is told exactly.
+            Vec3d near, far;
+            for (std::size_t a = 0; a < 3; ++a) {
+                near[a] = nearest_to_zero(d.min[a], d.max[a]);
+                far[a] = farthest_from_zero(d.min[a], d.max[a]);
+            }
+            const auto holds = [&](const Vec3d& v) {
+                const Vec3d s = scaled(v, inverse_unit_);
+                return largest(v) <= radius_ && dot(s, s) <= scaled_square_;
+            };
+            return !holds(near) ? BoxRelation::outside : holds(far) ? BoxRelation::inside : BoxRelation::crosses;
+        }
+        default:
+            return radial_relation(d);
     }
 }
 

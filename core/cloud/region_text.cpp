@@ -54,8 +54,8 @@ Region parse_region(const std::string& text)
     const std::size_t n = numbers.size();
     const auto need = [&](std::size_t a, std::size_t b) {
         if (n != a && n != b)
-            refuse(text, std::to_string(n) + " numbers were given, " + std::to_string(a) + (a == b ? "" : " or " + std::to_string(b)) +
-                             " are needed");
+            refuse(text, std::to_string(n) + " numbers were given, " + std::to_string(a) +
+                             (a == b ? "" : " or " + std::to_string(b)) + " are needed");
     };
     const std::string_view kind = words[0];
     if (kind == "box") {
@@ -92,7 +92,8 @@ Region parse_region(const std::string& text)
         return Region::frustum(vector(0), vector(3), up, numbers[6], numbers[7], numbers[8], numbers[9]);
     }
     if (kind == "planes") {
-        if (n < 7 || (n - 3) % 4 != 0) refuse(text, std::to_string(n) + " numbers were given; a centre is three, a plane four");
+        if (n < 7 || (n - 3) % 4 != 0)
+            refuse(text, std::to_string(n) + " numbers were given; a centre is three, a plane four");
         std::vector<Region::Plane> planes;
         for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
         return Region::convex(vector(0), planes);

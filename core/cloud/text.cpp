@@ -46,9 +46,6 @@ std::string bytes_text(std::uint64_t bytes)
     return text;
 }
 
-std::string time_text(double seconds)
-{
-    return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s";
-}
+std::string time_text(double seconds) { return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s"; }
 
 }  // namespace pcm

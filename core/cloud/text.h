@@ -13,6 +13,6 @@ std::string exact(double value);              // as many digits as it takes to r
 std::string exact(const Vec3d& v);            // "x y z"
 std::string brief(double value);              // three significant digits
 std::string bytes_text(std::uint64_t bytes);  // "1.25 GB"
-std::string time_text(double seconds);         // "3.2 ms"
+std::string time_text(double seconds);        // "3.2 ms"
 
 }  // namespace pcm

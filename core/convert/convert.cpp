@@ -36,7 +36,8 @@ void refuse_idle_options(const ConvertOptions& options, const fs::path& output, 
         throw Error(ErrorCode::invalid_argument, output, what + ", not to ." + extension);
     };
     if ((options.write.grid || options.scale) && !has_grid(extension)) refuse("a grid goes to .las and .laz");
-    if (options.write.decimals && !is_one_of(extension, {"xyz", "txt", "asc", "csv", "pts"})) refuse("decimals go to text formats");
+    if (options.write.decimals && !is_one_of(extension, {"xyz", "txt", "asc", "csv", "pts"}))
+        refuse("decimals go to text formats");
     if (options.write.ascii && !is_one_of(extension, {"ply", "pcd"})) refuse("ascii goes to .ply and .pcd");
 }
 
@@ -58,10 +59,13 @@ void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, 
     if (!fs::exists(status)) return;
     for (const fs::path& input : inputs)
         if (fs::equivalent(input, output, error))
-            throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too", "choose another name");
-    if (!overwrite) throw Error(ErrorCode::exists, output, "the output is there already", "choose another name, or overwrite it");
+            throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too",
+                        "choose another name");
+    if (!overwrite)
+        throw Error(ErrorCode::exists, output, "the output is there already", "choose another name, or overwrite it");
     if (extension_of(output) != tree_extension && !fs::is_regular_file(status))
-        throw Error(ErrorCode::exists, output, "the output's name is that of something that is not a file", "choose another name");
+        throw Error(ErrorCode::exists, output, "the output's name is that of something that is not a file",
+                    "choose another name");
 }
 
 // Leaves the points with three finite coordinates.
@@ -106,7 +110,8 @@ std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, con
     return CloudSources(inputs, options).open();
 }
 
-ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const fs::path& output, const ConvertOptions& options)
+ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const fs::path& output,
+                          const ConvertOptions& options)
 {
     Watch watch(options.progress);
     ConvertReport report;
@@ -151,7 +156,8 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     return report;
 }
 
-ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output_as_given, const ConvertOptions& options)
+ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output_as_given,
+                      const ConvertOptions& options)
 {
     const fs::path output = without_slash(output_as_given);
     const std::string extension = extension_of(output);
@@ -163,7 +169,8 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const std::vector<std::string> writable = writable_extensions();
     if (!to_tree && std::find(writable.begin(), writable.end(), extension) == writable.end())
         create_writer(output, {}, {});  // says which there are
-    return to_tree ? convert_to_tree(sources, output, options) : write_cloud([&] { return sources.open(); }, output, options);
+    return to_tree ? convert_to_tree(sources, output, options)
+                   : write_cloud([&] { return sources.open(); }, output, options);
 }
 
 }  // namespace pcm

@@ -26,7 +26,8 @@ struct CloudOptions {
 
 // Files, trees, and folders of files as one cloud, of it what the options select. Trees are read only where the box is.
 // Throws what readers, Tree::open and Selector throw, and Error(invalid_argument) for levels of what is not a tree.
-std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs, const CloudOptions& options = {});
+std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
+                                        const CloudOptions& options = {});
 
 struct ConvertOptions {
     CloudOptions cloud;
@@ -50,18 +51,18 @@ struct ConvertReport {
     std::vector<std::string> notes;    // of the readers and the writer
 };
 
-// The output's extension says the format: "pct" builds a tree, others are written by create_writer(). For LAS and LAZ out of
-// doubles the input is read twice, first to find a grid on which all positions are exact, if there is one. The output appears
-// under its name when it is whole; on an error or a cancel nothing is left of it.
-// Throws Error(exists) when the output is there and is not to be overwritten, Error(invalid_argument) when it is one of the
-// inputs or an option has no meaning for its format, Error(unsupported) for an unknown extension, Error(cancelled), and what
+// The output's extension says the format: "pct" builds a tree, others are written by create_writer(). For LAS and LAZ
+// out of doubles the input is read twice, first to find a grid on which all positions are exact, if there is one. The
+// output appears under its name when it is whole; on an error or a cancel nothing is left of it. Throws Error(exists)
+// when the output is there and is not to be overwritten, Error(invalid_argument) when it is one of the inputs or an
+// option has no meaning for its format, Error(unsupported) for an unknown extension, Error(cancelled), and what
 // readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 
-// The same of any cloud into a file: `open` gives it from its beginning, each time it is called, with what is selected of it.
-// A file that has the name is replaced. Of the options those of `cloud` and of trees have no meaning here.
-ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const std::filesystem::path& output,
-                          const ConvertOptions& options = {});
+// The same of any cloud into a file: `open` gives it from its beginning, each time it is called, with what is selected
+// of it. A file that has the name is replaced. Of the options those of `cloud` and of trees have no meaning here.
+ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open,
+                          const std::filesystem::path& output, const ConvertOptions& options = {});
 
 }  // namespace pcm

@@ -59,7 +59,8 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
     if (options.level && options.max_points)
         throw Error(ErrorCode::invalid_argument, {}, "a level and a number of points were given; only one can choose");
     if (options.max_points && paths_.size() > 1)
-        throw Error(ErrorCode::invalid_argument, {}, "a number of points chooses a level of one tree; there are more inputs");
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a number of points chooses a level of one tree; there are more inputs");
 }
 
 std::unique_ptr<PointReader> CloudSources::open() const
@@ -72,9 +73,11 @@ std::unique_ptr<PointReader> CloudSources::open() const
     std::vector<MergedReader::Source> sources;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
         if (is_tree_[i])
-            sources.push_back({paths_[i], [path = paths_[i], options = options_, box] { return open_tree(path, options, box); }});
+            sources.push_back(
+                {paths_[i], [path = paths_[i], options = options_, box] { return open_tree(path, options, box); }});
         else
-            sources.push_back({paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
+            sources.push_back(
+                {paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
     }
     auto merged = std::make_unique<MergedReader>(std::move(sources));
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;

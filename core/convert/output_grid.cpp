@@ -70,7 +70,8 @@ Grid around(const Box3d& box, const Vec3d& scale)
 
 }  // namespace
 
-OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& scale, const std::function<void(double)>& progress)
+OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& scale,
+                              const std::function<void(double)>& progress)
 {
     OutputGrid result;
     std::optional<Grid> candidate = source_grid(cloud.info());
@@ -91,7 +92,8 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
         const Grid* grid = cloud.info().grid ? &*cloud.info().grid : nullptr;
         for (std::size_t i = 0; i < batch.size; ++i) {
             Vec3d p;
-            for (std::size_t a = 0; a < 3; ++a) p[a] = grid ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+            for (std::size_t a = 0; a < 3; ++a)
+                p[a] = grid ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
             if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
             box.extend(p);
             if (on_candidate)
@@ -115,9 +117,9 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
         error = on_candidate->error();
     }
     if (error > 0)
-        result.notes.push_back("no grid of 32 bits holds these positions exactly; they are rounded to steps of " + brief(result.grid.scale[0]) +
-                               ", " + brief(result.grid.scale[1]) + ", " + brief(result.grid.scale[2]) + " and up to " + brief(error) +
-                               " from where they were");
+        result.notes.push_back("no grid of 32 bits holds these positions exactly; they are rounded to steps of " +
+                               brief(result.grid.scale[0]) + ", " + brief(result.grid.scale[1]) + ", " +
+                               brief(result.grid.scale[2]) + " and up to " + brief(error) + " from where they were");
     return result;
 }
 

@@ -1,7 +1,8 @@
 // C interface of the decoders that are written in Rust (core/decoders/src): LAZ and E57.
 //
-// Present when PCM_HAVE_DECODERS is defined. Functions return a negative number or NULL on failure and put a message into
-// `error`, a buffer of `error_bytes`. An object belongs to one thread at a time; different objects are independent.
+// Present when PCM_HAVE_DECODERS is defined. Functions return a negative number or NULL on failure and put a message
+// into `error`, a buffer of `error_bytes`. An object belongs to one thread at a time; different objects are
+// independent.
 #pragma once
 
 #include <stddef.h>
@@ -17,10 +18,10 @@ extern "C" {
 // One chunk, or chunks that follow each other, decoded as a stream.
 typedef struct LazDecoder pcm_laz_decoder;
 
-// Reads from bytes begin..end of the file behind `descriptor`, which stays open as long as the decoder lives, with read_at
-// only. Of a layered chunk (point formats 6 to 10) its head is checked here.
-pcm_laz_decoder* pcm_laz_decoder_open(const uint8_t* vlr, size_t vlr_bytes, int descriptor, uint64_t begin, uint64_t end,
-                                      char* error, size_t error_bytes);
+// Reads from bytes begin..end of the file behind `descriptor`, which stays open as long as the decoder lives, with
+// read_at only. Of a layered chunk (point formats 6 to 10) its head is checked here.
+pcm_laz_decoder* pcm_laz_decoder_open(const uint8_t* vlr, size_t vlr_bytes, int descriptor, uint64_t begin,
+                                      uint64_t end, char* error, size_t error_bytes);
 size_t pcm_laz_decoder_record_bytes(const pcm_laz_decoder* decoder);
 // What a layered chunk says about itself; 0 for others.
 uint64_t pcm_laz_decoder_chunk_points(const pcm_laz_decoder* decoder);

@@ -1,5 +1,5 @@
-// Gives every point of a tree its signed distance to a plane, as a new attribute, computed by a compute shader; however large the tree
-// is, in so much memory of either kind. Then reads it back and computes it again on the processor.
+// Gives every point of a tree its signed distance to a plane, as a new attribute, computed by a compute shader; however
+// large the tree is, in so much memory of either kind. Then reads it back and computes it again on the processor.
 //   height_above_plane city.pct  500000 4800000 90  0 0.1 1  256 64
 #include "compute_program.h"
 
@@ -13,8 +13,9 @@
 
 namespace {
 
-// Positions come as floats relative to the chunk's origin, so the plane is moved there, in double, by the processor. `precise` forbids
-// fused multiply-adds: what is left, IEEE additions and products in a given order, comes out the same on the processor, bit for bit.
+// Positions come as floats relative to the chunk's origin, so the plane is moved there, in double, by the processor.
+// `precise` forbids fused multiply-adds: what is left, IEEE additions and products in a given order, comes out the same
+// on the processor, bit for bit.
 const char* const shader = R"(#version 430
 layout(local_size_x = 128) in;
 layout(std430, binding = 0) readonly buffer Positions { float position[]; };
@@ -63,10 +64,13 @@ void bind(GLuint index, const pcm::BufferRange& range)
 int main(int argc, char** argv)
 try {
     if (argc != 10)
-        return std::fprintf(stderr, "usage: height_above_plane TREE  X Y Z  NORMAL_X NORMAL_Y NORMAL_Z  L2_MB L1_MB\n"), 2;
+        return std::fprintf(stderr, "usage: height_above_plane TREE  X Y Z  NORMAL_X NORMAL_Y NORMAL_Z  L2_MB L1_MB\n"),
+               2;
     Plane plane;
-    for (std::size_t a = 0; a < 3; ++a) plane.point[a] = std::stod(argv[2 + a]), plane.normal[a] = std::stod(argv[5 + a]);
-    const double length = std::sqrt(plane.height({plane.point[0] + plane.normal[0], plane.point[1] + plane.normal[1], plane.point[2] + plane.normal[2]}));
+    for (std::size_t a = 0; a < 3; ++a)
+        plane.point[a] = std::stod(argv[2 + a]), plane.normal[a] = std::stod(argv[5 + a]);
+    const double length = std::sqrt(plane.height(
+        {plane.point[0] + plane.normal[0], plane.point[1] + plane.normal[1], plane.point[2] + plane.normal[2]}));
     for (double& n : plane.normal) n /= length;
     pcm::L2Options l2;
     l2.capacity_bytes = std::stoull(argv[8]) << 20;
@@ -117,7 +121,8 @@ try {
             error = std::max(error, std::abs(height - plane.height(view.position(i))));
         }
     }
-    std::printf("%zu points, %zu of them have another height; at most %.2g from what double precision gives\n", points, wrong, error);
+    std::printf("%zu points, %zu of them have another height; at most %.2g from what double precision gives\n", points,
+                wrong, error);
     std::printf("%.0f MB went into video memory, %.0f MB came back\n", double(statistics.uploaded_bytes) / 1e6,
                 double(statistics.written_back_bytes) / 1e6);
     l1->release();

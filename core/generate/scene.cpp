@@ -190,7 +190,8 @@ public:
         info_.position_type = ScalarType::i32;
         info_.grid = grid;
         intensity_ = add("intensity", ScalarType::u16);
-        for (const char* constant : {"return_number", "number_of_returns", "scan_direction_flag", "edge_of_flight_line"})
+        for (const char* constant :
+             {"return_number", "number_of_returns", "scan_direction_flag", "edge_of_flight_line"})
             add(constant, ScalarType::u8);
         classification_ = add("classification", ScalarType::u8);
         for (const char* constant : {"synthetic", "key_point", "withheld"}) add(constant, ScalarType::u8);

@@ -13,23 +13,23 @@
 namespace pcm {
 
 struct SceneOptions {
-    std::uint64_t points = 1000000;          // exactly this many are written
+    std::uint64_t points = 1000000;            // exactly this many are written
     Vec3d origin{500000.0, 4800000.0, 100.0};  // map coordinates of the scene's south-west corner
-    double extent = 0;                       // side of the square scene, metres; 0: grows with the number of points
-    double noise = 0.003;                    // standard deviation of the range, metres
-    double scale = 0.001;                    // of the LAS grid, metres
+    double extent = 0;                         // side of the square scene, metres; 0: grows with the number of points
+    double noise = 0.003;                      // standard deviation of the range, metres
+    double scale = 0.001;                      // of the LAS grid, metres
     std::uint64_t seed = 1;
-    unsigned threads = 0;                    // that cast rays; 0: as many as the machine has processors
+    unsigned threads = 0;  // that cast rays; 0: as many as the machine has processors
     ProgressFunction progress;
 };
 
 // One primitive of the scene, in source coordinates; exact, before range noise.
 struct ScenePrimitive {
     enum class Kind { plane, cylinder, sphere } kind = Kind::plane;
-    std::uint16_t id = 0;    // LAS point source id of its points (0: ground relief and vegetation, no primitive)
-    Vec3d point{};           // a point of the plane; a point on the axis; the centre
-    Vec3d direction{};       // unit normal; unit axis; unused
-    double radius = 0;       // cylinder and sphere
+    std::uint16_t id = 0;      // LAS point source id of its points (0: ground relief and vegetation, no primitive)
+    Vec3d point{};             // a point of the plane; a point on the axis; the centre
+    Vec3d direction{};         // unit normal; unit axis; unused
+    double radius = 0;         // cylinder and sphere
     std::uint64_t points = 0;  // written with this id
 };
 
@@ -38,9 +38,9 @@ struct SceneReport {
     std::vector<ScenePrimitive> primitives;
 };
 
-// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and the primitives as JSON beside it (`las` with
-// the extension .truth.json) when write_truth. The same options give the same bytes on every machine. Errors: those of
-// create_las(), invalid_argument for a scene that does not fit its grid.
+// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and the primitives as JSON beside it (`las`
+// with the extension .truth.json) when write_truth. The same options give the same bytes on every machine. Errors:
+// those of create_las(), invalid_argument for a scene that does not fit its grid.
 SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm

@@ -85,8 +85,7 @@ std::vector<NodeId> ChunkFeed::window_of(const DetailSelection& selection, const
     std::vector<bool> blocked(selection.wanted.size(), false);
     for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
         const DetailNode& node = selection.wanted[i];
-        blocked[i] =
-            (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
+        blocked[i] = (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
         if (!current[i] && !blocked[i]) window.push_back(node.node);
     }
     return window;
@@ -193,7 +192,8 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
         const auto found = arrivals_.find(node);
         if (found != arrivals_.end() && found->second.chunk) return Supply::ready;
         // The coarsest chunk sets the scale for all, so it must come first.
-        return is_scaled(format.colour) && !scales_.count(format.colour) && !has_failed(node) ? Supply::stop : Supply::absent;
+        return is_scaled(format.colour) && !scales_.count(format.colour) && !has_failed(node) ? Supply::stop
+                                                                                              : Supply::absent;
     };
     return l1_->request(window, budget_ms, supply, [&](NodeId node) {
         const auto found = arrivals_.find(node);

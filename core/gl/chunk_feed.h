@@ -34,12 +34,16 @@ public:
 
     L1Cache::Owner owner() const { return owner_; }
     const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
-    static bool is_current(const VertexEntry* entry, const VertexFormat& format) { return entry && entry->format.serves(format); }
+    static bool is_current(const VertexEntry* entry, const VertexFormat& format)
+    {
+        return entry && entry->format.serves(format);
+    }
 
-    // The first nodes in `wanted` that video memory lacks (or has in another format): those that are not `current`; less what lies below a node
-    // that cannot be loaded, as it could not be drawn anyway.
+    // The first nodes in `wanted` that video memory lacks (or has in another format): those that are not `current`;
+    // less what lies below a node that cannot be loaded, as it could not be drawn anyway.
     std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current);
-    // What a view will want later and video memory has not got: the loader has time for it only when little is missing now.
+    // What a view will want later and video memory has not got: the loader has time for it only when little is missing
+    // now.
     std::vector<NodeId> ahead_of(const DetailSelection& later, std::size_t missing_now) const;
     // Whether the node cannot be loaded for the time being.
     bool has_failed(NodeId node);

@@ -35,7 +35,8 @@ float fill_of(double spacing_px, const CloudStyle& style)
 std::vector<TreeInView> Frame::trees() const
 {
     std::vector<TreeInView> trees;
-    for (const FrameCloud& cloud : clouds) trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view});
+    for (const FrameCloud& cloud : clouds)
+        trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view});
     return trees;
 }
 
@@ -58,7 +59,8 @@ DetailLimits Frame::current_limits()
     const std::uint64_t pages = l1.pages_available(owners);
     // The coarsest chunks in any case.
     const std::uint64_t least = roots / std::max<std::uint64_t>(1, allowed.page_points) + clouds.size();
-    allowed.page_budget = std::min(pages, std::max(static_cast<std::uint64_t>(picture.page_share * static_cast<double>(pages)), least));
+    allowed.page_budget =
+        std::min(pages, std::max(static_cast<std::uint64_t>(picture.page_share * static_cast<double>(pages)), least));
     return allowed;
 }
 
@@ -71,16 +73,20 @@ void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)
 {
     std::vector<NodeId>& window = clouds[clouds[item].leader].window;
     for (const NodeId node : nodes)
-        if (window.size() < ChunkFeed::window_size && std::find(window.begin(), window.end(), node) == window.end()) window.push_back(node);
+        if (window.size() < ChunkFeed::window_size && std::find(window.begin(), window.end(), node) == window.end())
+            window.push_back(node);
 }
 
 Served Frame::upload(const SceneSelection& selection)
 {
-    const double budget = converges ? std::max(options.upload_budget_ms, picture.budget.at_rest(options.frame_budget_ms) / 2) : options.upload_budget_ms;
+    const double budget = converges
+                              ? std::max(options.upload_budget_ms, picture.budget.at_rest(options.frame_budget_ms) / 2)
+                              : options.upload_budget_ms;
     std::vector<std::size_t> turns;
     for (const SceneSelection::Place& place : selection.order) {
         const std::size_t leader = clouds[place.tree].leader;
-        if (!clouds[leader].window.empty() && std::find(turns.begin(), turns.end(), leader) == turns.end()) turns.push_back(leader);
+        if (!clouds[leader].window.empty() && std::find(turns.begin(), turns.end(), leader) == turns.end())
+            turns.push_back(leader);
     }
     Served sum;
     const auto begun = Clock::now();
@@ -104,7 +110,8 @@ Served Frame::upload(const SceneSelection& selection)
 void begin_strokes(Frame& frame)
 {
     const RenderTarget& target = frame.picture.target;
-    if (gl_has_clip_control()) glClipControl(GL_LOWER_LEFT, target.reversed() ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+    if (gl_has_clip_control())
+        glClipControl(GL_LOWER_LEFT, target.reversed() ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
     frame.picture.clock.begin();
 }
 

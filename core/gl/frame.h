@@ -14,21 +14,22 @@ namespace pcm {
 // One item, ready for a frame.
 struct FrameCloud {
     ChunkFeed* feed;
-    std::size_t leader;             // the first item of the same cloud, which loads for all of them; mostly itself
+    std::size_t leader;  // the first item of the same cloud, which loads for all of them; mostly itself
     const Tree* tree;
     View view;
     CloudStyle style;
     VertexFormat format;
-    std::vector<bool> current;      // of its `wanted`: in L1 with the attributes of the style
-    std::vector<NodeId> window;     // to be loaded
-    std::vector<float> residual;    // of its `wanted`: the largest error of what is in view below and not drawn, pixels
-    // How far points are apart where finer ones are not drawn: source units, and on the screen at its nearest point. 0: nowhere too far.
+    std::vector<bool> current;    // of its `wanted`: in L1 with the attributes of the style
+    std::vector<NodeId> window;   // to be loaded
+    std::vector<float> residual;  // of its `wanted`: the largest error of what is in view below and not drawn, pixels
+    // How far points are apart where finer ones are not drawn: source units, and on the screen at its nearest point. 0:
+    // nowhere too far.
     struct Gap {
         double spacing = 0;
         double spacing_px = 0;
     };
-    std::vector<Gap> gaps;          // of its `wanted`, below each
-    bool filled = false;            // some of its splats are larger than their own size
+    std::vector<Gap> gaps;  // of its `wanted`, below each
+    bool filled = false;    // some of its splats are larger than their own size
 };
 
 struct Frame {
@@ -41,7 +42,7 @@ struct Frame {
     Clock::time_point start = Clock::now();
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
-    DetailLimits limits{};  // of a moving view
+    DetailLimits limits{};   // of a moving view
     bool converges = false;  // the view rests, and goes on to full resolution
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
@@ -60,8 +61,8 @@ struct Frame {
 
 double milliseconds_since(Frame::Clock::time_point start);
 
-// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the spacing and leave no
-// disc of that radius empty.
+// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the
+// spacing and leave no disc of that radius empty.
 inline constexpr double fill_of_spacing = 1.4;
 
 // How large splats are to be, in whole pixels, so that this spacing shows no gaps; 0 where the style's own do.
@@ -75,7 +76,8 @@ public:
     {
         if (cloud_) frame_.splats.end();
     }
-    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual, const FrameCloud::Gap& gap)
+    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual,
+              const FrameCloud::Gap& gap)
     {
         if (cloud_ != &cloud) {
             if (cloud_) frame_.splats.end();
@@ -112,7 +114,8 @@ void timed(Frame& frame, const Draw& draw)
     frame.drawing_ms = milliseconds_since(start);
 }
 
-// What a view that has moved, or whose chunks are still coming, shows. When a resting one shows all that it should, `picture.rest` begins.
+// What a view that has moved, or whose chunks are still coming, shows. When a resting one shows all that it should,
+// `picture.rest` begins.
 void draw_moving(Frame& frame, const SceneSelection& selection, bool resting);
 
 // The picture holds all of `rest->lod` that can be had, `drawn` of each tree's `wanted`; what follows is added to it.

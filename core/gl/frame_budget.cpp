@@ -9,7 +9,8 @@ namespace {
 
 // Before anything is known: what they cost in proportion to each other.
 constexpr std::array<double, 3> first_costs{1, 1, 0.2};
-// Standard deviations, relative: of what is believed at first, of what it changes by from frame to frame, of a time that is measured.
+// Standard deviations, relative: of what is believed at first, of what it changes by from frame to frame, of a time
+// that is measured.
 constexpr double first_deviation = 0.7, change = 0.03, noise = 0.1;
 // A frame that took much longer than expected was held up by something else, as far as one frame tells.
 constexpr double largest_surprise = 0.5;
@@ -54,7 +55,8 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
         for (std::size_t j = 0; j < 3; ++j) gain[i] += covariance_[i][j] * z[j];
         variance += z[i] * gain[i];
     }
-    const double surprise = std::clamp(milliseconds / std::max(expected_ms_, 1e-9) - 1, -largest_surprise, largest_surprise);
+    const double surprise =
+        std::clamp(milliseconds / std::max(expected_ms_, 1e-9) - 1, -largest_surprise, largest_surprise);
     const Features before = gain;  // covariance * z
     for (std::size_t i = 0; i < 3; ++i) {
         gain[i] /= variance;
@@ -67,7 +69,8 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
 void FrameBudget::measured_overhead(double milliseconds)
 {
     if (measures_ > 3 && expected_ms_ > 0) {
-        // A quantile by steps: those up are so much larger than those down that they balance when one frame in 150 is above.
+        // A quantile by steps: those up are so much larger than those down that they balance when one frame in 150 is
+        // above.
         const double ratio = (last_ms_ + milliseconds) / (expected_ms_ + overhead_ms_);
         margin_ = std::clamp(margin_ * (ratio > margin_ ? 1.25 : 0.9985), 1.05, largest_margin);
         expected_ms_ = 0;  // once a frame that was measured

@@ -64,7 +64,8 @@ std::optional<FrameClock::Measure> FrameClock::take()
             glGetQueryObjectui64v(span.from, GL_QUERY_RESULT, &from);
             glGetQueryObjectui64v(span.to, GL_QUERY_RESULT, &to);
             span.pending = false;
-            if (to >= from) known_ = Measure{span.work, std::max(span.handing_ms, static_cast<double>(to - from) * 1e-6)};
+            if (to >= from)
+                known_ = Measure{span.work, std::max(span.handing_ms, static_cast<double>(to - from) * 1e-6)};
         }
     }
     const std::optional<Measure> result = known_;

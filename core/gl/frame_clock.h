@@ -1,9 +1,8 @@
 // How long a frame takes on the device, without waiting for it where that can be had.
 //
-// With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it; where handing it to the
-// driver took longer, it is that. Without, and on a software rasteriser, whose queries leave out the vertices' share and which shares the
-// processor with us anyway, end() waits.
-// GL thread only, one context.
+// With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it; where
+// handing it to the driver took longer, it is that. Without, and on a software rasteriser, whose queries leave out the
+// vertices' share and which shares the processor with us anyway, end() waits. GL thread only, one context.
 #pragma once
 
 #include "gl/frame_budget.h"

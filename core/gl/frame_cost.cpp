@@ -4,7 +4,8 @@
 
 namespace pcm {
 
-FrameCost::FrameCost(Frame& frame, const SceneSelection& selection, const std::vector<SceneSelection::Place>& places) : frame_(frame)
+FrameCost::FrameCost(Frame& frame, const SceneSelection& selection, const std::vector<SceneSelection::Place>& places)
+    : frame_(frame)
 {
     strokes_.reserve(places.size());
     for (const SceneSelection::Place& place : places) {
@@ -27,7 +28,8 @@ FrameWork FrameCost::work(const Stroke& stroke, const FrameCloud::Gap& gap) cons
 {
     const CloudStyle& style = frame_.clouds[stroke.place.tree].style;
     const bool own = style.splats != SplatMode::constant && stroke.entry->format.radius;
-    const double radius = own ? static_cast<double>(style.radius_scale) * static_cast<double>(stroke.entry->typical_radius) : 0;
+    const double radius =
+        own ? static_cast<double>(style.radius_scale) * static_cast<double>(stroke.entry->typical_radius) : 0;
     const double least = own ? 1.0 : std::max(1.0, static_cast<double>(style.point_size_px));
     const auto most_filled = static_cast<double>(fill_of(gap.spacing_px, style));
     // What covers the whole picture covers no more.

@@ -18,7 +18,8 @@ struct Stroke {
 
 class FrameCost {
 public:
-    // Of places in the order in which they are drawn, whose chunks are in L1. Begins and ends the splats of each cloud once.
+    // Of places in the order in which they are drawn, whose chunks are in L1. Begins and ends the splats of each cloud
+    // once.
     FrameCost(Frame& frame, const SceneSelection& selection, const std::vector<SceneSelection::Place>& places);
 
     const std::vector<Stroke>& strokes() const { return strokes_; }

@@ -28,15 +28,20 @@ bool is_compatibility_context()
 GlStateGuard::GlStateGuard()
 {
     compatibility_ = is_compatibility_context();
-    const auto keep = [&](GLenum capability) { switches_.emplace_back(capability, glIsEnabled(capability) == GL_TRUE); };
+    const auto keep = [&](GLenum capability) {
+        switches_.emplace_back(capability, glIsEnabled(capability) == GL_TRUE);
+    };
     for (const GLenum capability :
-         {GL_DEPTH_TEST, GL_BLEND, GL_PROGRAM_POINT_SIZE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DITHER, GL_MULTISAMPLE,
-          GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL,
-          GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART, GL_DEPTH_CLAMP})
+         {GL_DEPTH_TEST, GL_BLEND, GL_PROGRAM_POINT_SIZE, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DITHER,
+          GL_MULTISAMPLE, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE,
+          GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_PRIMITIVE_RESTART,
+          GL_DEPTH_CLAMP})
         keep(capability);
     if (GLEW_ARB_sample_shading || GLEW_VERSION_4_0) keep(GL_SAMPLE_SHADING);
     if (compatibility_)
-        for (const GLenum capability : {GL_POINT_SPRITE, GL_POINT_SMOOTH, GL_ALPHA_TEST, GL_POLYGON_STIPPLE, GL_POLYGON_SMOOTH}) keep(capability);
+        for (const GLenum capability :
+             {GL_POINT_SPRITE, GL_POINT_SMOOTH, GL_ALPHA_TEST, GL_POLYGON_STIPPLE, GL_POLYGON_SMOOTH})
+            keep(capability);
     GLint clip_distances = 0;
     glGetIntegerv(GL_MAX_CLIP_DISTANCES, &clip_distances);
     for (int i = 0; i < clip_distances; ++i) keep(GL_CLIP_DISTANCE0 + static_cast<GLenum>(i));

@@ -25,7 +25,8 @@ public:
     const std::array<std::int32_t, 4>& viewport() const { return viewport_; }
     std::array<float, 2> depth_range() const { return depth_range_; }
 
-    // The state that a picture of our own is drawn with: depth tested and written, no blending, clipping or masking of any kind.
+    // The state that a picture of our own is drawn with: depth tested and written, no blending, clipping or masking of
+    // any kind.
     void set_plain() const;
 
 private:
@@ -64,7 +65,8 @@ bool gl_functions_loaded();
 // Whether the current context has the compatibility profile, or is older than profiles.
 bool is_compatibility_context();
 
-// Whether depth can run from 1 at the near plane to 0 at the far one with all the precision of float near 0 (OpenGL 4.5 or ARB_clip_control).
+// Whether depth can run from 1 at the near plane to 0 at the far one with all the precision of float near 0 (OpenGL 4.5
+// or ARB_clip_control).
 bool gl_has_clip_control();
 
 // Whether the current context is drawn by the processor.

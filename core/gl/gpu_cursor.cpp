@@ -152,7 +152,8 @@ struct GpuCursor::State {
                                               std::byte* to, std::size_t first, std::size_t count) {
                                    std::memcpy(to, column.data() + first * bytes, count * bytes);
                                }});
-        return l1->upload_columns(owner, node, chunk->points, chunk->positions ? chunk->positions->origin : Vec3i{}, sources, true);
+        return l1->upload_columns(owner, node, chunk->points, chunk->positions ? chunk->positions->origin : Vec3i{},
+                                  sources, true);
     }
 
     std::uint64_t pages_of(NodeId node) const
@@ -169,7 +170,8 @@ struct GpuCursor::State {
         throw Error(ErrorCode::no_space, {},
                     "video memory has no room for " + name_of(node) + ", which needs " +
                         megabytes(pages_of(node) * L1Cache::page_bytes) + "; of the L1's " +
-                        megabytes(l1->options().capacity_bytes) + ", too much is held by views or by what is on the screen",
+                        megabytes(l1->options().capacity_bytes) +
+                        ", too much is held by views or by what is on the screen",
                     "let go of views that are not needed any more, or give the L1 more memory");
     }
 };
@@ -177,7 +179,10 @@ struct GpuCursor::State {
 struct GpuView::Hold {
     std::shared_ptr<GpuCursor::State> state;
     NodeId node;
-    Hold(std::shared_ptr<GpuCursor::State> s, NodeId n) : state(std::move(s)), node(n) { state->l1->pin(state->owner, node); }
+    Hold(std::shared_ptr<GpuCursor::State> s, NodeId n) : state(std::move(s)), node(n)
+    {
+        state->l1->pin(state->owner, node);
+    }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
     ~Hold() { state->l1->unpin(state->owner, node); }
@@ -246,7 +251,8 @@ GpuCursor::GpuCursor(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache>
         s.slots.push_back(*slot);
         s.columns.attributes.set(*slot);
     }
-    for (const SelectedNode& node : selected_nodes(*s.cloud->tree(), Selector(query.selection(), info.schema), query.level)) {
+    for (const SelectedNode& node :
+         selected_nodes(*s.cloud->tree(), Selector(query.selection(), info.schema), query.level)) {
         if (node.points == 0) continue;
         s.nodes.push_back(node.node);
         s.points[node.node] = node.points;
@@ -312,17 +318,19 @@ std::vector<GpuView> GpuCursor::load_all()
     for (const NodeId node : s.nodes) pages += s.pages_of(node);
     const std::uint64_t available = s.l1->pages_available(s.owner);
     if (pages > available)
-        throw Error(ErrorCode::no_space, {},
-                    "all " + std::to_string(s.nodes.size()) + " chunks together need " +
-                        megabytes(pages * L1Cache::page_bytes) + " of video memory; " +
-                        megabytes(available * L1Cache::page_bytes) + " can be had",
-                    "ask for a coarser level or a smaller box, give the L1 more memory, or take one chunk after the other");
+        throw Error(
+            ErrorCode::no_space, {},
+            "all " + std::to_string(s.nodes.size()) + " chunks together need " +
+                megabytes(pages * L1Cache::page_bytes) + " of video memory; " +
+                megabytes(available * L1Cache::page_bytes) + " can be had",
+            "ask for a coarser level or a smaller box, give the L1 more memory, or take one chunk after the other");
     std::vector<GpuView> views;
-    s.l1->request(s.nodes, std::nullopt, [](NodeId) { return Supply::ready; },
-                  [&](NodeId node) {
-                      views.push_back(get(node));
-                      return true;
-                  });
+    s.l1->request(
+        s.nodes, std::nullopt, [](NodeId) { return Supply::ready; },
+        [&](NodeId node) {
+            views.push_back(get(node));
+            return true;
+        });
     return views;
 }
 
@@ -339,7 +347,8 @@ void GpuCursor::check_last()
         if (entry->written[k] || s.l1->read(s.owner, node, k) == columns[k]) continue;
         const bool is_position = s.columns.positions && k == 0;
         throw Error(ErrorCode::invalid_argument, s.cloud->tree()->folder(),
-                    is_position ? "positions of node " + std::to_string(node) + " were changed in video memory; they cannot be written back"
+                    is_position ? "positions of node " + std::to_string(node) +
+                                      " were changed in video memory; they cannot be written back"
                                 : "attribute '" + s.names[k - s.entry_column(0)] + "' of node " + std::to_string(node) +
                                       " was changed in video memory and not marked",
                     is_position ? "" : "call mark_written() on the view, or the change is lost");
@@ -389,10 +398,11 @@ void require_compute_shaders()
     const bool by_extension = GLEW_ARB_compute_shader && GLEW_ARB_shader_storage_buffer_object;
     if ((by_version || by_extension) && glDispatchCompute && glBindBufferRange && glMemoryBarrier) return;
     drain_gl_errors();
-    throw Error(ErrorCode::unsupported, {},
-                std::string("compute shaders need OpenGL 4.3; this context has ") + reinterpret_cast<const char*>(version),
-                "ask for a context of version 4.3 or newer (Mesa's software renderer gives one), or use PointCloud::points() "
-                "on the processor");
+    throw Error(
+        ErrorCode::unsupported, {},
+        std::string("compute shaders need OpenGL 4.3; this context has ") + reinterpret_cast<const char*>(version),
+        "ask for a context of version 4.3 or newer (Mesa's software renderer gives one), or use PointCloud::points() "
+        "on the processor");
 }
 
 }  // namespace pcm

@@ -150,8 +150,9 @@ std::vector<std::byte> L1Cache::read(Owner owner, NodeId node, std::size_t colum
 {
     const ColumnEntry* const entry = find_columns(owner, node);
     if (!entry || column >= entry->strides.size())
-        throw Error(ErrorCode::invalid_argument, {},
-                    "column " + std::to_string(column) + " of node " + std::to_string(node) + " is not in video memory");
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            "column " + std::to_string(column) + " of node " + std::to_string(node) + " is not in video memory");
     std::vector<std::byte> bytes(std::size_t(entry->points) * entry->strides[column]);
     ReadBack(*entry).read(column, bytes.data());
     return bytes;
@@ -197,11 +198,14 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
                 scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
         entry.groups = make_groups(positions, scale, format.radius ? attributes.radii : nullptr);
         entry.largest_radius = entry.typical_radius = 0;
-        for (const VertexGroup& group : entry.groups) entry.largest_radius = std::max(entry.largest_radius, group.largest_radius);
+        for (const VertexGroup& group : entry.groups)
+            entry.largest_radius = std::max(entry.largest_radius, group.largest_radius);
         if (format.radius) {
             double squares = 0;
-            for (std::size_t i = 0; i < positions.size(); ++i) squares += static_cast<double>(attributes.radii[i]) * static_cast<double>(attributes.radii[i]);
-            entry.typical_radius = static_cast<float>(std::sqrt(squares / std::max<double>(1, static_cast<double>(positions.size()))));
+            for (std::size_t i = 0; i < positions.size(); ++i)
+                squares += static_cast<double>(attributes.radii[i]) * static_cast<double>(attributes.radii[i]);
+            entry.typical_radius =
+                static_cast<float>(std::sqrt(squares / std::max<double>(1, static_cast<double>(positions.size()))));
         }
         transfer(entry, slot->pages(), positions, scale, attributes);
         return true;
@@ -213,8 +217,8 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
     return true;
 }
 
-const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32_t points,
-                                           const Vec3i& origin, const std::vector<ColumnSource>& columns, bool forced)
+const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32_t points, const Vec3i& origin,
+                                           const std::vector<ColumnSource>& columns, bool forced)
 {
     const auto start = Clock::now();
     std::size_t pages = 0;
@@ -290,9 +294,10 @@ void L1Cache::mark_written(Owner owner, NodeId node, std::size_t column)
             throw Error(ErrorCode::invalid_argument, {},
                         "column " + std::to_string(column) + " of node " + std::to_string(node) +
                             " cannot be marked as written: " +
-                            (!columns                              ? "it is not in video memory"
-                             : column >= columns->written.size() ? "there are " + std::to_string(columns->written.size()) + " columns"
-                                                                   : "nobody writes it back"));
+                            (!columns ? "it is not in video memory"
+                             : column >= columns->written.size()
+                                 ? "there are " + std::to_string(columns->written.size()) + " columns"
+                                 : "nobody writes it back"));
         columns->written[column] = true;
         entry->payload.write_back = write_back->second;
         table.mark_written(*entry);
@@ -362,8 +367,8 @@ void L1Cache::set_capacity(std::uint64_t bytes)
         const auto first = static_cast<std::uint32_t>(blocks * pages_per_block_);
         if (!(*table_)([&](auto& table) { return table.retire_pages(first, Hooks{*this}); })) {
             if (write_back_error_) std::rethrow_exception(write_back_error_);
-            throw Error(ErrorCode::invalid_argument, {},
-                        "video memory cannot be taken from chunks that somebody holds", "let go of the views of them first");
+            throw Error(ErrorCode::invalid_argument, {}, "video memory cannot be taken from chunks that somebody holds",
+                        "let go of the views of them first");
         }
         glDeleteBuffers(static_cast<GLsizei>(blocks_.size() - blocks), blocks_.data() + blocks);
         blocks_.resize(blocks);

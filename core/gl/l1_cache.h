@@ -1,15 +1,16 @@
 // L1: chunks in video memory, between L2 and those who draw them or compute on them.
 //
-// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they are free, so
-// a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is free, the replacement policy
-// chooses entries to drop.
+// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they
+// are free, so a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is
+// free, the replacement policy chooses entries to drop.
 //
-// An entry holds a chunk either as vertices to be drawn (upload()) or as columns to compute on (upload_columns()). Columns that were
-// changed there are marked as written; before such an entry is dropped, and on flush() and release(), they are read back and given
-// to the owner's L1WriteBack. When that refuses, the entry stays as it is.
+// An entry holds a chunk either as vertices to be drawn (upload()) or as columns to compute on (upload_columns()).
+// Columns that were changed there are marked as written; before such an entry is dropped, and on flush() and release(),
+// they are read back and given to the owner's L1WriteBack. When that refuses, the entry stays as it is.
 //
-// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics() and the
-// constructor wants a context of that group current, except those that say so. No GL object is made before the first upload.
+// One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics()
+// and the constructor wants a context of that group current, except those that say so. No GL object is made before the
+// first upload.
 #pragma once
 
 #include "bpc/chunk.h"
@@ -37,8 +38,9 @@ struct L1Options {
     L1Container container = L1Container::hash_map;
 };
 
-// A miss is counted at upload: compulsory when this was never uploaded before, capacity when it had been and was dropped; forced,
-// beside either, when a computation had to wait for it. A hit is a chunk that was drawn or computed on from the cache.
+// A miss is counted at upload: compulsory when this was never uploaded before, capacity when it had been and was
+// dropped; forced, beside either, when a computation had to wait for it. A hit is a chunk that was drawn or computed on
+// from the cache.
 struct L1Statistics {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
@@ -52,8 +54,8 @@ struct L1Statistics {
     std::uint64_t written_back_chunks = 0;
     std::uint64_t written_back_bytes = 0;
     std::uint64_t failed_write_backs = 0;
-    double write_back_seconds = 0;  // reading out of video memory and handing over
-    LoadTimes write_back_times;     // of a chunk
+    double write_back_seconds = 0;     // reading out of video memory and handing over
+    LoadTimes write_back_times;        // of a chunk
     std::uint64_t resident_bytes = 0;  // of the pages in use
     std::uint64_t resident_chunks = 0;
     std::uint64_t allocated_bytes = 0;  // of the blocks; never above the capacity
@@ -69,8 +71,8 @@ struct VertexRange {
 struct VertexEntry {
     VertexFormat format;
     std::uint32_t points = 0;
-    Vec3i origin{};  // of the chunk, grid coordinates
-    Vec3d extent{};  // of the chunk, source units
+    Vec3i origin{};            // of the chunk, grid coordinates
+    Vec3d extent{};            // of the chunk, source units
     float largest_radius = 0;  // of its points, source units; of a format with radii
     float typical_radius = 0;  // root mean square of them
     std::vector<VertexRange> ranges;
@@ -146,24 +148,24 @@ class L1Cache {
 public:
     using Owner = std::uint64_t;
 
-    // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds 5120 bare
-    // vertices, 3840 with colour, 1920 with all there is; a block of 1, 2 or 4 MiB has 17 pages a MiB.
+    // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds
+    // 5120 bare vertices, 3840 with colour, 1920 with all there is; a block of 1, 2 or 4 MiB has 17 pages a MiB.
     static constexpr std::uint32_t page_bytes = 61440;
     static std::uint32_t points_per_page(const VertexFormat& format) { return page_bytes / format.stride(); }
     static constexpr std::uint32_t max_stride = page_bytes / 256;  // of a column
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
     explicit L1Cache(const L1Options& options = {});
-    // Touches no OpenGL: what release() has not freed is left to the context's end, and what was marked as written and neither
-    // flush() nor release() has written back is lost.
+    // Touches no OpenGL: what release() has not freed is left to the context's end, and what was marked as written and
+    // neither flush() nor release() has written back is lost.
     ~L1Cache();
     L1Cache(const L1Cache&) = delete;
     L1Cache& operator=(const L1Cache&) = delete;
 
     // `write_back` may be null for an owner that marks nothing. Needs no context.
     Owner add_owner(std::shared_ptr<L1WriteBack> write_back = nullptr);
-    // Drops the owner's entries; the pages stay for others. Entries that are marked as written stay, with the write-back, until they
-    // have been written back, pinned ones until they are let go of. Needs no context.
+    // Drops the owner's entries; the pages stay for others. Entries that are marked as written stay, with the
+    // write-back, until they have been written back, pinned ones until they are let go of. Needs no context.
     void remove_owner(Owner owner);
 
     // A new frame of this owner: what it used in its last frame may be evicted from now on. What the others used in
@@ -182,10 +184,10 @@ public:
     // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
     // Of `attributes` is read what `format` has. Evicts as needed, as the policy says, never what
     // is protected. False when that does not make room enough (an entry of the same node is kept then), as when the
-    // driver is out of memory, or when write-backs failed: see write_back_error(). Leaves the binding of GL_COPY_WRITE_BUFFER
-    // changed. Throws Error(invalid_argument) for an owner that is not there.
-    bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale, const VertexFormat& format,
-                const VertexAttributes& attributes);
+    // driver is out of memory, or when write-backs failed: see write_back_error(). Leaves the binding of
+    // GL_COPY_WRITE_BUFFER changed. Throws Error(invalid_argument) for an owner that is not there.
+    bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
+                const VertexFormat& format, const VertexAttributes& attributes);
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
     // Error(unsupported) for a column of more than max_stride bytes a point.
@@ -193,12 +195,14 @@ public:
                                       const std::vector<ColumnSource>& columns, bool forced);
     static std::uint64_t pages_of(std::uint32_t stride, std::uint64_t points);  // of a column
 
-    // A column as it is in video memory. Throws Error(invalid_argument) for what is not there, Error(io) when OpenGL fails.
+    // A column as it is in video memory. Throws Error(invalid_argument) for what is not there, Error(io) when OpenGL
+    // fails.
     std::vector<std::byte> read(Owner owner, NodeId node, std::size_t column) const;
 
-    // Requests restricted by time: uploads one node after the other, as far as `supply` has them ready, until `milliseconds` are
-    // spent; one is uploaded whatever it takes. Without a time, all are, as computations want it that need all nodes to a level.
-    // `upload` uploads a node; false when that was refused. Throws what these two throw.
+    // Requests restricted by time: uploads one node after the other, as far as `supply` has them ready, until
+    // `milliseconds` are spent; one is uploaded whatever it takes. Without a time, all are, as computations want it
+    // that need all nodes to a level. `upload` uploads a node; false when that was refused. Throws what these two
+    // throw.
     Served request(const std::vector<NodeId>& nodes, std::optional<double> milliseconds,
                    const std::function<Supply(NodeId)>& supply, const std::function<bool(NodeId)>& upload);
     static constexpr double default_milliseconds = 3;
@@ -210,10 +214,12 @@ public:
     // The column has been changed in video memory by what was sent to OpenGL before; the owner has a write-back. Throws
     // Error(invalid_argument) for what is not there.
     void mark_written(Owner owner, NodeId node, std::size_t column);
-    // Writes back what is marked, of one owner or of all. Throws the first error after having tried all; what failed stays marked.
+    // Writes back what is marked, of one owner or of all. Throws the first error after having tried all; what failed
+    // stays marked.
     void flush(Owner owner);
     void flush();
-    // Takes the marks off, of one owner or of all, when what they are for is wanted no more or its cloud is closed. Needs no context.
+    // Takes the marks off, of one owner or of all, when what they are for is wanted no more or its cloud is closed.
+    // Needs no context.
     void discard(Owner owner);
     void discard();
     // Why the latest upload could write back nothing more; null if it did not fail so.
@@ -224,11 +230,12 @@ public:
     std::uint64_t pages_available(const std::vector<Owner>& owners) const;
 
     // Takes effect at once: the blocks above it are freed, and what lies in them is evicted, protected or not. Throws
-    // Error(invalid_argument), and nothing is changed, below one block or when pinned entries lie there, and what a write-back threw.
+    // Error(invalid_argument), and nothing is changed, below one block or when pinned entries lie there, and what a
+    // write-back threw.
     void set_capacity(std::uint64_t bytes);
 
-    // Frees all GL objects; the cache is empty and usable afterwards. Throws, and nothing is freed, what flush() throws, and
-    // Error(invalid_argument) while entries are pinned.
+    // Frees all GL objects; the cache is empty and usable afterwards. Throws, and nothing is freed, what flush()
+    // throws, and Error(invalid_argument) while entries are pinned.
     void release();
 
     L1Statistics statistics() const;
@@ -240,9 +247,10 @@ private:
     struct Payload;
     bool add_block();
     std::uint32_t buffer_of(std::uint32_t page) const { return blocks_[page / pages_per_block_]; }
-    void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions, const Vec3d& scale,
-                  const VertexAttributes& attributes);
-    void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages, const std::vector<ColumnSource>& columns);
+    void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions,
+                  const Vec3d& scale, const VertexAttributes& attributes);
+    void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages,
+                  const std::vector<ColumnSource>& columns);
     bool write_back(NodeId node, Payload& payload);
     void flush_owner(const Owner* owner);
     void discard_owner(const Owner* owner);

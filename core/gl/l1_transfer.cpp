@@ -14,7 +14,8 @@ namespace {
 // float holds exactly, and must be rounded once only.
 template <class T>
 void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale,
-                    const VertexFormat& format, const VertexAttributes& attributes, std::size_t first, std::size_t count)
+                    const VertexFormat& format, const VertexAttributes& attributes, std::size_t first,
+                    std::size_t count)
 {
     const std::size_t stride = format.stride();
     const std::size_t radius_place = format.radius_place();
@@ -51,8 +52,9 @@ void L1Cache::transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pag
     for (const std::uint32_t page : pages) {
         // One page at a time: what was just written is still in the processor's cache when the driver copies it.
         const std::size_t count = std::min(per_page, positions.size() - first);
-        positions.wide ? write_vertices(staging_.data(), positions.wide_xyz, scale, entry.format, attributes, first, count)
-                       : write_vertices(staging_.data(), positions.narrow_xyz, scale, entry.format, attributes, first, count);
+        positions.wide
+            ? write_vertices(staging_.data(), positions.wide_xyz, scale, entry.format, attributes, first, count)
+            : write_vertices(staging_.data(), positions.narrow_xyz, scale, entry.format, attributes, first, count);
         const std::uint32_t buffer = buffer_of(page);
         const std::uint32_t place = page % pages_per_block_;
         glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);

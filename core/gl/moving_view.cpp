@@ -40,23 +40,29 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
 
 using DrawnOfTrees = std::vector<std::vector<bool>>;  // of each tree's `wanted`
 
-// Of the chunks that can be drawn, how many there is time for, from the first on. Gaps, the frame's work and `drawn` are as of these.
+// Of the chunks that can be drawn, how many there is time for, from the first on. Gaps, the frame's work and `drawn`
+// are as of these.
 std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const FrameCost& cost, DrawnOfTrees& drawn)
 {
     const std::vector<Stroke>& strokes = cost.strokes();
     FrameBudget& budget = frame.picture.budget;
     const auto take = [&](std::size_t count) {
-        for (std::size_t s = 0; s < strokes.size(); ++s) drawn[strokes[s].place.tree][strokes[s].place.index] = s < count;
-        for (std::size_t t = 0; t < frame.clouds.size(); ++t) find_gaps(frame.clouds[t], selection.trees[t], drawn[t], frame.options.fill_gaps);
+        for (std::size_t s = 0; s < strokes.size(); ++s)
+            drawn[strokes[s].place.tree][strokes[s].place.index] = s < count;
+        for (std::size_t t = 0; t < frame.clouds.size(); ++t)
+            find_gaps(frame.clouds[t], selection.trees[t], drawn[t], frame.options.fill_gaps);
         frame.work = {};
         for (std::size_t s = 0; s < count; ++s)
-            frame.work = frame.work + cost.work(strokes[s], frame.clouds[strokes[s].place.tree].gaps[strokes[s].place.index]);
+            frame.work =
+                frame.work + cost.work(strokes[s], frame.clouds[strokes[s].place.tree].gaps[strokes[s].place.index]);
         return budget.expected(frame.work);
     };
     const double available = budget.available(frame.options.frame_budget_ms);
     // The coarsest chunks in any case.
     std::size_t fits = 0, count = strokes.size();
-    while (fits < strokes.size() && selection.trees[strokes[fits].place.tree].wanted[strokes[fits].place.index].ancestor == no_ancestor) ++fits;
+    while (fits < strokes.size() &&
+           selection.trees[strokes[fits].place.tree].wanted[strokes[fits].place.index].ancestor == no_ancestor)
+        ++fits;
     double expected = take(count);
     if (expected > available && fits < count) {
         std::size_t fails = count;
@@ -75,7 +81,8 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         const SceneSelection::Place& left_out = strokes[count].place;
         for (const SceneSelection::Place& place : selection.order) {
             if (place.tree == left_out.tree && place.index == left_out.index) break;
-            points += frame.clouds[place.tree].tree->nodes()[selection.trees[place.tree].wanted[place.index].node].points;
+            points +=
+                frame.clouds[place.tree].tree->nodes()[selection.trees[place.tree].wanted[place.index].node].points;
         }
         budget.fewer(points);
     }
@@ -93,7 +100,8 @@ void load(Frame& frame, const SceneSelection& selection, const SceneSelection* l
     const std::size_t count = frame.clouds.size();
     std::vector<std::vector<NodeId>> ahead(count);
     for (FrameCloud& cloud : frame.clouds) cloud.window.clear();
-    for (std::size_t t = 0; t < count; ++t) frame.want(t, frame.clouds[t].feed->window_of(selection.trees[t], frame.clouds[t].current));
+    for (std::size_t t = 0; t < count; ++t)
+        frame.want(t, frame.clouds[t].feed->window_of(selection.trees[t], frame.clouds[t].current));
     for (std::size_t t = 0; later && t < count; ++t) {
         const FrameCloud& leader = frame.clouds[frame.clouds[t].leader];
         std::vector<NodeId>& of_leader = ahead[frame.clouds[t].leader];
@@ -110,7 +118,8 @@ bool can_converge(const Frame& frame)
 {
     // What a chunk's colour shows changes with what is drawn below it.
     return frame.options.order == DetailOrder::error &&
-           std::none_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& c) { return c.style.colour == ColourMode::error; });
+           std::none_of(frame.clouds.begin(), frame.clouds.end(),
+                        [](const FrameCloud& c) { return c.style.colour == ColourMode::error; });
 }
 
 void adapt_page_share(PictureState& p, bool refused)
@@ -144,7 +153,8 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
         const DetailSelection& wanted = selection.trees[t];
         cloud.current.assign(wanted.wanted.size(), false);
         for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
-            cloud.current[i] = ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted.wanted[i].node), cloud.format);
+            cloud.current[i] =
+                ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted.wanted[i].node), cloud.format);
     }
     const std::optional<SceneSelection> later = resting ? std::nullopt : predicted(frame);
     load(frame, selection, later ? &*later : nullptr);
@@ -208,7 +218,8 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     adapt_page_share(p, served.refused);
     // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
     more_to_come = more_to_come && !served.refused;
-    const bool budget_grows = all_fit && selection.budget_reached && report.effective_point_budget < frame.options.point_budget &&
+    const bool budget_grows = all_fit && selection.budget_reached &&
+                              report.effective_point_budget < frame.options.point_budget &&
                               p.budget.can_grow(frame.options.point_budget);
     // Also when the window is through and the next one has not been asked for.
     report.repaint = served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !waits);

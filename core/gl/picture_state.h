@@ -43,8 +43,9 @@ struct PictureKey {
 
     bool operator==(const PictureKey& o) const
     {
-        return modelview == o.modelview && projection == o.projection && width == o.width && height == o.height && target_px == o.target_px &&
-               converge == o.converge && fill_gaps == o.fill_gaps && order == o.order && items == o.items;
+        return modelview == o.modelview && projection == o.projection && width == o.width && height == o.height &&
+               target_px == o.target_px && converge == o.converge && fill_gaps == o.fill_gaps && order == o.order &&
+               items == o.items;
     }
     // Whether a point costs the same to draw.
     bool looks_as(const PictureKey& o) const
@@ -57,8 +58,8 @@ struct PictureKey {
 };
 
 struct PictureState {
-    RenderTarget target;   // what is shown
-    RenderTarget next;     // what a resting view is drawn into while `target` shows larger splats than it will have
+    RenderTarget target;  // what is shown
+    RenderTarget next;    // what a resting view is drawn into while `target` shows larger splats than it will have
     RenderTarget resolved;
     unsigned asked_samples = 1;
     FrameClock clock;
@@ -69,22 +70,23 @@ struct PictureState {
 
     std::set<std::pair<std::uint64_t, NodeId>> kept;  // (cloud, node) drawn in the latest frame of a moving view
 
-    // Of the video memory that the clouds can have, this share holds what a moving view draws; what only a resting view needs streams
-    // through the rest. Smaller after a refusal, as entries may hold attributes that were not reckoned with.
+    // Of the video memory that the clouds can have, this share holds what a moving view draws; what only a resting view
+    // needs streams through the rest. Smaller after a refusal, as entries may hold attributes that were not reckoned
+    // with.
     double page_share = most_page_share;
     static constexpr double most_page_share = 0.75;
 
     // A view that rests.
     struct Rest {
-        SceneSelection lod;                // what a moving view would draw
-        SceneSelection all;                // everything in view; begins with `lod`
-        bool begun = false;                // the target holds `lod`, as far as it can be loaded
-        std::size_t added = 0;             // of `all.order`, that the target holds or that were left out
+        SceneSelection lod;                 // what a moving view would draw
+        SceneSelection all;                 // everything in view; begins with `lod`
+        bool begun = false;                 // the target holds `lod`, as far as it can be loaded
+        std::size_t added = 0;              // of `all.order`, that the target holds or that were left out
         std::vector<std::size_t> left_out;  // of these: could not be loaded
         std::uint64_t points = 0, nodes = 0;
         std::vector<std::uint64_t> points_of;  // of each item
-        std::size_t held = 0;              // of `lod.order`, that L1 is asked to hold on to
-        bool behind = false;               // it is drawn into `next`, and what is shown is what follows
+        std::size_t held = 0;                  // of `lod.order`, that L1 is asked to hold on to
+        bool behind = false;                   // it is drawn into `next`, and what is shown is what follows
         std::uint64_t shown_points = 0, shown_nodes = 0;
         std::vector<std::uint64_t> shown_points_of;
         double shown_error_px = 0;

@@ -25,7 +25,8 @@ GLuint make_texture(GLenum format, GLenum components, GLenum type, int width, in
     glGenTextures(1, &texture);
     if (samples > 1) {
         glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, texture);
-        glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, static_cast<GLsizei>(samples), format, width, height, GL_TRUE);
+        glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, static_cast<GLsizei>(samples), format, width, height,
+                                GL_TRUE);
     } else {
         glBindTexture(GL_TEXTURE_2D, texture);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -60,8 +61,9 @@ bool RenderTarget::prepare(int width, int height, unsigned samples)
     if (status != GL_FRAMEBUFFER_COMPLETE || !errors.empty()) {
         release();
         throw Error(ErrorCode::unsupported, {},
-                    "the driver makes no picture of " + std::to_string(width) + " x " + std::to_string(height) + " pixels with " +
-                        std::to_string(samples) + " samples each" + (errors.empty() ? "" : ": OpenGL error " + errors),
+                    "the driver makes no picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                        " pixels with " + std::to_string(samples) + " samples each" +
+                        (errors.empty() ? "" : ": OpenGL error " + errors),
                     "ask for fewer samples or a smaller picture");
     }
     return true;
@@ -108,7 +110,8 @@ const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into i
     return program;
 }
 
-void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection, float eye_dome)
+void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host,
+                      const Matrix4d& projection, float eye_dome)
 {
     GLuint vertex_array = 0;
     glGenVertexArrays(1, &vertex_array);
@@ -133,11 +136,12 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
             double largest = 0;
             for (const double v : k) largest = std::max(largest, std::abs(v));
             for (double& v : k) v /= largest > 0 ? largest : 1;
-            glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]), static_cast<float>(k[2]),
-                        static_cast<float>(k[3]));
+            glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]),
+                        static_cast<float>(k[2]), static_cast<float>(k[3]));
             const bool orthographic = projection[3] == 0 && projection[7] == 0 && projection[11] == 0;
             const double height = projection[5] != 0 ? std::abs(2 * projection[15] / projection[5]) : 0;
-            glUniform1f(composite.uniform("relief_of_distance"), orthographic && height > 0 ? static_cast<float>(1 / height) : 0.0f);
+            glUniform1f(composite.uniform("relief_of_distance"),
+                        orthographic && height > 0 ? static_cast<float>(1 / height) : 0.0f);
             glUniform1f(composite.uniform("strength"), eye_dome);
             glUniform2i(composite.uniform("size"), from.width(), from.height());
         }

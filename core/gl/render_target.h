@@ -1,9 +1,9 @@
 // A picture of our own, colour and depth, and how it comes into the host's.
 //
-// Splats are drawn here and not into the host's framebuffer for three things that the host may not have: several samples a
-// pixel, depth as 32-bit float that runs from 1 at the near plane to 0 (so that its precision does not end a few metres from the
-// eye), and that it stays: a view that rests is drawn further, not anew. GL thread only; a target belongs to one context, a Compositor
-// to a share group.
+// Splats are drawn here and not into the host's framebuffer for three things that the host may not have: several
+// samples a pixel, depth as 32-bit float that runs from 1 at the near plane to 0 (so that its precision does not end a
+// few metres from the eye), and that it stays: a view that rests is drawn further, not anew. GL thread only; a target
+// belongs to one context, a Compositor to a share group.
 #pragma once
 
 #include "gl/gl_state.h"
@@ -18,8 +18,8 @@ namespace pcm {
 
 class RenderTarget {
 public:
-    // Makes it this large, with so many samples a pixel or as many as the driver can have, whichever is fewer. True when what
-    // it held is lost. Throws Error(unsupported) when the driver makes no such framebuffer.
+    // Makes it this large, with so many samples a pixel or as many as the driver can have, whichever is fewer. True
+    // when what it held is lost. Throws Error(unsupported) when the driver makes no such framebuffer.
     bool prepare(int width, int height, unsigned samples);
     void bind() const;  // to draw into, with its whole as the viewport
     void clear() const;
@@ -42,10 +42,11 @@ private:
 
 class Compositor {
 public:
-    // Draws the picture into what the host draws into, depth tested (GL_LEQUAL) and written as the host's projection and depth range
-    // have it; pixels partly covered are blended. `eye_dome`: strength of eye-dome lighting, 0: none. `resolved` is a target for
-    // pictures of several samples with eye-dome lighting.
-    void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection, float eye_dome);
+    // Draws the picture into what the host draws into, depth tested (GL_LEQUAL) and written as the host's projection
+    // and depth range have it; pixels partly covered are blended. `eye_dome`: strength of eye-dome lighting, 0: none.
+    // `resolved` is a target for pictures of several samples with eye-dome lighting.
+    void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection,
+              float eye_dome);
     void release();
 
 private:
@@ -54,7 +55,8 @@ private:
     std::map<std::tuple<unsigned, bool, Into>, ShaderProgram> programs_;
 };
 
-// (x + y d) / (z + w d) is the distance from the eye, along its axis, of depth d: 1 at the near plane, 0 at the far one.
+// (x + y d) / (z + w d) is the distance from the eye, along its axis, of depth d: 1 at the near plane, 0 at the far
+// one.
 std::array<double, 4> distance_of_depth(const Matrix4d& projection);
 
 }  // namespace pcm

@@ -21,7 +21,8 @@ struct Renderer::Impl {
     static void share_format(Frame& frame, FrameCloud& cloud)
     {
         VertexFormat& former = frame.clouds[cloud.leader].format;
-        if (former.colour != VertexColour::none && cloud.format.colour != VertexColour::none && former.colour != cloud.format.colour)
+        if (former.colour != VertexColour::none && cloud.format.colour != VertexColour::none &&
+            former.colour != cloud.format.colour)
             throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, in the colours of two attributes",
                         "give it another DrawnCloud for the second, or the same colours");
         if (former.colour == VertexColour::none) former.colour = cloud.format.colour;
@@ -32,16 +33,19 @@ struct Renderer::Impl {
         cloud.format = former;
     }
 
-    FrameReport draw(PictureState& p, const View& scene, const std::vector<SceneItem>& items, const RenderOptions& options)
+    FrameReport draw(PictureState& p, const View& scene, const std::vector<SceneItem>& items,
+                     const RenderOptions& options)
     {
         Frame frame{p, options, *l1, splats};
         FrameReport& report = frame.report;
-        PictureKey key{scene.modelview, scene.projection,        scene.width,   scene.height,
-                       options.target_spacing_px, options.converge, options.fill_gaps, options.order, {}};
+        PictureKey key{
+            scene.modelview,   scene.projection, scene.width, scene.height, options.target_spacing_px, options.converge,
+            options.fill_gaps, options.order,    {}};
         std::vector<CloudReport> clouds;
         for (const SceneItem& item : items) {
             if (!item.cloud || item.cloud->l1() != l1)
-                throw Error(ErrorCode::invalid_argument, {}, "a scene's item has no cloud, or one of another L1 than the renderer's");
+                throw Error(ErrorCode::invalid_argument, {},
+                            "a scene's item has no cloud, or one of another L1 than the renderer's");
             FrameCloud cloud{};
             const DrawnCloud::Impl& drawn = *item.cloud->impl_;
             cloud.feed = drawn.feed.get();
@@ -63,7 +67,8 @@ struct Renderer::Impl {
                 share_format(frame, cloud);
             frame.clouds.push_back(std::move(cloud));
         }
-        const bool shows = std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& c) { return Frustum::of(c.view).has_value(); });
+        const bool shows = std::any_of(frame.clouds.begin(), frame.clouds.end(),
+                                       [](const FrameCloud& c) { return Frustum::of(c.view).has_value(); });
         if (!shows) {
             p.forget();
             report.clouds = std::move(clouds);
@@ -100,7 +105,9 @@ struct Renderer::Impl {
         } else {
             frame.limits = frame.current_limits();
             if (!resting)
-                frame.limits.kept = [&p](std::uint32_t tree, NodeId node) { return p.kept.count({p.key->items[tree].cloud, node}) != 0; };
+                frame.limits.kept = [&p](std::uint32_t tree, NodeId node) {
+                    return p.kept.count({p.key->items[tree].cloud, node}) != 0;
+                };
             draw_moving(frame, select_scene(frame.trees(), frame.limits), resting);
         }
         p.views.clear();
@@ -159,7 +166,8 @@ void Picture::release()
 Renderer::Renderer(std::shared_ptr<L1Cache> l1) : impl_(std::make_unique<Impl>()) { impl_->l1 = std::move(l1); }
 Renderer::~Renderer() = default;
 
-FrameReport Renderer::draw(Picture& picture, const View& view, const std::vector<SceneItem>& items, const RenderOptions& options)
+FrameReport Renderer::draw(Picture& picture, const View& view, const std::vector<SceneItem>& items,
+                           const RenderOptions& options)
 {
     FrameReport report;
     if (!gl_functions_loaded()) {

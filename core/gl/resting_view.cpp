@@ -13,7 +13,8 @@ constexpr std::size_t rest_window = 64;
 // Whether splats of their own sizes cover this spacing in all clouds.
 bool has_no_gaps(const Frame& frame, double spacing_px)
 {
-    return std::all_of(frame.clouds.begin(), frame.clouds.end(), [&](const FrameCloud& c) { return fill_of(spacing_px, c.style) == 0; });
+    return std::all_of(frame.clouds.begin(), frame.clouds.end(),
+                       [&](const FrameCloud& c) { return fill_of(spacing_px, c.style) == 0; });
 }
 
 }  // namespace
@@ -87,9 +88,11 @@ void draw_resting(Frame& frame)
     };
     const bool first_time = rest.added < rest.all.order.size();
     if (first_time)
-        for (std::size_t i = rest.added; i < rest.all.order.size() && consider(i); ++i) {}
+        for (std::size_t i = rest.added; i < rest.all.order.size() && consider(i); ++i) {
+        }
     else
-        for (std::size_t k = 0; k < rest.left_out.size() && consider(rest.left_out[k]); ++k) {}
+        for (std::size_t k = 0; k < rest.left_out.size() && consider(rest.left_out[k]); ++k) {
+        }
     for (FrameCloud& cloud : frame.clouds) cloud.window.clear();
     for (const std::size_t i : next) {
         FrameCloud& cloud = cloud_at(i);
@@ -107,7 +110,8 @@ void draw_resting(Frame& frame)
     if (!next.empty()) {
         std::vector<SceneSelection::Place> places;
         for (const std::size_t i : next)
-            if (ChunkFeed::is_current(cloud_at(i).feed->find(node_at(i).node), cloud_at(i).format)) places.push_back(rest.all.order[i]);
+            if (ChunkFeed::is_current(cloud_at(i).feed->find(node_at(i).node), cloud_at(i).format))
+                places.push_back(rest.all.order[i]);
         const FrameCost cost(frame, rest.all, places);
         const double time = p.budget.at_rest(frame.options.frame_budget_ms);
         const double available = time - std::min(report.upload_ms, time / 2);
@@ -121,7 +125,9 @@ void draw_resting(Frame& frame)
                 const VertexEntry* const entry = cloud.feed->find(node.node);
                 if (ChunkFeed::is_current(entry, cloud.format)) {
                     const FrameWork more = frame.work + cost.work(*stroke++, {});
-                    if (frame.work.points > 0 && (more.points > frame.options.point_budget || p.budget.expected(more) > available)) break;
+                    if (frame.work.points > 0 &&
+                        (more.points > frame.options.point_budget || p.budget.expected(more) > available))
+                        break;
                     frame.work = more;
                     strokes.draw(cloud, node, *entry, 0, {});
                     ++rest.nodes;
@@ -137,7 +143,8 @@ void draw_resting(Frame& frame)
             }
             if (!first_time) {
                 auto& out = rest.left_out;
-                out.erase(std::remove_if(out.begin(), out.end(), [&](std::size_t i) { return had.count(i) != 0; }), out.end());
+                out.erase(std::remove_if(out.begin(), out.end(), [&](std::size_t i) { return had.count(i) != 0; }),
+                          out.end());
             }
         });
     }
@@ -160,7 +167,8 @@ void draw_resting(Frame& frame)
     report.nodes_drawn = rest.behind ? rest.shown_nodes : rest.nodes;
     report.nodes_wanted = total;
     report.nodes_missing = total - rest.nodes;
-    report.screen_error_px = std::min<double>(rest.behind ? rest.shown_error_px : error, std::max(p.target.width(), p.target.height()));
+    report.screen_error_px =
+        std::min<double>(rest.behind ? rest.shown_error_px : error, std::max(p.target.width(), p.target.height()));
     report.full_resolution = rest.added == total && rest.left_out.empty();
     const bool more = rest.added < total;
     if (stuck && more) report.error = "the video memory is too small for the rest of the points in view";

@@ -12,7 +12,8 @@ using Matrix3 = std::array<double, 9>;  // column-major
 
 Vec3d product(const Matrix3& m, const Vec3d& v)
 {
-    return {m[0] * v[0] + m[3] * v[1] + m[6] * v[2], m[1] * v[0] + m[4] * v[1] + m[7] * v[2], m[2] * v[0] + m[5] * v[1] + m[8] * v[2]};
+    return {m[0] * v[0] + m[3] * v[1] + m[6] * v[2], m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
+            m[2] * v[0] + m[5] * v[1] + m[8] * v[2]};
 }
 
 // Of a matrix that is invertible; scaled, so that no determinant of a small unit becomes 0.
@@ -85,8 +86,10 @@ std::optional<SplatCamera> SplatCamera::of(const View& view, int x, int y, bool 
         camera.depth_of = {0.5 + sign * p[14], -sign * p[10]};
     } else {
         camera.principal = {x + (1 - p[8]) * width / 2, y + (1 - p[9]) * height / 2};
-        // z / w is -p[10] + p[14] / depth. In double, as with near / far of 1e-6 the first is 1 but for the sixth decimal.
-        camera.depth_of = reversed ? std::array<double, 2>{(1 + p[10]) / 2, -p[14] / 2} : std::array<double, 2>{(1 - p[10]) / 2, p[14] / 2};
+        // z / w is -p[10] + p[14] / depth. In double, as with near / far of 1e-6 the first is 1 but for the sixth
+        // decimal.
+        camera.depth_of = reversed ? std::array<double, 2>{(1 + p[10]) / 2, -p[14] / 2}
+                                   : std::array<double, 2>{(1 - p[10]) / 2, p[14] / 2};
         const double near = p[14] / (p[10] - 1);
         camera.near = near > 0 ? near : 0;
     }
@@ -160,8 +163,8 @@ double SplatCamera::bound_of(double k) const
     const double viewport = std::max(view.width, view.height) + spare;
     const double pixels = std::max(std::abs(focal[0]), std::abs(focal[1]));
     if (orthographic) return std::min(viewport, 2.02 * k * pixels + spare);
-    // Of a point q of the sphere around c, with x as tangent of the angle to the axis: |x_q - x_c| <= r (1 + |x_c|) / depth_q. A box that is
-    // seen is at most its half size e from the view, where |x| <= v, so e <= k (1 + v + e).
+    // Of a point q of the sphere around c, with x as tangent of the angle to the axis: |x_q - x_c| <= r (1 + |x_c|) /
+    // depth_q. A box that is seen is at most its half size e from the view, where |x| <= v, so e <= k (1 + v + e).
     if (!(k < 0.5)) return viewport;
     double v = 0;
     for (std::size_t a = 0; a < 2; ++a)

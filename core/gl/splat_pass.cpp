@@ -1,7 +1,7 @@
 #include "gl/splat_pass.h"
 
-#include "gl/shader_program.h"
 #include "gl/gl_state.h"
+#include "gl/shader_program.h"
 #include "gl/splat_camera.h"
 #include "gl/splat_sieve.h"
 
@@ -56,7 +56,8 @@ struct Permutation {
 struct Program {
     ShaderProgram program;
     bool doubles = false;
-    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1, least_radius = -1, least_pixels = -1;
+    GLint reference = -1, to_eye = -1, translation = -1, height = -1, uniform_colour = -1, from_eye = -1,
+          least_radius = -1, least_pixels = -1;
 
     void set(GLint place, const Vec3d& v) const
     {
@@ -84,8 +85,11 @@ struct Program {
     }
 };
 
-constexpr std::array<std::array<float, 3>, 5> ramp{
-    {{0.267f, 0.005f, 0.329f}, {0.230f, 0.322f, 0.546f}, {0.128f, 0.567f, 0.551f}, {0.369f, 0.789f, 0.383f}, {0.993f, 0.906f, 0.144f}}};
+constexpr std::array<std::array<float, 3>, 5> ramp{{{0.267f, 0.005f, 0.329f},
+                                                    {0.230f, 0.322f, 0.546f},
+                                                    {0.128f, 0.567f, 0.551f},
+                                                    {0.369f, 0.789f, 0.383f},
+                                                    {0.993f, 0.906f, 0.144f}}};
 
 bool has_extension(const char* name)
 {
@@ -111,7 +115,8 @@ struct Device {
         Device device;
         device.compatibility = is_compatibility_context();
         const auto* vendor = reinterpret_cast<const char*>(glGetString(GL_VENDOR));
-        // Intel's devices have had none since their 11th generation; Mesa emulates them there with integers, a hundred times slower.
+        // Intel's devices have had none since their 11th generation; Mesa emulates them there with integers, a hundred
+        // times slower.
         const bool emulated = vendor && std::strstr(vendor, "Intel") != nullptr;
         device.doubles = !emulated && glUniform3dv && glUniformMatrix3dv && has_extension("GL_ARB_gpu_shader_fp64");
         device.sample_mask = has_extension("GL_ARB_sample_shading");
@@ -156,7 +161,8 @@ struct SplatPass::Impl {
     std::vector<GLint> first;
     std::vector<GLsizei> count;
 
-    void begin(const View& view, const TreeInfo& tree, const CloudStyle& usable, bool reversed, unsigned framebuffer_samples)
+    void begin(const View& view, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
+               unsigned framebuffer_samples)
     {
         if (!device) device = Device::ask();
         info = &tree;
@@ -176,7 +182,8 @@ struct SplatPass::Impl {
             // Points of a core context, and sprites here, are squares of exactly the asked size. Plain legacy points
             // have size and place rounded to whole pixels, which for a whole size covers the very same pixels; and
             // Mesa's software rasteriser draws them twice as fast. With several samples they would be round.
-            const bool plain = style.splats == SplatMode::constant && samples == 1 && style.point_size_px == std::floor(style.point_size_px);
+            const bool plain = style.splats == SplatMode::constant && samples == 1 &&
+                               style.point_size_px == std::floor(style.point_size_px);
             plain ? glDisable(GL_POINT_SPRITE) : glEnable(GL_POINT_SPRITE);
             glDisable(GL_POINT_SMOOTH);
         }
@@ -189,8 +196,9 @@ struct SplatPass::Impl {
         enable(0, true);
     }
 
-    // OpenGL drops a point whose centre is outside of the clip volume, however much of it is inside. So that splats do not vanish at
-    // the border, the volume is made larger than the picture, which is cut out of it. (Discs are placed inside by their shader.)
+    // OpenGL drops a point whose centre is outside of the clip volume, however much of it is inside. So that splats do
+    // not vanish at the border, the volume is made larger than the picture, which is cut out of it. (Discs are placed
+    // inside by their shader.)
     void guard_the_border()
     {
         scissor_test = glIsEnabled(GL_SCISSOR_TEST);
@@ -198,7 +206,9 @@ struct SplatPass::Impl {
         guard = 0;
         if (style.splats == SplatMode::constant) return;
         const int wanted = static_cast<int>(std::ceil(std::min(device->point_most, 4096.0) / 2)) + 1;
-        guard = std::clamp(wanted, 0, std::max(0, std::min((device->viewport_most[0] - viewport[2]) / 2, (device->viewport_most[1] - viewport[3]) / 2)));
+        guard = std::clamp(wanted, 0,
+                           std::max(0, std::min((device->viewport_most[0] - viewport[2]) / 2,
+                                                (device->viewport_most[1] - viewport[3]) / 2)));
         GLint low[2] = {viewport[0], viewport[1]};
         GLint high[2] = {viewport[0] + viewport[2], viewport[1] + viewport[3]};
         for (int a = 0; a < 2 && scissor_test; ++a) {
@@ -230,7 +240,8 @@ struct SplatPass::Impl {
         if (p.mode != SplatMode::constant && !entry.format.radius) p.mode = SplatMode::constant;
         p.orthographic = p.is_disc() && camera->orthographic;
         if (p.orthographic) p.mode = SplatMode::perspective;  // the same, and exact
-        const bool reads_colour = style.colour == ColourMode::rgb || style.colour == ColourMode::intensity || style.colour == ColourMode::classification;
+        const bool reads_colour = style.colour == ColourMode::rgb || style.colour == ColourMode::intensity ||
+                                  style.colour == ColourMode::classification;
         if (reads_colour && entry.format.colour != VertexColour::none) p.colouring = Colouring::vertex;
         if (style.colour == ColourMode::height) p.colouring = Colouring::height;
         p.samples = p.is_disc() && device->sample_mask ? samples : 1;
@@ -244,7 +255,8 @@ struct SplatPass::Impl {
         Box3d box;
         for (std::size_t a = 0; a < 3; ++a) {
             // Where the grid's offset is the local origin, the large numbers cancel exactly.
-            box.min[a] = static_cast<double>(entry.origin[a]) * info->grid.scale[a] + (info->grid.offset[a] - camera->view.origin[a]);
+            box.min[a] = static_cast<double>(entry.origin[a]) * info->grid.scale[a] +
+                         (info->grid.offset[a] - camera->view.origin[a]);
             box.max[a] = box.min[a] + entry.extent[a];
         }
         return box;
@@ -277,7 +289,8 @@ struct SplatPass::Impl {
         program.set_matrix(program.to_eye, c.to_eye);
         glUniform1f(place("eye_scale"), static_cast<float>(c.scale));
         if (p.mode == SplatMode::constant) {
-            glUniform1f(place("point_size"), std::clamp(style.point_size_px, 1.0f, static_cast<float>(device->point_most)));
+            glUniform1f(place("point_size"),
+                        std::clamp(style.point_size_px, 1.0f, static_cast<float>(device->point_most)));
             glUniform1f(place("pixels"), static_cast<float>(c.square_pixels()));
             return;
         }
@@ -287,7 +300,8 @@ struct SplatPass::Impl {
         glUniform2f(place("viewport"), width, height);
         if (p.mode == SplatMode::dynamic) {
             glUniform1f(place("pixels"), static_cast<float>(c.square_pixels()));
-            glUniform2f(place("guard"), width / (width + 2 * static_cast<float>(guard)), height / (height + 2 * static_cast<float>(guard)));
+            glUniform2f(place("guard"), width / (width + 2 * static_cast<float>(guard)),
+                        height / (height + 2 * static_cast<float>(guard)));
             return;
         }
         program.set(place("focal"), c.focal[0], c.focal[1]);
@@ -311,9 +325,11 @@ struct SplatPass::Impl {
         program.set(place("pixel_x"), c.pixel_x);
         program.set(place("pixel_y"), c.pixel_y);
         program.set(place("centre_ray"), c.centre_ray);
-        glUniform2f(place("centre_pixel"), static_cast<float>(c.centre_pixel[0]), static_cast<float>(c.centre_pixel[1]));
-        glUniform4f(place("pixel_bounds"), static_cast<float>(viewport[0]) + 0.5f, static_cast<float>(viewport[1]) + 0.5f,
-                    static_cast<float>(viewport[0]) + width - 0.5f, static_cast<float>(viewport[1]) + height - 0.5f);
+        glUniform2f(place("centre_pixel"), static_cast<float>(c.centre_pixel[0]),
+                    static_cast<float>(c.centre_pixel[1]));
+        glUniform4f(place("pixel_bounds"), static_cast<float>(viewport[0]) + 0.5f,
+                    static_cast<float>(viewport[1]) + 0.5f, static_cast<float>(viewport[0]) + width - 0.5f,
+                    static_cast<float>(viewport[1]) + height - 0.5f);
         glUniform1f(place("near"), static_cast<float>(c.near));
     }
 
@@ -329,7 +345,8 @@ struct SplatPass::Impl {
         }
         glUniform3fv(program.reference, 1, reference);
         program.set(program.translation, camera->eye_of(local));
-        program.set(program.from_eye, {local[0] - camera->eye[0], local[1] - camera->eye[1], local[2] - camera->eye[2]});
+        program.set(program.from_eye,
+                    {local[0] - camera->eye[0], local[1] - camera->eye[1], local[2] - camera->eye[2]});
         glUniform1f(program.least_radius, look.least_radius);
         glUniform1f(program.least_pixels, std::min(look.least_px, static_cast<float>(device->point_most)));
         if (program.height >= 0) {
@@ -338,14 +355,16 @@ struct SplatPass::Impl {
             const double range = (top - bottom) * info->grid.scale[2];
             const double above = (static_cast<double>(entry.origin[2]) - bottom) * info->grid.scale[2];
             const bool flat = !(range > 0);
-            glUniform2f(program.height, flat ? 0.0f : static_cast<float>(1 / range), flat ? 0.5f : static_cast<float>(above / range));
+            glUniform2f(program.height, flat ? 0.0f : static_cast<float>(1 / range),
+                        flat ? 0.5f : static_cast<float>(above / range));
         }
         if (program.uniform_colour >= 0) glUniform3fv(program.uniform_colour, 1, colour_of(look).data());
     }
 
     std::array<float, 3> colour_of(const ChunkLook& look) const
     {
-        if (style.colour == ColourMode::level) return ramp_colour(look.level / std::max(1.0f, static_cast<float>(info->levels) - 1));
+        if (style.colour == ColourMode::level)
+            return ramp_colour(look.level / std::max(1.0f, static_cast<float>(info->levels) - 1));
         // Half a pixel is at the ramp's beginning, 64 pixels at its end.
         if (style.colour == ColourMode::error) return ramp_colour((std::log2(std::max(look.error_px, 0.5f)) + 1) / 7);
         return style.uniform_colour;
@@ -389,9 +408,12 @@ struct SplatPass::Impl {
     {
         const VertexFormat& format = entry.format;
         const auto stride = static_cast<GLsizei>(format.stride());
-        const auto place = [&](std::size_t byte) { return reinterpret_cast<const void*>(vertex * format.stride() + byte); };
+        const auto place = [&](std::size_t byte) {
+            return reinterpret_cast<const void*>(vertex * format.stride() + byte);
+        };
         glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, stride, place(0));
-        if (enabled[1]) glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, place(VertexFormat::colour_place));
+        if (enabled[1])
+            glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, place(VertexFormat::colour_place));
         if (enabled[2]) glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, stride, place(format.radius_place()));
         if (enabled[3]) glVertexAttribPointer(3, 3, GL_FLOAT, GL_FALSE, stride, place(VertexFormat::normal_place));
     }
@@ -465,7 +487,10 @@ void SplatPass::begin(const View& view, const TreeInfo& info, const CloudStyle& 
     impl_->begin(view, info, usable, reversed, samples);
 }
 void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
-std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts) { return impl_->preview(entry, parts); }
+std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts)
+{
+    return impl_->preview(entry, parts);
+}
 void SplatPass::end() { impl_->end(); }
 
 void SplatPass::release()

@@ -35,7 +35,8 @@ SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, doubl
     seen_ = Frustum::of(wide);
 }
 
-void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mode, const ChunkLook& look, std::vector<SplatPart>* parts)
+void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mode, const ChunkLook& look,
+                      std::vector<SplatPart>* parts)
 {
     as_points_.clear();
     as_quads_.clear();
@@ -45,7 +46,9 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
     const bool quads = needs_quads(mode, whole, entry.largest_radius, look);
     if (all && !quads && (!parts || depth_range(whole) < by_groups)) {
         as_points_.push_back({0, entry.points});
-        if (parts) parts->push_back(depth_range(whole) < even ? part_of(whole, entry.points) : part_in_view(whole, entry.points));
+        if (parts)
+            parts->push_back(depth_range(whole) < even ? part_of(whole, entry.points)
+                                                       : part_in_view(whole, entry.points));
         return;
     }
     for (std::size_t g = 0; g < entry.groups.size(); ++g) {
@@ -59,7 +62,9 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
         }
         if (!all && !seen_->intersects(grown(box, reach(mode, group.largest_radius, look)))) continue;
         add_run(quads && needs_quads(mode, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
-        if (parts) parts->push_back(depth_range(box) < even && (all || seen_->contains(box)) ? part_of(box, points) : part_in_view(box, points));
+        if (parts)
+            parts->push_back(depth_range(box) < even && (all || seen_->contains(box)) ? part_of(box, points)
+                                                                                      : part_in_view(box, points));
     }
 }
 
@@ -69,7 +74,8 @@ bool SplatSieve::needs_quads(SplatMode mode, const Box3d& box, float largest_rad
     if (mode == SplatMode::constant) return false;
     const double radius = static_cast<double>(largest_radius) * static_cast<double>(style_.radius_scale);
     const auto least = static_cast<double>(look.least_px);
-    if (mode != SplatMode::dynamic) return !(std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) <= largest_point_);
+    if (mode != SplatMode::dynamic)
+        return !(std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) <= largest_point_);
     const double largest = std::max(camera_.largest_square(box, radius), least);
     return !(largest <= largest_point_ && largest <= 2 * guard_);
 }

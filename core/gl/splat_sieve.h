@@ -1,5 +1,5 @@
-// Which points of a chunk are drawn, and as what: those of groups (gl/vertex_groups.h) that may be in view; as quads where their splats may be
-// larger than the driver's points. No OpenGL here.
+// Which points of a chunk are drawn, and as what: those of groups (gl/vertex_groups.h) that may be in view; as quads
+// where their splats may be larger than the driver's points. No OpenGL here.
 #pragma once
 
 #include "gl/l1_cache.h"
@@ -16,8 +16,9 @@ namespace pcm {
 struct ChunkLook {
     float level = 0;
     float error_px = 0;
-    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than constant splats are large.
-    // So that they leave no gaps, splats are at least so large: a radius, source units, but no more than so many pixels of a side.
+    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than
+    // constant splats are large. So that they leave no gaps, splats are at least so large: a radius, source units, but
+    // no more than so many pixels of a side.
     float least_radius = 0;
     float least_px = 0;
 };
@@ -30,12 +31,14 @@ struct SplatPart {
 
 class SplatSieve {
 public:
-    // `largest_point`: of the driver, pixels; `guard`: what the clip volume can be made wider by on each side for points, pixels.
+    // `largest_point`: of the driver, pixels; `guard`: what the clip volume can be made wider by on each side for
+    // points, pixels.
     SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
 
-    // Sorts a chunk's points; `box` is that of their positions, relative to the view's origin. Adds to `parts`, if there, where they are.
-    // Nothing is left out that can be seen, and no point is too large for the driver.
-    void sort(const VertexEntry& entry, const Box3d& box, SplatMode mode, const ChunkLook& look, std::vector<SplatPart>* parts = nullptr);
+    // Sorts a chunk's points; `box` is that of their positions, relative to the view's origin. Adds to `parts`, if
+    // there, where they are. Nothing is left out that can be seen, and no point is too large for the driver.
+    void sort(const VertexEntry& entry, const Box3d& box, SplatMode mode, const ChunkLook& look,
+              std::vector<SplatPart>* parts = nullptr);
     const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
     const std::vector<VertexRun>& as_quads() const { return as_quads_; }
 

@@ -63,18 +63,21 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
     if (style.splats != SplatMode::constant && !has(schema, attribute_name::radius, 1)) {
         style.splats = SplatMode::constant;
         tell(notice, "radii", "constant splats are drawn");
-    } else if ((style.splats == SplatMode::affine || style.splats == SplatMode::perspective) && !has(schema, attribute_name::normal, 3)) {
+    } else if ((style.splats == SplatMode::affine || style.splats == SplatMode::perspective) &&
+               !has(schema, attribute_name::normal, 3)) {
         style.splats = SplatMode::dynamic;
         tell(notice, "normals", "dynamic splats are drawn");
     }
-    const auto fall_back = [&](std::string_view name, std::uint32_t components, const char* missing, ColourMode instead) {
+    const auto fall_back = [&](std::string_view name, std::uint32_t components, const char* missing,
+                               ColourMode instead) {
         if (has(schema, name, components)) return;
         style.colour = instead;
         tell(notice, missing, std::string(name_of(instead)) + " is shown");
     };
     if (style.colour == ColourMode::rgb) fall_back(attribute_name::rgb, 3, "colours", ColourMode::intensity);
     if (style.colour == ColourMode::intensity) fall_back(attribute_name::intensity, 1, "intensity", ColourMode::height);
-    if (style.colour == ColourMode::classification) fall_back(attribute_name::classification, 1, "classes", ColourMode::height);
+    if (style.colour == ColourMode::classification)
+        fall_back(attribute_name::classification, 1, "classes", ColourMode::height);
     return style;
 }
 

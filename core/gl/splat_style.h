@@ -11,10 +11,11 @@ namespace pcm {
 
 // What a point is drawn as (Botsch and Kobbelt 2003; Zwicker et al. 2004 for the affine one).
 enum class SplatMode : std::uint8_t {
-    constant,     // a square of a fixed number of pixels
-    dynamic,      // a square as large as a sphere of the point's radius appears; reads `radius`
-    affine,       // the point's disc, projected as if the view were parallel around its centre; reads `radius` and `normal`
-    perspective,  // the disc itself, each fragment's ray cut with its plane, depth included; reads `radius` and `normal`
+    constant,  // a square of a fixed number of pixels
+    dynamic,   // a square as large as a sphere of the point's radius appears; reads `radius`
+    affine,  // the point's disc, projected as if the view were parallel around its centre; reads `radius` and `normal`
+    perspective,  // the disc itself, each fragment's ray cut with its plane, depth included; reads `radius` and
+                  // `normal`
 };
 const char* name_of(SplatMode mode);  // "constant", ...
 
@@ -38,14 +39,14 @@ struct CloudStyle {
 };
 inline bool operator==(const CloudStyle& a, const CloudStyle& b)
 {
-    return a.splats == b.splats && a.colour == b.colour && a.point_size_px == b.point_size_px && a.radius_scale == b.radius_scale &&
-           a.uniform_colour == b.uniform_colour;
+    return a.splats == b.splats && a.colour == b.colour && a.point_size_px == b.point_size_px &&
+           a.radius_scale == b.radius_scale && a.uniform_colour == b.uniform_colour;
 }
 inline bool operator!=(const CloudStyle& a, const CloudStyle& b) { return !(a == b); }
 
-// The nearest style that a cloud of this schema supports: without normals dynamic splats, without radii constant ones; without rgb
-// intensity, without intensity or classes height. `notice`, which may be null, becomes a sentence that says what is missing and what
-// is shown instead; empty when nothing is missing.
+// The nearest style that a cloud of this schema supports: without normals dynamic splats, without radii constant ones;
+// without rgb intensity, without intensity or classes height. `notice`, which may be null, becomes a sentence that says
+// what is missing and what is shown instead; empty when nothing is missing.
 CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice);
 
 }  // namespace pcm

@@ -121,7 +121,8 @@ void make_class_colours(const Column& column, const Attribute& attribute, std::v
     rgba.resize(4 * points);
     with_values(column, [&](const auto* raw) {
         for (std::size_t p = 0; p < points; ++p) {
-            const double number = std::floor(static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset + 0.5);
+            const double number =
+                std::floor(static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset + 0.5);
             const auto& colour = number >= 0 && number <= 255 ? palette[static_cast<std::size_t>(number)] : other;
             std::copy(colour.begin(), colour.end(), rgba.begin() + static_cast<std::ptrdiff_t>(4 * p));
             rgba[4 * p + 3] = 255;

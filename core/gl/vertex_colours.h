@@ -23,12 +23,13 @@ struct ColourScale {
     static ColourScale of(const Column& column, VertexColour colour);
 };
 
-// For VertexColour::rgb and ::intensity: RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component. Values that are not numbers are black.
+// For VertexColour::rgb and ::intensity: RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component.
+// Values that are not numbers are black.
 void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba);
 
-// For VertexColour::classification: the colour of each point's class, raw * scale + offset rounded. Classes 0 to 18 of LAS 1.4 (ASPRS)
-// have the colours that they mostly have on maps; the reserved and the user's own (19 to 255) have one each, bright, from a fixed
-// sequence. What is no number from 0 to 255 is magenta.
+// For VertexColour::classification: the colour of each point's class, raw * scale + offset rounded. Classes 0 to 18 of
+// LAS 1.4 (ASPRS) have the colours that they mostly have on maps; the reserved and the user's own (19 to 255) have one
+// each, bright, from a fixed sequence. What is no number from 0 to 255 is magenta.
 void make_class_colours(const Column& column, const Attribute& attribute, std::vector<std::uint8_t>& rgba);
 std::array<std::uint8_t, 3> class_colour(double number);
 

@@ -17,7 +17,8 @@ float make_radii(const Column& column, const Attribute& attribute, std::vector<f
         const auto* raw = column.as<decltype(zero)>();
         for (std::size_t p = 0; p < points; ++p) {
             const double value = static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset;
-            const double kept = value > 0 ? std::min(value, static_cast<double>(largest_vertex_radius)) : 0;  // false for NaN
+            const double kept =
+                value > 0 ? std::min(value, static_cast<double>(largest_vertex_radius)) : 0;  // false for NaN
             radii[p] = std::isinf(value) ? 0.0f : static_cast<float>(kept);
             largest = std::max(largest, radii[p]);
         }
@@ -34,7 +35,8 @@ void make_normals(const Column& column, const Attribute& attribute, std::vector<
         const auto* raw = column.as<decltype(zero)>();
         for (std::size_t p = 0; p < points; ++p) {
             double n[3];
-            for (std::size_t c = 0; c < 3; ++c) n[c] = static_cast<double>(raw[p * components + c]) * attribute.scale + attribute.offset;
+            for (std::size_t c = 0; c < 3; ++c)
+                n[c] = static_cast<double>(raw[p * components + c]) * attribute.scale + attribute.offset;
             // Scaled first: the squares of very long and very short ones are no numbers.
             const double size = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
             const bool usable = size > 0 && std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);

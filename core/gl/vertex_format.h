@@ -10,16 +10,20 @@ namespace pcm {
 // What the colour of a vertex was made from.
 enum class VertexColour : std::uint8_t { none, rgb, intensity, classification };
 
-// Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour; float radius, source units;
-// float[3] normal, of length 1 or, where the cloud has none, 0. Of the last three only what the format says, except that the colour's
-// place is kept where there is a normal: 12, 16, 20 or 32 bytes, which all divide L1's page, so that a chunk in consecutive pages is one
-// array. Normals are full floats: at a graze of 0.1 degree an error of 1e-4 would be a twentieth of what is seen.
+// Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour; float
+// radius, source units; float[3] normal, of length 1 or, where the cloud has none, 0. Of the last three only what the
+// format says, except that the colour's place is kept where there is a normal: 12, 16, 20 or 32 bytes, which all divide
+// L1's page, so that a chunk in consecutive pages is one array. Normals are full floats: at a graze of 0.1 degree an
+// error of 1e-4 would be a twentieth of what is seen.
 struct VertexFormat {
     VertexColour colour = VertexColour::none;
     bool radius = false;
     bool normal = false;
 
-    std::uint32_t stride() const { return normal ? 32u : 12u + (colour != VertexColour::none ? 4u : 0u) + (radius ? 4u : 0u); }
+    std::uint32_t stride() const
+    {
+        return normal ? 32u : 12u + (colour != VertexColour::none ? 4u : 0u) + (radius ? 4u : 0u);
+    }
     // Byte places in a vertex; meaningful for what the format has.
     static constexpr std::uint32_t colour_place = 12;
     std::uint32_t radius_place() const { return normal || colour != VertexColour::none ? 16 : 12; }
@@ -28,7 +32,8 @@ struct VertexFormat {
     // Whether vertices of this format have all that `wanted` names.
     bool serves(const VertexFormat& wanted) const
     {
-        return (wanted.colour == VertexColour::none || wanted.colour == colour) && (radius || !wanted.radius) && (normal || !wanted.normal);
+        return (wanted.colour == VertexColour::none || wanted.colour == colour) && (radius || !wanted.radius) &&
+               (normal || !wanted.normal);
     }
     // 0 to 15, another one for each format.
     unsigned number() const { return static_cast<unsigned>(colour) + (radius ? 4u : 0u) + (normal ? 8u : 0u); }

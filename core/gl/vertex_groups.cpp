@@ -10,7 +10,8 @@ void set_boxes(std::vector<VertexGroup>& groups, const std::array<PageVector<T>,
 {
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t g = 0; g < groups.size(); ++g) {
-            const std::size_t first = g * VertexGroup::points, end = std::min(first + VertexGroup::points, xyz[a].size());
+            const std::size_t first = g * VertexGroup::points,
+                              end = std::min(first + VertexGroup::points, xyz[a].size());
             T low = xyz[a][first], high = low;
             for (std::size_t i = first; i < end; ++i) {
                 low = std::min(low, xyz[a][i]);

@@ -1,5 +1,6 @@
-// Boxes of a few consecutive points of a chunk: what is outside of a view need not be drawn, and what is far from the eye not as if it
-// were near. Points of a level are stored in Morton order, so these lie close together. No OpenGL here.
+// Boxes of a few consecutive points of a chunk: what is outside of a view need not be drawn, and what is far from the
+// eye not as if it were near. Points of a level are stored in Morton order, so these lie close together. No OpenGL
+// here.
 #pragma once
 
 #include "bpc/chunk.h"

@@ -42,7 +42,8 @@ Kind kind_of(const E57Field& field)
     const unsigned bits = field.bits();
     const std::uint64_t span = bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
     const std::uint64_t room = static_cast<std::uint64_t>(highest) - static_cast<std::uint64_t>(field.min);
-    const std::int64_t max = span > room ? highest : static_cast<std::int64_t>(static_cast<std::uint64_t>(field.min) + span);
+    const std::int64_t max =
+        span > room ? highest : static_cast<std::int64_t>(static_cast<std::uint64_t>(field.min) + span);
     return {Kind::Number::integer, field.min, max, field.scale, field.offset};
 }
 
@@ -60,13 +61,13 @@ ScalarType type_of(const Kind& kind)
     if (kind.number == Kind::Number::f32) return ScalarType::f32;
     if (kind.number == Kind::Number::f64) return ScalarType::f64;
     const auto holds = [&](std::int64_t low, std::int64_t high) { return kind.min >= low && kind.max <= high; };
-    return holds(0, 255)                  ? ScalarType::u8
-           : holds(-128, 127)             ? ScalarType::i8
-           : holds(0, 65535)              ? ScalarType::u16
-           : holds(-32768, 32767)         ? ScalarType::i16
-           : holds(0, 4294967295)         ? ScalarType::u32
+    return holds(0, 255)                    ? ScalarType::u8
+           : holds(-128, 127)               ? ScalarType::i8
+           : holds(0, 65535)                ? ScalarType::u16
+           : holds(-32768, 32767)           ? ScalarType::i16
+           : holds(0, 4294967295)           ? ScalarType::u32
            : holds(-2147483648, 2147483647) ? ScalarType::i32
-                                          : ScalarType::i64;
+                                            : ScalarType::i64;
 }
 
 // How the colours of a scan are numbers.
@@ -103,10 +104,11 @@ std::string name_of(const E57Field& field)
     if (field.space.empty()) {
         if (field.name == "returnCount") return "number_of_returns";
         static constexpr const char* standard[] = {
-            "intensity", "isIntensityInvalid", "colorRed", "colorGreen", "colorBlue", "isColorInvalid", "rowIndex",
-            "columnIndex", "timeStamp", "isTimeStampInvalid", "cartesianX", "cartesianY", "cartesianZ",
-            "cartesianInvalidState", "sphericalRange", "sphericalAzimuth", "sphericalElevation",
-            "sphericalInvalidState", "returnIndex"};
+            "intensity",          "isIntensityInvalid",    "colorRed",       "colorGreen",
+            "colorBlue",          "isColorInvalid",        "rowIndex",       "columnIndex",
+            "timeStamp",          "isTimeStampInvalid",    "cartesianX",     "cartesianY",
+            "cartesianZ",         "cartesianInvalidState", "sphericalRange", "sphericalAzimuth",
+            "sphericalElevation", "sphericalInvalidState", "returnIndex"};
         for (const char* name : standard)
             if (field.name == name) return snake_case(field.name);
     }
@@ -131,7 +133,8 @@ private:
         std::vector<Member> members;
     };
 
-    static std::optional<Trio> trio(const E57Scan& scan, const std::array<const char*, 3>& names, bool extension = false);
+    static std::optional<Trio> trio(const E57Scan& scan, const std::array<const char*, 3>& names,
+                                    bool extension = false);
     void find_positions(std::size_t scan);
     void add_fields(std::size_t scan);
     void add_member(const std::string& name, std::uint32_t components, const Member& member);
@@ -143,8 +146,8 @@ private:
     const std::vector<E57Scan>& scans_;
     E57Plan plan_;
     std::vector<Merged> merged_;
-    std::map<std::string, std::size_t> merged_of_;      // by name
-    std::map<std::string, int> component_numbers_;      // of the scan at hand: where to look on for a free name
+    std::map<std::string, std::size_t> merged_of_;       // by name
+    std::map<std::string, int> component_numbers_;       // of the scan at hand: where to look on for a free name
     std::vector<std::pair<std::size_t, Trio>> colours_;  // scan and fields
     std::size_t rgb_place_ = 0;                          // in the order of the attributes
 };
@@ -257,7 +260,8 @@ void Planner::make_attribute(const Merged& merged)
         kind = both(kind, other);
     }
     if (differ && merged.components == 1)
-        plan_.notes.push_back("'" + merged.name + "' has different number types or scales in the scans: read as doubles");
+        plan_.notes.push_back("'" + merged.name +
+                              "' has different number types or scales in the scans: read as doubles");
     const ScalarType type = type_of(kind);
     for (const Member& member : merged.members) {
         E57Target target;
@@ -283,8 +287,9 @@ void Planner::make_colours()
                      : std::max(number, other);
     }
     if (differ)
-        plan_.notes.push_back(number == Number::u16 ? "the scans have colours of 8 and of 16 bits: all were made 16"
-                                                    : "the scans have colours of different number types: all were made 0..1");
+        plan_.notes.push_back(number == Number::u16
+                                  ? "the scans have colours of 8 and of 16 bits: all were made 16"
+                                  : "the scans have colours of different number types: all were made 0..1");
     std::vector<double> odd;
     for (const auto& [scan, fields] : colours_) {
         const Colours colours = colours_of(scans_[scan], fields);

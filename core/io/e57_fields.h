@@ -28,7 +28,7 @@ struct E57Target {
 struct E57ScanPlan {
     std::optional<std::array<std::size_t, 3>> cartesian, spherical;  // fields: x y z; range azimuth elevation
     std::optional<std::size_t> cartesian_state, spherical_state;     // fields: 0 where the coordinates are valid
-    std::vector<E57Target> targets;  // attributes that none leads to are 0
+    std::vector<E57Target> targets;                                  // attributes that none leads to are 0
 };
 
 struct E57Plan {

@@ -36,8 +36,8 @@ struct E57Scan {
     bool has_pose = false;
     std::array<double, 4> rotation{1, 0, 0, 0};  // w x y z, as it stands in the file
     Vec3d translation{0, 0, 0};
-    std::optional<Box3d> box;             // before the pose
-    std::optional<double> colour_limit;   // largest of the maxima of the colours
+    std::optional<Box3d> box;            // before the pose
+    std::optional<double> colour_limit;  // largest of the maxima of the colours
 
     // Of a field of the standard.
     std::optional<std::size_t> find(std::string_view field) const;
@@ -51,8 +51,9 @@ struct E57Description {
     std::vector<E57Scan> scans;
 };
 
-// Reads the header and the XML section. Memory is bounded whatever they say. Throws Error(truncated | corrupt | bad_format)
-// naming the byte, and Error(unsupported) for an XML section that is too large and where the decoders are not built in.
+// Reads the header and the XML section. Memory is bounded whatever they say. Throws Error(truncated | corrupt |
+// bad_format) naming the byte, and Error(unsupported) for an XML section that is too large and where the decoders are
+// not built in.
 E57Description describe_e57(E57Pages& pages);
 
 }  // namespace pcm

@@ -127,8 +127,8 @@ void E57Packets::read_packet()
     std::size_t waiting = 0;
     for (std::size_t i = 0; i < streams_.size(); ++i) {
         if (sizes[i] > next_packet_ - at)
-            fail(ErrorCode::bad_format, place + "the byte streams are longer than their packet of " +
-                                            std::to_string(length) + " bytes");
+            fail(ErrorCode::bad_format,
+                 place + "the byte streams are longer than their packet of " + std::to_string(length) + " bytes");
         // What is behind the last value of a field is not kept.
         if (bits_[i]) append(streams_[i], sizes[i], at);
         at += sizes[i];
@@ -159,13 +159,15 @@ void E57Packets::integers(std::size_t field, std::int64_t* to)
         return;
     }
     // Only here can a value leave the 64 bits that numbers have.
-    const auto room = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) - static_cast<std::uint64_t>(min);
+    const auto room =
+        static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) - static_cast<std::uint64_t>(min);
     for (std::size_t i = 0; i < prepared_; ++i) {
         const std::uint64_t raw = load_bits(stream.bytes.data(), stream.bit + std::uint64_t{bits} * i, bits);
         if (raw > room)
             fail(ErrorCode::bad_format, "point " + std::to_string(points_ - prepared_ + i) + ": the field '" +
                                             printable_name(scan_.fields[field].name) + "' is " + std::to_string(raw) +
-                                            " above its minimum of " + std::to_string(min) + ", which is no number of 64 bits");
+                                            " above its minimum of " + std::to_string(min) +
+                                            ", which is no number of 64 bits");
         to[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(min) + raw);
     }
 }

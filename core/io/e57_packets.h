@@ -16,8 +16,8 @@ public:
     // Throws Error(truncated | bad_format) when the section cannot hold the promised records.
     E57Packets(E57Pages& pages, const E57Scan& scan, std::string called);
 
-    // Makes the next `count` values of every field ready; the ones before are gone. Throws Error(truncated | bad_format |
-    // corrupt) naming the byte.
+    // Makes the next `count` values of every field ready; the ones before are gone. Throws Error(truncated | bad_format
+    // | corrupt) naming the byte.
     void prepare(std::size_t count);
     // Of the prepared values, raw ones of an integer field, or those of a float field.
     void integers(std::size_t field, std::int64_t* to);

@@ -24,8 +24,7 @@ constexpr CrcTables make_crc_tables()
         tables[0][b] = crc;
     }
     for (std::uint32_t b = 0; b < 256; ++b)
-        for (std::size_t k = 1; k < 8; ++k)
-            tables[k][b] = tables[k - 1][b] >> 8 ^ tables[0][tables[k - 1][b] & 255u];
+        for (std::size_t k = 1; k < 8; ++k) tables[k][b] = tables[k - 1][b] >> 8 ^ tables[0][tables[k - 1][b] & 255u];
     return tables;
 }
 
@@ -84,7 +83,8 @@ const std::byte* E57Pages::content_of(std::uint64_t page)
     const std::byte* content = buffer_.data() + i * page_bytes;
     if (!checked_[i]) {
         std::uint32_t stored = 0;  // the one number of the format that is big endian
-        for (std::size_t k = 0; k < 4; ++k) stored = stored << 8 | static_cast<std::uint32_t>(content[content_bytes + k]);
+        for (std::size_t k = 0; k < 4; ++k)
+            stored = stored << 8 | static_cast<std::uint32_t>(content[content_bytes + k]);
         const std::uint32_t computed = crc32c(content, content_bytes);
         if (stored != computed)
             throw Error(ErrorCode::corrupt, file_.path(),

@@ -35,8 +35,8 @@ public:
         return logical / content_bytes * page_bytes + logical % content_bytes;
     }
 
-    // Throws Error(truncated) where the file has fewer bytes, Error(corrupt) where a page's checksum does not hold: only
-    // pages that are read are checked.
+    // Throws Error(truncated) where the file has fewer bytes, Error(corrupt) where a page's checksum does not hold:
+    // only pages that are read are checked.
     void read(void* to, std::size_t bytes, std::uint64_t logical);
 
 private:

@@ -80,10 +80,10 @@ private:
     std::uint64_t scan_read_ = 0;
     std::optional<E57Packets> packets_;
     std::vector<std::size_t> missing_;  // attributes that it has nothing for
-    std::vector<Pose> poses_;  // of all scans
+    std::vector<Pose> poses_;           // of all scans
     std::vector<Numbers> numbers_;
-    std::vector<std::uint32_t> valid_;      // which of the points at hand have positions
-    std::vector<std::uint8_t> spherical_;   // whether theirs are the spherical ones
+    std::vector<std::uint32_t> valid_;     // which of the points at hand have positions
+    std::vector<std::uint8_t> spherical_;  // whether theirs are the spherical ones
     std::uint64_t dropped_ = 0, clamped_ = 0;
     bool noted_ = false;
 };
@@ -283,15 +283,24 @@ void E57Reader::store(const E57Target& target, PointBatch& batch, std::size_t fi
         }
     };
     switch (column.type()) {
-        case ScalarType::i8: return put_integers(std::int8_t{});
-        case ScalarType::u8: return put_integers(std::uint8_t{});
-        case ScalarType::i16: return put_integers(std::int16_t{});
-        case ScalarType::u16: return put_integers(std::uint16_t{});
-        case ScalarType::i32: return put_integers(std::int32_t{});
-        case ScalarType::u32: return put_integers(std::uint32_t{});
-        case ScalarType::i64: return put_integers(std::int64_t{});
-        case ScalarType::f32: return put_floats(float{});
-        default: return put_floats(double{});
+        case ScalarType::i8:
+            return put_integers(std::int8_t{});
+        case ScalarType::u8:
+            return put_integers(std::uint8_t{});
+        case ScalarType::i16:
+            return put_integers(std::int16_t{});
+        case ScalarType::u16:
+            return put_integers(std::uint16_t{});
+        case ScalarType::i32:
+            return put_integers(std::int32_t{});
+        case ScalarType::u32:
+            return put_integers(std::uint32_t{});
+        case ScalarType::i64:
+            return put_integers(std::int64_t{});
+        case ScalarType::f32:
+            return put_floats(float{});
+        default:
+            return put_floats(double{});
     }
 }
 
@@ -299,7 +308,8 @@ std::size_t E57Reader::read_piece(PointBatch& batch, std::size_t first, std::siz
 {
     const E57Scan& scan = description_.scans[scan_];
     const E57ScanPlan& plan = plan_.scans[scan_];
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>({most, piece_points, scan.records - scan_read_}));
+    const auto count =
+        static_cast<std::size_t>(std::min<std::uint64_t>({most, piece_points, scan.records - scan_read_}));
     packets_->prepare(count);
     numbers_.resize(std::max(numbers_.size(), scan.fields.size()));
     for (std::size_t f = 0; f < scan.fields.size(); ++f) {
@@ -349,7 +359,8 @@ void E57Reader::note_what_was_dropped()
         info_.notes.push_back(grouped(dropped_) + " of " + grouped(records_) +
                               " points dropped: the file says that they have no valid position");
     if (clamped_)
-        info_.notes.push_back(grouped(clamped_) + " colour values were outside the range that the file gives and were cut");
+        info_.notes.push_back(grouped(clamped_) +
+                              " colour values were outside the range that the file gives and were cut");
 }
 
 bool E57Reader::read(PointBatch& batch, std::size_t max_points)

@@ -129,9 +129,10 @@ GridProposal GridChoice::propose() const
             if (fits(axis.min) && fits(axis.max)) continue;
         }
         if (!axis.decimal.empty()) {
-            take(*std::min_element(axis.decimal.begin(), axis.decimal.end(), [](const Candidate& x, const Candidate& y) {
-                return x.scale != y.scale ? x.scale > y.scale : x.error < y.error;
-            }));
+            take(
+                *std::min_element(axis.decimal.begin(), axis.decimal.end(), [](const Candidate& x, const Candidate& y) {
+                    return x.scale != y.scale ? x.scale > y.scale : x.error < y.error;
+                }));
             continue;
         }
         const double least_step = half_span / (most - 2);

@@ -1,4 +1,5 @@
-// The grid for writing doubles as 32-bit integers, as LAS does: the coarsest that keeps every digit, where there is one.
+// The grid for writing doubles as 32-bit integers, as LAS does: the coarsest that keeps every digit, where there is
+// one.
 #pragma once
 
 #include "cloud/geometry.h"
@@ -13,16 +14,18 @@ namespace pcm {
 
 struct GridProposal {
     Grid grid;
-    bool exact = false;        // every watched coordinate v has a q of 32 bits with q * scale + offset == v, bit for bit
-    double largest_error = 0;  // source units: 0 when exact, else what no coordinate's rounding exceeds
+    bool exact = false;  // every watched coordinate v has a q of 32 bits with q * scale + offset == v, bit for bit
+    double largest_error = 0;      // source units: 0 when exact, else what no coordinate's rounding exceeds
     std::uint64_t not_finite = 0;  // points with a NaN or infinite coordinate; they are not watched
 };
 
 // Watches all coordinates of a cloud, then proposes. Axes are chosen one by one, in this order:
-// 1. the coarsest step 10^-k, k = -3..12, on which all coordinates are exact, from offset 0 or from the first coordinate
+// 1. the coarsest step 10^-k, k = -3..12, on which all coordinates are exact, from offset 0 or from the first
+// coordinate
 //    rounded to a multiple of 1000;
 // 2. the coarsest power of two with which they are: always there for coordinates that were integers times such a step;
-// 3. the coarsest step 10^-k on which all coordinates are right to the last bits that arithmetic in double loses: decimal
+// 3. the coarsest step 10^-k on which all coordinates are right to the last bits that arithmetic in double loses:
+// decimal
 //    numbers from a text, of which 3 * 0.1 != 0.3 is one;
 // 4. the finest step 1, 2 or 5 times 10^-k whose 32-bit integers span the coordinates.
 // One thread.
@@ -53,11 +56,12 @@ private:
     std::uint64_t not_finite_ = 0;
 };
 
-// Reads all points of a cloud of doubles. Throws what read() throws, Error(cancelled), and Error(invalid_argument) for a cloud
-// that is on a grid already.
+// Reads all points of a cloud of doubles. Throws what read() throws, Error(cancelled), and Error(invalid_argument) for
+// a cloud that is on a grid already.
 GridProposal choose_grid(PointReader& reader, const ProgressFunction& progress = {});
 
-// The integer whose position on the grid is nearest to v; `v` is finite. It may need more than 32 bits, and saturates at
+// The integer whose position on the grid is nearest to v; `v` is finite. It may need more than 32 bits, and saturates
+// at
 // +-2^62.
 inline std::int64_t nearest_on_grid(const Grid& grid, std::size_t axis, double v)
 {

@@ -206,9 +206,7 @@ std::string ExtraBytesPlan::plan_described(const std::vector<std::byte>& bytes)
                              : pieces > 1 ? component_name(d.name, piece)
                                           : d.name;
             attribute.type = d.type;
-            attribute.components = group > 1    ? static_cast<std::uint32_t>(group)
-                                   : pieces > 1 ? 1
-                                                : d.components;
+            attribute.components = group > 1 ? static_cast<std::uint32_t>(group) : pieces > 1 ? 1 : d.components;
             attribute.scale = d.plain ? 1 : d.scale[piece];
             attribute.offset = d.plain ? 0 : d.offset[piece];
             attribute.description = d.description;

@@ -26,14 +26,15 @@ struct Fields {
 
 // Those of the specification, by its names in lower case: see las_reader.h.
 Fields fields_of_format(unsigned format);
-// With the extra bytes as their VLR describes them, which may lie about the record: then they are one attribute of plain
-// bytes, and a note says why.
+// With the extra bytes as their VLR describes them, which may lie about the record: then they are one attribute of
+// plain bytes, and a note says why.
 Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::vector<std::string>& notes);
 
-// An attribute of more than three components has a descriptor for each, "name[0]", "name[1]", ...: no data type has so many.
+// An attribute of more than three components has a descriptor for each, "name[0]", "name[1]", ...: no data type has so
+// many.
 std::string component_name(const std::string& name, std::size_t component);
-// The description of extra bytes that hold what the field of the same name in the point format cannot: they are read in its
-// place.
+// The description of extra bytes that hold what the field of the same name in the point format cannot: they are read in
+// its place.
 inline constexpr const char* exact_description = "exact; the field has it rounded";
 
 // Values of `count` records that lie `stride` bytes apart: out of their field, one after the other, ...

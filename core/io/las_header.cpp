@@ -107,8 +107,8 @@ void HeaderReader::check_sizes(const std::byte* bytes, std::size_t got)
     h_.record_length = load<std::uint16_t>(bytes + at::record_length);
     if (h_.record_length < record_bytes[h_.format])
         fail(ErrorCode::bad_format, "the header says " + std::to_string(h_.record_length) +
-                                        " bytes a point; point format " + std::to_string(h_.format) +
-                                        " has at least " + std::to_string(record_bytes[h_.format]));
+                                        " bytes a point; point format " + std::to_string(h_.format) + " has at least " +
+                                        std::to_string(record_bytes[h_.format]));
 }
 
 void HeaderReader::read_counts(const std::byte* bytes)
@@ -190,9 +190,9 @@ private:
         for (std::uint64_t i = 0; i < count; ++i) {
             const auto give_up = [&] {
                 add_note(notes_, (extended ? "extended VLR " : "VLR ") + std::to_string(i + 1) + " of " +
-                                     std::to_string(count) + " at byte " + std::to_string(position) + " runs over the " +
-                                     (extended ? "end of the file" : "start of the points") + " at byte " +
-                                     std::to_string(end) + "; it and the rest are ignored");
+                                     std::to_string(count) + " at byte " + std::to_string(position) +
+                                     " runs over the " + (extended ? "end of the file" : "start of the points") +
+                                     " at byte " + std::to_string(end) + "; it and the rest are ignored");
             };
             if (position > end || end - position < head_bytes) return give_up();
             std::array<std::byte, evlr_header_bytes> head;
@@ -281,8 +281,8 @@ std::vector<Vlr> read_vlrs(const File& file, std::uint64_t file_size, const Head
 
 Metadata to_metadata(const Vlr& vlr)
 {
-    std::string key = std::string(vlr.extended ? "las.evlr/" : "las.vlr/") + escaped(vlr.user_id) + "/" +
-                      std::to_string(vlr.id);
+    std::string key =
+        std::string(vlr.extended ? "las.evlr/" : "las.vlr/") + escaped(vlr.user_id) + "/" + std::to_string(vlr.id);
     if (!vlr.description.empty()) key += "/" + escaped(vlr.description);
     return {std::move(key), vlr.value};
 }

@@ -41,13 +41,13 @@ struct Vlr {
     std::uint64_t offset = 0;  // of the value in the file that it comes from
 };
 
-// VLRs, then EVLRs, in file order. Damaged ones end the list and are noted; what is beyond 64 MB together is noted and left
-// out, but never the laszip VLR.
+// VLRs, then EVLRs, in file order. Damaged ones end the list and are noted; what is beyond 64 MB together is noted and
+// left out, but never the laszip VLR.
 std::vector<Vlr> read_vlrs(const File& file, std::uint64_t file_size, const Header& header,
                            std::vector<std::string>& notes);
 
-// Metadata and back. The key is "las.vlr/USER/ID" or "las.evlr/USER/ID", with "/DESCRIPTION" where there is one; '/' and '%'
-// inside the parts are written %2F and %25.
+// Metadata and back. The key is "las.vlr/USER/ID" or "las.evlr/USER/ID", with "/DESCRIPTION" where there is one; '/'
+// and '%' inside the parts are written %2F and %25.
 Metadata to_metadata(const Vlr& vlr);
 std::optional<Vlr> from_metadata(const Metadata& block);  // nothing for other keys
 inline constexpr const char* header_key = "las.header";   // Header::raw

@@ -27,9 +27,9 @@ void store(std::byte* to, T value)
 }
 
 namespace header {
-inline constexpr std::size_t file_source_id = 4;        // u16, since 1.1
-inline constexpr std::size_t global_encoding = 6;       // u16, since 1.2
-inline constexpr std::size_t guid = 8;                  // 16 bytes
+inline constexpr std::size_t file_source_id = 4;   // u16, since 1.1
+inline constexpr std::size_t global_encoding = 6;  // u16, since 1.2
+inline constexpr std::size_t guid = 8;             // 16 bytes
 inline constexpr std::size_t version_major = 24;
 inline constexpr std::size_t version_minor = 25;
 inline constexpr std::size_t system_identifier = 26;    // char[32]
@@ -49,10 +49,10 @@ inline constexpr std::size_t box = 179;                 // f64: max x, min x, ma
 inline constexpr std::size_t size_1_0 = 227;            // of 1.0, 1.1 and 1.2
 inline constexpr std::size_t waveform_start = 227;      // u64, since 1.3
 inline constexpr std::size_t size_1_3 = 235;
-inline constexpr std::size_t evlr_start = 235;      // u64, since 1.4
-inline constexpr std::size_t evlr_count = 243;      // u32
-inline constexpr std::size_t point_count_64 = 247;  // u64
-inline constexpr std::size_t return_counts_64 = 255;    // u64[15]
+inline constexpr std::size_t evlr_start = 235;        // u64, since 1.4
+inline constexpr std::size_t evlr_count = 243;        // u32
+inline constexpr std::size_t point_count_64 = 247;    // u64
+inline constexpr std::size_t return_counts_64 = 255;  // u64[15]
 inline constexpr std::size_t size_1_4 = 375;
 }  // namespace header
 
@@ -64,7 +64,8 @@ inline constexpr unsigned synthetic_returns = 8;
 inline constexpr unsigned wkt = 16;
 }  // namespace encoding
 
-// Variable length records: reserved u16, user id char[16], record id u16, length (u16, extended: u64), description char[32].
+// Variable length records: reserved u16, user id char[16], record id u16, length (u16, extended: u64), description
+// char[32].
 inline constexpr std::size_t vlr_header_bytes = 54;
 inline constexpr std::size_t evlr_header_bytes = 60;
 inline constexpr std::string_view spec_user_id = "LASF_Spec";

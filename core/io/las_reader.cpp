@@ -27,9 +27,8 @@ public:
         header_ = las::read_header(file_, file_size, info_.notes);
         const std::vector<las::Vlr> vlrs = las::read_vlrs(file_, file_size, header_, info_.notes);
         las::Fields plan = las::fields_of_file(header_, vlrs, info_.notes);
-        records_ = header_.compressed
-                       ? las::laz_records(file_, file_size, header_, vlrs, options.threads, info_.notes)
-                       : las::plain_records(file_, header_);
+        records_ = header_.compressed ? las::laz_records(file_, file_size, header_, vlrs, options.threads, info_.notes)
+                                      : las::plain_records(file_, header_);
 
         info_.format = (header_.compressed ? "LAZ 1." : "LAS 1.") + std::to_string(header_.version_minor) +
                        ", point format " + std::to_string(header_.format);

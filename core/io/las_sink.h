@@ -27,13 +27,13 @@ public:
 
 // All need `out` as long as they live.
 std::unique_ptr<RecordSink> plain_sink(OutputFile& out, std::size_t record_length);
-// Compresses on up to `threads` threads (0: one a processor); the bytes are the same for any number. `laszip_vlr` is the
-// payload of the VLR that stands in the file.
+// Compresses on up to `threads` threads (0: one a processor); the bytes are the same for any number. `laszip_vlr` is
+// the payload of the VLR that stands in the file.
 std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length, std::vector<std::byte> laszip_vlr,
                                      unsigned threads);
 
-// The payload of the laszip VLR for a point format. Throws Error(unsupported) where LAZ was left out of this build and for
-// more extra bytes than can be compressed in bounded memory.
+// The payload of the laszip VLR for a point format. Throws Error(unsupported) where LAZ was left out of this build and
+// for more extra bytes than can be compressed in bounded memory.
 std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsigned format, std::size_t record_length);
 
 }  // namespace pcm::las

@@ -52,7 +52,8 @@ std::optional<Conversion> exact_conversion(const Attribute& attribute, const Att
 
 bool names_all_of(const Schema& cloud, const Schema& fields)
 {
-    return std::all_of(fields.begin(), fields.end(), [&](const Attribute& f) { return cloud.find(f.name).has_value(); });
+    return std::all_of(fields.begin(), fields.end(),
+                       [&](const Attribute& f) { return cloud.find(f.name).has_value(); });
 }
 
 bool has_all_of(const Schema& cloud, const Schema& fields)
@@ -144,17 +145,13 @@ public:
         plan_.has_returns = cloud_.schema.find("return_number") || cloud_.schema.find("number_of_returns");
         if (plan_.record_length > most_record_bytes)
             throw Error(ErrorCode::invalid_argument, path_,
-                        "a point would take " + std::to_string(plan_.record_length) +
-                            " bytes; LAS has room for 65535",
+                        "a point would take " + std::to_string(plan_.record_length) + " bytes; LAS has room for 65535",
                         "write fewer attributes");
         return std::move(plan_);
     }
 
 private:
-    static bool is_plain_bytes(const Attribute& a)
-    {
-        return a.type == ScalarType::u8 && a.scale == 1 && a.offset == 0;
-    }
+    static bool is_plain_bytes(const Attribute& a) { return a.type == ScalarType::u8 && a.scale == 1 && a.offset == 0; }
     bool is_undescribed(const Attribute& a) const
     {
         return a.name == "extra_bytes" && is_plain_bytes(a) && a.description.empty();
@@ -193,8 +190,9 @@ private:
         if (attribute.components == field.components) {
             column.conversion = Conversion::rounded;
             plan_.columns.push_back(column);
-            plan_.notes.push_back(what + ", for which point format " + std::to_string(plan_.format) +
-                                  " has no field: it is kept exactly as extra bytes, and rounded in the field of that name");
+            plan_.notes.push_back(
+                what + ", for which point format " + std::to_string(plan_.format) +
+                " has no field: it is kept exactly as extra bytes, and rounded in the field of that name");
         } else {
             plan_.notes.push_back(what + ", for which point format " + std::to_string(plan_.format) +
                                   " has no field: it is kept exactly as extra bytes");
@@ -213,11 +211,11 @@ private:
         const bool one_descriptor = attribute.components <= 3 || plain;
         const bool exact = description == exact_description;
         // The longest suffix of a component counts.
-        const std::size_t suffix =
-            one_descriptor ? 0 : component_name("", attribute.components - 1).size();
+        const std::size_t suffix = one_descriptor ? 0 : component_name("", attribute.components - 1).size();
         const std::string short_name = exact ? name : free_name(name, most_name_bytes - suffix);
         if (short_name != name)
-            plan_.notes.push_back("'" + name + "' is called '" + short_name + "': names have at most 32 bytes and appear once");
+            plan_.notes.push_back("'" + name + "' is called '" + short_name +
+                                  "': names have at most 32 bytes and appear once");
         for (std::uint32_t c = 0; c < (one_descriptor ? 1u : attribute.components); ++c)
             add_descriptor(attribute, one_descriptor ? short_name : component_name(short_name, c), text,
                            one_descriptor ? attribute.components : 1, plain);
@@ -241,8 +239,8 @@ private:
         std::byte d[extra::descriptor_bytes]{};
         // In the order of the specification: u8 1, i8 2, u16 3, ... f32 9, f64 10; pairs from 11, triples from 21.
         static constexpr std::uint8_t types[] = {2, 1, 4, 3, 6, 5, 8, 7, 9, 10};
-        const auto type = static_cast<std::uint8_t>(types[static_cast<std::size_t>(attribute.type) - 1] +
-                                                    10 * (components - 1));
+        const auto type =
+            static_cast<std::uint8_t>(types[static_cast<std::size_t>(attribute.type) - 1] + 10 * (components - 1));
         unsigned options = attribute.scale != 1 ? extra::has_scale : 0;
         if (attribute.offset != 0) options |= extra::has_offset;
         if (plain) options = components;
@@ -259,7 +257,8 @@ private:
         plan_.extra_bytes_vlr.insert(plan_.extra_bytes_vlr.end(), from, from + extra::descriptor_bytes);
     }
 
-    // That of the file the cloud came from, when it says the same: it may also tell the value for "no data" and the range.
+    // That of the file the cloud came from, when it says the same: it may also tell the value for "no data" and the
+    // range.
     const std::byte* source_descriptor(const std::byte* d, const Attribute& attribute) const
     {
         constexpr unsigned about_the_type = extra::has_scale | extra::has_offset;
@@ -268,7 +267,8 @@ private:
         const auto same = [&](const std::byte* source, std::size_t at, std::size_t bytes) {
             return std::memcmp(source + at, d + at, bytes) == 0;
         };
-        for (std::size_t i = 0; i + extra::descriptor_bytes <= source_descriptors_.size(); i += extra::descriptor_bytes) {
+        for (std::size_t i = 0; i + extra::descriptor_bytes <= source_descriptors_.size();
+             i += extra::descriptor_bytes) {
             const std::byte* source = &source_descriptors_[i];
             if (!same(source, extra::name, 32) || !same(source, extra::description, 32)) continue;
             const auto source_type = load<std::uint8_t>(source + extra::data_type);
@@ -308,7 +308,7 @@ void put_rounded(const WriteColumn& column, const Column& values, std::size_t fi
         To number = 0;
         if (rounded >= high)
             number = std::numeric_limits<To>::is_integer && !column.field.mask ? std::numeric_limits<To>::max()
-                                                                                : static_cast<To>(high);
+                                                                               : static_cast<To>(high);
         else if (rounded > low)
             number = static_cast<To>(rounded);
         else if (rounded <= low)
@@ -359,13 +359,13 @@ std::uint64_t fill(const WriteColumn& column, const Column& values, std::size_t 
             break;
         case Conversion::widened:
             with_type(column.type, [&](auto to) {
-                with_type(values.type(), [&](auto source) { widen<decltype(to), decltype(source)>(from, numbers, scratch.data()); });
+                with_type(values.type(),
+                          [&](auto source) { widen<decltype(to), decltype(source)>(from, numbers, scratch.data()); });
             });
             break;
         case Conversion::colours:
             for (std::size_t i = 0; i < numbers; ++i)
-                store(scratch.data() + 2 * i,
-                      static_cast<std::uint16_t>(257u * std::to_integer<unsigned>(from[i])));
+                store(scratch.data() + 2 * i, static_cast<std::uint16_t>(257u * std::to_integer<unsigned>(from[i])));
             break;
         case Conversion::rounded: {
             const bool colours = column.type == ScalarType::u16 && values.components() == 3 && is_float(values.type());

@@ -13,10 +13,10 @@ namespace pcm::las {
 
 // What happens to the values of an attribute on their way into a field.
 enum class Conversion : std::uint8_t {
-    none,      // the same bytes
-    widened,   // the same numbers in a larger type
-    colours,   // 8 bits to 16: times 257, so that 255 becomes 65535
-    rounded,   // numbers beside which the exact ones stand as extra bytes: rounded and cut to the field's range
+    none,     // the same bytes
+    widened,  // the same numbers in a larger type
+    colours,  // 8 bits to 16: times 257, so that 255 becomes 65535
+    rounded,  // numbers beside which the exact ones stand as extra bytes: rounded and cut to the field's range
 };
 
 struct WriteColumn {
@@ -36,12 +36,14 @@ struct WritePlan {
     std::vector<std::string> notes;
 };
 
-// The format of the cloud's own LAS header where the cloud still has all of its fields; else the one that carries the most
-// attributes in its fields exactly, of those the one with fields of the same names for the most others, of those the smallest. Throws Error(invalid_argument) for points of more than 65535 bytes.
+// The format of the cloud's own LAS header where the cloud still has all of its fields; else the one that carries the
+// most attributes in its fields exactly, of those the one with fields of the same names for the most others, of those
+// the smallest. Throws Error(invalid_argument) for points of more than 65535 bytes.
 WritePlan plan_writing(const std::filesystem::path& path, const FileInfo& cloud);
 
-// `count` values of `column`, starting with the `first`, into the fields of records of zeros. Returns how many did not fit the
-// bits of the field and were cut to the largest that does; never those of rounded columns, whose exact values are beside them.
+// `count` values of `column`, starting with the `first`, into the fields of records of zeros. Returns how many did not
+// fit the bits of the field and were cut to the largest that does; never those of rounded columns, whose exact values
+// are beside them.
 std::uint64_t fill(const WriteColumn& column, const Column& values, std::size_t first, std::size_t count,
                    std::byte* records, std::size_t stride, std::vector<std::byte>& scratch);
 

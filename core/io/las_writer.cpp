@@ -146,10 +146,12 @@ void LasWriter::choose_vlrs()
     }
     if (!described && !plan_.extra_bytes_vlr.empty()) add(extra_bytes_vlr("Extra Bytes"));
     if (compressed_) add({std::string(las::laszip_user_id), las::laszip_record_id, "LASzip", false, laszip_vlr_});
-    if (copc) notes_.push_back("the octree of the cloud optimised source (COPC) is not copied: it does not fit the new file");
+    if (copc)
+        notes_.push_back("the octree of the cloud optimised source (COPC) is not copied: it does not fit the new file");
     if (indexes) notes_.push_back("the spatial index of LAStools is not copied: it does not fit the new file");
     if (waveforms)
-        notes_.push_back("waveforms are not copied; the points keep their wave packet fields, which point into the source's");
+        notes_.push_back(
+            "waveforms are not copied; the points keep their wave packet fields, which point into the source's");
 }
 
 void LasWriter::append(const las::Vlr& vlr)
@@ -162,7 +164,8 @@ void LasWriter::append(const las::Vlr& vlr)
         las::store(to + 20, static_cast<std::uint64_t>(vlr.value.size()));
     else
         las::store(to + 20, static_cast<std::uint16_t>(vlr.value.size()));
-    std::memcpy(to + (vlr.extended ? 28 : 22), vlr.description.data(), std::min<std::size_t>(32, vlr.description.size()));
+    std::memcpy(to + (vlr.extended ? 28 : 22), vlr.description.data(),
+                std::min<std::size_t>(32, vlr.description.size()));
     out_.append(head.data(), vlr.extended ? las::evlr_header_bytes : las::vlr_header_bytes);
     out_.append(vlr.value.data(), vlr.value.size());
 }
@@ -185,14 +188,13 @@ void LasWriter::round_positions(const PointBatch& batch)
     for (std::size_t a = 0; a < 3; ++a) {
         rounded_[a].resize(batch.size);
         for (std::size_t i = 0; i < batch.size; ++i) {
-            const double v =
-                batch.gridded ? cloud_.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+            const double v = batch.gridded ? cloud_.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
             const std::int64_t q = nearest_on_grid(grid_, a, v);
             if (q < std::numeric_limits<std::int32_t>::min() || q > std::numeric_limits<std::int32_t>::max())
                 throw Error(ErrorCode::invalid_argument, out_.path(),
-                            std::string(1, "xyz"[a]) + " = " + exact(v) + " of point " + std::to_string(points_ + i + 1) +
-                                " does not fit 32 bits on the grid with step " + exact(grid_.scale[a]) + " and offset " +
-                                exact(grid_.offset[a]),
+                            std::string(1, "xyz"[a]) + " = " + exact(v) + " of point " +
+                                std::to_string(points_ + i + 1) + " does not fit 32 bits on the grid with step " +
+                                exact(grid_.scale[a]) + " and offset " + exact(grid_.offset[a]),
                             "give a larger step, or an offset nearer to the coordinates");
             error_ = std::max(error_, std::abs(grid_.to_source(q, a) - v));
             rounded_[a][i] = static_cast<std::int32_t>(q);
@@ -272,7 +274,8 @@ std::vector<std::string> LasWriter::notes() const
                           "' need more bits than point format " + std::to_string(plan_.format) +
                           " has for them; they are cut to " + std::to_string(plan_.columns[c].field.mask));
     if (not_finite_)
-        all.push_back(grouped(not_finite_) + " points without a finite position are left out: LAS has no place for them");
+        all.push_back(grouped(not_finite_) +
+                      " points without a finite position are left out: LAS has no place for them");
     return all;
 }
 

@@ -1,5 +1,5 @@
-// The payload of the laszip VLR (user id "laszip encoded", record id 22204): how the records of a LAZ file are compressed.
-// From LASzip's published format; laszip items are the groups of fields that are compressed together.
+// The payload of the laszip VLR (user id "laszip encoded", record id 22204): how the records of a LAZ file are
+// compressed. From LASzip's published format; laszip items are the groups of fields that are compressed together.
 #pragma once
 
 #include "io/las_layout.h"
@@ -39,14 +39,14 @@ inline constexpr std::uint32_t variable_chunks = 0xFFFFFFFF;
 inline constexpr std::uint32_t default_chunk_points = 50000;
 
 namespace vlr {
-inline constexpr std::size_t compressor = 0;    // u16
-inline constexpr std::size_t coder = 2;         // u16, 0: arithmetic
-inline constexpr std::size_t version = 4;       // u8 major, u8 minor, u16 revision
-inline constexpr std::size_t options = 8;       // u32
-inline constexpr std::size_t chunk_points = 12;  // u32
+inline constexpr std::size_t compressor = 0;      // u16
+inline constexpr std::size_t coder = 2;           // u16, 0: arithmetic
+inline constexpr std::size_t version = 4;         // u8 major, u8 minor, u16 revision
+inline constexpr std::size_t options = 8;         // u32
+inline constexpr std::size_t chunk_points = 12;   // u32
 inline constexpr std::size_t special_evlrs = 16;  // i64 count, i64 offset; -1: none
-inline constexpr std::size_t item_count = 32;    // u16
-inline constexpr std::size_t items = 34;         // each u16 type, u16 size, u16 version
+inline constexpr std::size_t item_count = 32;     // u16
+inline constexpr std::size_t items = 34;          // each u16 type, u16 size, u16 version
 inline constexpr std::size_t item_bytes = 6;
 }  // namespace vlr
 

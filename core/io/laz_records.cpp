@@ -23,11 +23,12 @@ namespace pcm::las {
 std::unique_ptr<RecordSource> laz_records(const File& file, std::uint64_t, const Header& header,
                                           const std::vector<Vlr>&, unsigned, std::vector<std::string>&)
 {
-    throw Error(ErrorCode::unsupported, file.path(),
-                "this is LAZ (compressed LAS 1." + std::to_string(header.version_minor) + ", point format " +
-                    std::to_string(header.format) + "), which this build leaves out",
-                "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or convert the file to "
-                "LAS first, for example with laszip or PDAL");
+    throw Error(
+        ErrorCode::unsupported, file.path(),
+        "this is LAZ (compressed LAS 1." + std::to_string(header.version_minor) + ", point format " +
+            std::to_string(header.format) + "), which this build leaves out",
+        "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or convert the file to "
+        "LAS first, for example with laszip or PDAL");
 }
 
 #else
@@ -55,7 +56,7 @@ struct Chunks {
     std::size_t record_length = 0;
     std::uint64_t points = 0;
     laz::Compressor compressor = laz::Compressor::none;
-    std::uint32_t chunk_points = 0;  // laz::variable_chunks: the table tells
+    std::uint32_t chunk_points = 0;    // laz::variable_chunks: the table tells
     std::uint64_t begin = 0, end = 0;  // bytes of all chunks
 
     // Of every chunk, and one behind the last; empty without a chunk table.
@@ -89,8 +90,9 @@ struct Chunks {
             const std::uint64_t said = pcm_laz_decoder_chunk_points(decoder.get());
             if (chunk_count == 0) chunk_count = said;
             if (said != chunk_count || said == 0)
-                fail(chunk, from_byte, first_point, "it says it has " + std::to_string(said) + " points, " +
-                                                        std::to_string(chunk_count) + " were expected");
+                fail(chunk, from_byte, first_point,
+                     "it says it has " + std::to_string(said) + " points, " + std::to_string(chunk_count) +
+                         " were expected");
         }
         return decoder;
     }
@@ -98,7 +100,8 @@ struct Chunks {
                 std::uint64_t from_byte, std::uint64_t first_point) const
     {
         std::array<char, message_bytes> message{};
-        if (pcm_laz_decode(decoder, reinterpret_cast<std::uint8_t*>(to), points_now, message.data(), message.size()) != 0)
+        if (pcm_laz_decode(decoder, reinterpret_cast<std::uint8_t*>(to), points_now, message.data(), message.size()) !=
+            0)
             fail(chunk, from_byte, first_point, message.data());
     }
 };
@@ -139,9 +142,9 @@ private:
         } else {
             const bool variable = chunks_.chunk_points == laz::variable_chunks;
             const std::uint64_t left = chunks_.points - next_;
-            chunk_count_ = chunks_.compressor == laz::Compressor::pointwise
-                               ? left
-                               : variable ? 0 : std::min<std::uint64_t>(chunks_.chunk_points, left);
+            chunk_count_ = chunks_.compressor == laz::Compressor::pointwise ? left
+                           : variable                                       ? 0
+                                      : std::min<std::uint64_t>(chunks_.chunk_points, left);
         }
         decoder_ = chunks_.open(chunk_, from_byte_, to_byte, next_, chunk_count_);
     }
@@ -156,7 +159,9 @@ private:
 // Whole chunks, decoded ahead by several threads. The threads start with the first read.
 class LazCrew final : public RecordSource {
 public:
-    LazCrew(Chunks chunks, unsigned threads) : chunks_(std::move(chunks)), thread_count_(threads), slots_(threads + 1) {}
+    LazCrew(Chunks chunks, unsigned threads) : chunks_(std::move(chunks)), thread_count_(threads), slots_(threads + 1)
+    {
+    }
     ~LazCrew() override
     {
         {
@@ -295,7 +300,10 @@ private:
 };
 
 // Where in the file, as messages begin.
-std::string byte_of(const Vlr& vlr, std::size_t in_value) { return "byte " + std::to_string(vlr.offset + in_value) + ": "; }
+std::string byte_of(const Vlr& vlr, std::size_t in_value)
+{
+    return "byte " + std::to_string(vlr.offset + in_value) + ": ";
+}
 
 void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
 {
@@ -309,16 +317,17 @@ void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
     const std::size_t size = vlr->value.size();
     const std::size_t count = size >= at::items ? load<std::uint16_t>(&vlr->value[at::item_count]) : 0;
     if (size < at::items + count * at::item_bytes)
-        fail(ErrorCode::bad_format, "the laszip VLR at byte " + std::to_string(vlr->offset) + " has " + std::to_string(size) + " bytes, at least " +
+        fail(ErrorCode::bad_format, "the laszip VLR at byte " + std::to_string(vlr->offset) + " has " +
+                                        std::to_string(size) + " bytes, at least " +
                                         std::to_string(at::items + count * at::item_bytes) + " were expected");
     const auto compressor = load<std::uint16_t>(&vlr->value[at::compressor]);
     if (compressor < 1 || compressor > 3)
-        fail(ErrorCode::unsupported,
-             byte_of(*vlr, at::compressor) + "the laszip VLR names compressor " + std::to_string(compressor) + "; 1 to 3 can be read");
+        fail(ErrorCode::unsupported, byte_of(*vlr, at::compressor) + "the laszip VLR names compressor " +
+                                         std::to_string(compressor) + "; 1 to 3 can be read");
     const auto coder = load<std::uint16_t>(&vlr->value[at::coder]);
     if (coder != 0)
-        fail(ErrorCode::unsupported,
-             byte_of(*vlr, at::coder) + "the laszip VLR names coder " + std::to_string(coder) + "; 0, the arithmetic coder, can be read");
+        fail(ErrorCode::unsupported, byte_of(*vlr, at::coder) + "the laszip VLR names coder " + std::to_string(coder) +
+                                         "; 0, the arithmetic coder, can be read");
     chunks_.vlr = vlr->value;
     chunks_.compressor = static_cast<laz::Compressor>(compressor);
     chunks_.chunk_points = load<std::uint32_t>(&vlr->value[at::chunk_points]);
@@ -331,14 +340,16 @@ void LazOpener::check_items(const Vlr& vlr, std::size_t count) const
     const std::size_t extra = header_.record_length - record_bytes[header_.format];
     const std::vector<laz::Item> expected = laz::items_of(header_.format, extra);
     if (count != expected.size())
-        fail(ErrorCode::bad_format, byte_of(vlr, at::item_count) + "the laszip VLR lists " + std::to_string(count) + " items; records of " +
-                                        std::to_string(header_.record_length) + " bytes of point format " +
-                                        std::to_string(header_.format) + " have " + std::to_string(expected.size()));
+        fail(ErrorCode::bad_format, byte_of(vlr, at::item_count) + "the laszip VLR lists " + std::to_string(count) +
+                                        " items; records of " + std::to_string(header_.record_length) +
+                                        " bytes of point format " + std::to_string(header_.format) + " have " +
+                                        std::to_string(expected.size()));
     const bool layered = is_extended(header_.format);
     for (std::size_t i = 0; i < count; ++i) {
         const std::byte* from = &vlr.value[at::items + i * at::item_bytes];
         const laz::Item item{load<std::uint16_t>(from), load<std::uint16_t>(from + 2), load<std::uint16_t>(from + 4)};
-        const std::string name = byte_of(vlr, at::items + i * at::item_bytes) + "item " + std::to_string(i + 1) + " of the laszip VLR";
+        const std::string name =
+            byte_of(vlr, at::items + i * at::item_bytes) + "item " + std::to_string(i + 1) + " of the laszip VLR";
         if (item.type != expected[i].type || item.size != expected[i].size)
             fail(ErrorCode::bad_format, name + " is of type " + std::to_string(item.type) + " and " +
                                             std::to_string(item.size) + " bytes; type " +
@@ -351,7 +362,8 @@ void LazOpener::check_items(const Vlr& vlr, std::size_t count) const
                                              " can be read");
     }
     if ((chunks_.compressor == laz::Compressor::layered_chunked) != layered)
-        fail(ErrorCode::bad_format, byte_of(vlr, at::compressor) + "the laszip VLR names a compressor that is not for point format " +
+        fail(ErrorCode::bad_format, byte_of(vlr, at::compressor) +
+                                        "the laszip VLR names a compressor that is not for point format " +
                                         std::to_string(header_.format));
     if (laz::coder_bytes(header_.format, extra) > laz::most_coder_bytes)
         fail(ErrorCode::unsupported,
@@ -371,7 +383,8 @@ void LazOpener::find_chunks()
     chunks_.first_points.clear();
     if (position && position < chunks_.end) chunks_.end = position;
     if (chunks_.chunk_points == laz::variable_chunks && !chunks_.layered())
-        fail(ErrorCode::corrupt, "the chunk table is " + wrong + "; without it chunks of variable size cannot be told apart");
+        fail(ErrorCode::corrupt,
+             "the chunk table is " + wrong + "; without it chunks of variable size cannot be told apart");
     add_note(notes_, "the chunk table is " + wrong + "; the chunks are read in order without it");
 }
 
@@ -450,9 +463,8 @@ unsigned LazOpener::threads_in_bounds(unsigned wanted) const
     }
     if (most_points > most_ahead_bytes / header_.record_length || most_bytes > most_ahead_bytes) return 1;
     const std::uint64_t decoded = most_points * header_.record_length;
-    const std::uint64_t each =
-        decoded + (chunks_.layered() ? most_bytes : 0) +
-        laz::coder_bytes(header_.format, header_.record_length - record_bytes[header_.format]);
+    const std::uint64_t each = decoded + (chunks_.layered() ? most_bytes : 0) +
+                               laz::coder_bytes(header_.format, header_.record_length - record_bytes[header_.format]);
     if (each + decoded > most_ahead_bytes) return 1;
     const std::uint64_t fit = (most_ahead_bytes - decoded) / each;
     return static_cast<unsigned>(std::min<std::uint64_t>({wanted, fit, chunks_.count()}));

@@ -50,7 +50,8 @@ std::string compress(const std::vector<std::byte>& vlr, const std::byte* records
 {
     std::array<char, message_bytes> message{};
     to.reset(pcm_laz_encode_chunk(reinterpret_cast<const std::uint8_t*>(vlr.data()), vlr.size(),
-                                  reinterpret_cast<const std::uint8_t*>(records), size, message.data(), message.size()));
+                                  reinterpret_cast<const std::uint8_t*>(records), size, message.data(),
+                                  message.size()));
     return to ? std::string() : std::string(message.data());
 }
 
@@ -108,7 +109,8 @@ private:
 
     [[noreturn]] void fail(const std::string& what) const
     {
-        throw Error(ErrorCode::unsupported, out_.path(), "the points cannot be compressed: " + what, "write LAS instead");
+        throw Error(ErrorCode::unsupported, out_.path(), "the points cannot be compressed: " + what,
+                    "write LAS instead");
     }
     Slot& slot(std::uint64_t chunk) { return slots_[static_cast<std::size_t>(chunk % slots_.size())]; }
 
@@ -216,11 +218,9 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length,
     const std::size_t items = load<std::uint16_t>(&laszip_vlr[at::item_count]);
     const std::byte* last = &laszip_vlr[at::items + (items - 1) * at::item_bytes];
     const auto type = load<std::uint16_t>(last);
-    const std::size_t extra =
-        type == laz::byte || type == laz::byte14 ? load<std::uint16_t>(last + 2) : std::size_t{0};
+    const std::size_t extra = type == laz::byte || type == laz::byte14 ? load<std::uint16_t>(last + 2) : std::size_t{0};
     const unsigned format = load<std::uint16_t>(&laszip_vlr[at::compressor]) == 3 ? 6 : 0;
-    const std::size_t each =
-        2 * chunk_points_of(record_length) * record_length + laz::coder_bytes(format, extra);
+    const std::size_t each = 2 * chunk_points_of(record_length) * record_length + laz::coder_bytes(format, extra);
     const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
     const std::size_t fit = std::max<std::size_t>(1, most_ahead_bytes / each);
     return std::make_unique<LazSink>(out, record_length, std::move(laszip_vlr),
@@ -236,8 +236,7 @@ std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsign
                     "write LAS instead, or fewer attributes");
     const std::vector<laz::Item> items = laz::items_of(format, extra);
     std::vector<std::byte> vlr(at::items + items.size() * at::item_bytes);
-    const auto compressor =
-        is_extended(format) ? laz::Compressor::layered_chunked : laz::Compressor::pointwise_chunked;
+    const auto compressor = is_extended(format) ? laz::Compressor::layered_chunked : laz::Compressor::pointwise_chunked;
     store(&vlr[at::compressor], static_cast<std::uint16_t>(compressor));
     store(&vlr[at::version], std::uint8_t{3});
     store(&vlr[at::version + 1], std::uint8_t{4});

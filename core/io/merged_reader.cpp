@@ -46,7 +46,8 @@ bool steps_apart(const Grid& a, const Grid& b)
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double steps = (b.offset[axis] - a.offset[axis]) / a.scale[axis];
         if (!(std::fabs(steps - std::round(steps)) <= 1e-6)) return false;
-        const double largest = std::max(std::fabs(a.offset[axis]), std::fabs(b.offset[axis])) / std::fabs(a.scale[axis]);
+        const double largest =
+            std::max(std::fabs(a.offset[axis]), std::fabs(b.offset[axis])) / std::fabs(a.scale[axis]);
         if (!(largest + 0x1p32 < 0x1p50)) return false;
     }
     return true;
@@ -107,10 +108,7 @@ private:
     std::vector<std::string> general_;
 };
 
-MergedReader::MergedReader(std::vector<Source> sources) : sources_(std::move(sources))
-{
-    look_at_headers();
-}
+MergedReader::MergedReader(std::vector<Source> sources) : sources_(std::move(sources)) { look_at_headers(); }
 
 MergedReader::MergedReader(const std::vector<fs::path>& inputs, const ReadOptions& options)
 {
@@ -179,7 +177,8 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
             slot = info_.schema.find(attribute.name);
         }
         if (attribute.name != name)
-            notes.add("attribute '" + name + "' is not as in the files before and is kept as '" + attribute.name + "'", path);
+            notes.add("attribute '" + name + "' is not as in the files before and is kept as '" + attribute.name + "'",
+                      path);
         if (!slot) {
             slot = info_.schema.size();
             info_.schema.add(attribute);
@@ -231,7 +230,8 @@ void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::p
     for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
     take_metadata(info, late);
     for (std::string& note : late.take())
-        if (info_.notes.size() < 2 * max_notes && std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())
+        if (info_.notes.size() < 2 * max_notes &&
+            std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())
             info_.notes.push_back(std::move(note));
 }
 
@@ -264,9 +264,10 @@ void MergedReader::describe_missing(Notes& notes)
         }
         if (count == 0) continue;
         std::string text = attributes.size() == 1 ? "attribute " : "attributes ";
-        for (std::size_t i = 0; i < attributes.size(); ++i) text += (i ? ", '" : "'") + info_.schema[attributes[i]].name + "'";
-        notes.add(text + (attributes.size() == 1 ? " is" : " are") + " not in " + grouped(count) + " of " + grouped(parts_.size()) +
-                  " files and zero there: " + Notes::list_of(names, count));
+        for (std::size_t i = 0; i < attributes.size(); ++i)
+            text += (i ? ", '" : "'") + info_.schema[attributes[i]].name + "'";
+        notes.add(text + (attributes.size() == 1 ? " is" : " are") + " not in " + grouped(count) + " of " +
+                  grouped(parts_.size()) + " files and zero there: " + Notes::list_of(names, count));
     }
 }
 
@@ -279,7 +280,8 @@ PointReader& MergedReader::open(std::size_t part)
         const FileInfo& now = open_->info();
         const Part& before = parts_[part];
         if (now.points != before.points || !(now.schema == shapes_[before.shape].schema) || !(now.grid == before.grid))
-            throw Error(ErrorCode::io, sources_[part].path, "the file has changed while it was being read", "read it again");
+            throw Error(ErrorCode::io, sources_[part].path, "the file has changed while it was being read",
+                        "read it again");
     }
     return *open_;
 }

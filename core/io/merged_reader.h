@@ -14,15 +14,15 @@ namespace pcm {
 
 // What the merged cloud is:
 //
-// Attributes are merged by name: the cloud has those of every file, and where a file lacks one its points have zero. Kinds
-// of one name that differ in type, components, scale or offset are kept apart: the first has the name, others are called
-// NAME_TYPE, or NAME_TYPE_2, ... where that is taken. Positions pass through bit for bit: as integers where all files lie on
-// one grid, else as doubles; info().near_grid is then the first file's grid, when the others have its scale and offsets
-// whole steps away. Metadata are the union without repeats. notes() say what differs, however many files there are in a
-// few lines.
+// Attributes are merged by name: the cloud has those of every file, and where a file lacks one its points have zero.
+// Kinds of one name that differ in type, components, scale or offset are kept apart: the first has the name, others are
+// called NAME_TYPE, or NAME_TYPE_2, ... where that is taken. Positions pass through bit for bit: as integers where all
+// files lie on one grid, else as doubles; info().near_grid is then the first file's grid, when the others have its
+// scale and offsets whole steps away. Metadata are the union without repeats. notes() say what differs, however many
+// files there are in a few lines.
 //
-// One file is open at a time: a survey may have more tiles than a process may have open files. All are opened once by the
-// constructor, for their headers. One thread.
+// One file is open at a time: a survey may have more tiles than a process may have open files. All are opened once by
+// the constructor, for their headers. One thread.
 class MergedReader final : public PointReader {
 public:
     // A part of the cloud: a file, or what else can be opened as a reader again and again. `path` names it in messages.
@@ -31,8 +31,8 @@ public:
         std::function<std::unique_ptr<PointReader>()> open;
     };
 
-    // At least one; throws what opening throws, Error(invalid_argument) for none and Error(unsupported) when together they
-    // have more than max_attributes.
+    // At least one; throws what opening throws, Error(invalid_argument) for none and Error(unsupported) when together
+    // they have more than max_attributes.
     explicit MergedReader(std::vector<Source> sources);
     // Files as they are; folders stand for the files that expand_inputs() finds in them.
     MergedReader(const std::vector<std::filesystem::path>& inputs, const ReadOptions& options);
@@ -49,10 +49,10 @@ private:
     // What is remembered of a file between its header and its points.
     struct Part {
         std::uint64_t points = 0;
-        double weight = 1;       // its share of the work: bytes
-        std::size_t shape = 0;   // in shapes_
+        double weight = 1;      // its share of the work: bytes
+        std::size_t shape = 0;  // in shapes_
         std::optional<Grid> grid;
-        std::size_t notes = 0;   // of its header
+        std::size_t notes = 0;  // of its header
     };
     // A schema that one file or many have, and the place of each of its attributes in the merged one.
     struct Shape {

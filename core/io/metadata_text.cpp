@@ -17,14 +17,15 @@ bool is_geo_directory(std::string_view key)
 
 // Ids of GeoTIFF 1.1 (OGC 19-008r4) that LAS files use; others are shown by number.
 constexpr std::pair<unsigned, std::string_view> geo_keys[] = {
-    {1024, "GTModelType"},       {1025, "GTRasterType"},     {1026, "GTCitation"},       {2048, "GeographicType"},
-    {2049, "GeogCitation"},      {2050, "GeogGeodeticDatum"}, {2051, "GeogPrimeMeridian"}, {2052, "GeogLinearUnits"},
-    {2054, "GeogAngularUnits"},  {2056, "GeogEllipsoid"},    {3072, "ProjectedCSType"},  {3073, "PCSCitation"},
-    {3074, "Projection"},        {3075, "ProjCoordTrans"},   {3076, "ProjLinearUnits"},  {4096, "VerticalCSType"},
-    {4097, "VerticalCitation"},  {4098, "VerticalDatum"},    {4099, "VerticalUnits"},
+    {1024, "GTModelType"},      {1025, "GTRasterType"},      {1026, "GTCitation"},        {2048, "GeographicType"},
+    {2049, "GeogCitation"},     {2050, "GeogGeodeticDatum"}, {2051, "GeogPrimeMeridian"}, {2052, "GeogLinearUnits"},
+    {2054, "GeogAngularUnits"}, {2056, "GeogEllipsoid"},     {3072, "ProjectedCSType"},   {3073, "PCSCitation"},
+    {3074, "Projection"},       {3075, "ProjCoordTrans"},    {3076, "ProjLinearUnits"},   {4096, "VerticalCSType"},
+    {4097, "VerticalCitation"}, {4098, "VerticalDatum"},     {4099, "VerticalUnits"},
 };
 
-// Four numbers of 16 bits, the last one the count of keys; then four for each: id, place of its value (0: here), count, value.
+// Four numbers of 16 bits, the last one the count of keys; then four for each: id, place of its value (0: here), count,
+// value.
 std::string geo_directory(const std::vector<std::byte>& value)
 {
     const auto number = [&](std::size_t i) {
@@ -52,7 +53,8 @@ std::string text_of(const Metadata& block)
 {
     if (is_geo_directory(block.key)) return geo_directory(block.value);
     std::string text(reinterpret_cast<const char*>(block.value.data()), block.value.size());
-    while (!text.empty() && (text.back() == '\0' || text.back() == ' ' || text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    while (!text.empty() && (text.back() == '\0' || text.back() == ' ' || text.back() == '\n' || text.back() == '\r'))
+        text.pop_back();
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);
         const bool blank = c == '\n' || c == '\r' || c == '\t';

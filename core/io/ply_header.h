@@ -35,9 +35,9 @@ struct PlyHeader {
     enum class Encoding { ascii, little_endian, big_endian } encoding = Encoding::ascii;
     std::vector<PlyElement> elements;
     std::vector<std::string> comments;  // those that begin with "pcm"
-    std::uint64_t bytes = 0;          // the data begin here
-    std::uint64_t lines = 0;          // of the header
-    bool ends_lines_with_cr = false;  // with CR alone, as old Macintosh files do
+    std::uint64_t bytes = 0;            // the data begin here
+    std::uint64_t lines = 0;            // of the header
+    bool ends_lines_with_cr = false;    // with CR alone, as old Macintosh files do
 };
 
 // Throws Error(bad_format), naming the line, or Error(unsupported) for another version of the format.

@@ -138,10 +138,10 @@ private:
     };
     std::vector<Group> groups_;
     std::vector<std::size_t> group_of_;  // of each property; no_group
-    std::vector<Target> targets_;      // of the scalar properties of a vertex, in file order
-    std::size_t record_bytes_ = 0;     // of these
-    bool addressable_ = false;         // binary, and all before and among the vertices has one size
-    std::uint64_t vertex_offset_ = 0;  // when addressable
+    std::vector<Target> targets_;        // of the scalar properties of a vertex, in file order
+    std::size_t record_bytes_ = 0;       // of these
+    bool addressable_ = false;           // binary, and all before and among the vertices has one size
+    std::uint64_t vertex_offset_ = 0;    // when addressable
     std::size_t batch_points_ = 1;
 
     std::uint64_t next_ = 0;
@@ -201,8 +201,8 @@ void PlyReader::plan_carried(const CarriedAttribute& carried)
     const bool halves = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
     const std::uint64_t count = std::uint64_t{attribute.components} * (halves ? 2 : 1);
     const auto begins = [&](const PlyProperty& p) { return !p.is_list && p.name == carried.field; };
-    const auto first = static_cast<std::size_t>(
-        std::find_if(properties.begin(), properties.end(), begins) - properties.begin());
+    const auto first =
+        static_cast<std::size_t>(std::find_if(properties.begin(), properties.end(), begins) - properties.begin());
     bool fits = count <= properties.size() - first;
     for (std::size_t k = 0; fits && k < count; ++k) {
         const PlyProperty& property = properties[first + k];
@@ -225,8 +225,7 @@ void PlyReader::plan_carried(const CarriedAttribute& carried)
 void PlyReader::add_attribute(Attribute attribute)
 {
     if (info_.schema.size() == max_attributes)
-        fail(ErrorCode::unsupported,
-             "the vertices have more than " + std::to_string(max_attributes) + " properties");
+        fail(ErrorCode::unsupported, "the vertices have more than " + std::to_string(max_attributes) + " properties");
     attribute.name = unique_name(info_.schema, attribute.name);
     info_.schema.add(std::move(attribute));
 }
@@ -420,8 +419,8 @@ void PlyReader::read_line(std::byte* record)
             std::uint64_t length = 0;
             if (!words.next_number(ScalarType::u64, reinterpret_cast<std::byte*>(&length), word)) {
                 if (word.empty()) ends_before(property);
-                fail_line(ErrorCode::bad_format, "found " + quote_bytes(word) + ", expected the length of the list '" +
-                                                     property.name + "'");
+                fail_line(ErrorCode::bad_format,
+                          "found " + quote_bytes(word) + ", expected the length of the list '" + property.name + "'");
             }
             for (std::uint64_t i = 0; i < length; ++i)
                 if (words.next().empty()) ends_before(property);

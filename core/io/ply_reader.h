@@ -11,7 +11,8 @@ namespace pcm {
 // "normal" x 3 where the three have one type, and scalar_intensity becomes "intensity". Lists inside a vertex are
 // passed over with a note.
 //
-// Comments of ply_writer give back attributes of several components or 64 bits, their names, scale and offset, and metadata.
+// Comments of ply_writer give back attributes of several components or 64 bits, their names, scale and offset, and
+// metadata.
 //
 // Truncated binary files whose vertices have one size are refused here; others, and ascii, when read() gets there.
 // Numbers of ascii files must fit the type of their property. NaN and infinities are passed on.

@@ -22,8 +22,10 @@ std::optional<std::size_t> find(const Schema& schema, std::string_view name, std
 class PtsWriter final : public PointWriter {
 public:
     PtsWriter(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
-        : schema_(cloud.schema), intensity_(find(schema_, attribute_name::intensity, 1)),
-          rgb_(find(schema_, attribute_name::rgb, 3)), out_(path, cloud, options)
+        : schema_(cloud.schema),
+          intensity_(find(schema_, attribute_name::intensity, 1)),
+          rgb_(find(schema_, attribute_name::rgb, 3)),
+          out_(path, cloud, options)
     {
         out_.put(std::string(count_width, ' ') + "\n");
     }

@@ -24,8 +24,8 @@ constexpr std::uint64_t look_through_bytes = std::uint64_t{128} << 20;
 constexpr std::size_t header_lines = 10;
 constexpr std::array<std::size_t, header_lines> header_fields = {1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
 constexpr std::array<const char*, header_lines> header_names = {
-    "the number of columns",   "the number of rows",      "the scanner's position", "the scanner's x axis",
-    "the scanner's y axis",    "the scanner's z axis",    "line 1 of the transform", "line 2 of the transform",
+    "the number of columns",   "the number of rows",     "the scanner's position",  "the scanner's x axis",
+    "the scanner's y axis",    "the scanner's z axis",   "line 1 of the transform", "line 2 of the transform",
     "line 3 of the transform", "line 4 of the transform"};
 constexpr std::size_t most_noted_metadata = 10000;
 
@@ -166,7 +166,8 @@ void PtxReader::look_through()
             split_fields(line, {}, words);
             const std::size_t fields = words.size();
             if (fields != 3 && fields != 4 && fields != 6 && fields != 7)
-                fail(ErrorCode::bad_format, "line " + std::to_string(source.lines_read()) + ": found " + quote_bytes(line) +
+                fail(ErrorCode::bad_format, "line " + std::to_string(source.lines_read()) + ": found " +
+                                                quote_bytes(line) +
                                                 ", expected x y z intensity, or x y z intensity r g b");
             has_intensity_ = has_intensity_ || fields % 3 == 1;
             has_rgb_ = has_rgb_ || fields >= 6;
@@ -271,9 +272,10 @@ bool PtxReader::begin_scan()
 
 void PtxReader::end_early(std::uint64_t line, const std::string& found) const
 {
-    fail(ErrorCode::truncated, "line " + std::to_string(line) + ": " + found + ", after " + grouped(lines_) + " of the " +
-                                   grouped(scan_->points) + " points that scan " + std::to_string(scan_number_) +
-                                   " promises in line " + std::to_string(scan_->first_line));
+    fail(ErrorCode::truncated, "line " + std::to_string(line) + ": " + found + ", after " + grouped(lines_) +
+                                   " of the " + grouped(scan_->points) + " points that scan " +
+                                   std::to_string(scan_number_) + " promises in line " +
+                                   std::to_string(scan_->first_line));
 }
 
 // Drops the missing returns among rows first.. of the batch and transforms the others; returns how many are left.
@@ -311,8 +313,8 @@ void PtxReader::finish()
     if (finished_) return;
     finished_ = true;
     if (missing_returns_)
-        info_.notes.push_back(grouped(missing_returns_) + (missing_returns_ == 1 ? " missing return" : " missing returns") +
-                              " (0 0 0) dropped");
+        info_.notes.push_back(grouped(missing_returns_) +
+                              (missing_returns_ == 1 ? " missing return" : " missing returns") + " (0 0 0) dropped");
 }
 
 bool PtxReader::read(PointBatch& batch, std::size_t max_points)

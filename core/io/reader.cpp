@@ -73,11 +73,15 @@ struct ForeignFormat {
 };
 constexpr ForeignFormat foreign_formats[] = {
     {"[Expe/PointSet", "an Expe point set"},
-    {"PK\x03\x04", "a ZIP archive"}, {"\x1f\x8b", "gzip data"}, {"%PDF", "a PDF file"},
-    {"\x89PNG", "a PNG picture"},    {"POTREE", "Potree data"},
+    {"PK\x03\x04", "a ZIP archive"},
+    {"\x1f\x8b", "gzip data"},
+    {"%PDF", "a PDF file"},
+    {"\x89PNG", "a PNG picture"},
+    {"POTREE", "Potree data"},
 };
 constexpr std::pair<std::string_view, std::string_view> foreign_extensions[] = {
-    {"obj", "an OBJ file"}, {"stl", "an STL file"},
+    {"obj", "an OBJ file"},
+    {"stl", "an STL file"},
 };
 
 std::string list_of_extensions()
@@ -100,8 +104,8 @@ bool is_format(std::string_view extension)
                        [&](const Format& format) { return extension == format.extension; });
 }
 
-// Text by its structure: the lines before a PTX scan are like no other; else, where the extension says nothing, lines of points.
-// Null when it is neither.
+// Text by its structure: the lines before a PTX scan are like no other; else, where the extension says nothing, lines
+// of points. Null when it is neither.
 std::unique_ptr<PointReader> open_text(const std::filesystem::path& path, const ReadOptions& options,
                                        std::string_view extension)
 {
@@ -115,7 +119,8 @@ std::unique_ptr<PointReader> open_text(const std::filesystem::path& path, const 
 bool is_cloud_of_folder(const std::filesystem::path& path)
 {
     const std::string extension = extension_of(path);
-    if (extension == "txt" || extension == "csv" || extension == "asc") return looks_like_points(path) || looks_like_ptx(path);
+    if (extension == "txt" || extension == "csv" || extension == "asc")
+        return looks_like_points(path) || looks_like_ptx(path);
     return is_format(extension);
 }
 
@@ -156,7 +161,8 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
     for (const ForeignFormat& foreign : foreign_formats)
         if (begins_with(start, foreign.start))
             throw Error(ErrorCode::unsupported, path,
-                        "this is " + std::string(foreign.name) + ": at byte 0 stands " + quote_bytes(foreign.start), readable);
+                        "this is " + std::string(foreign.name) + ": at byte 0 stands " + quote_bytes(foreign.start),
+                        readable);
 
     const std::string extension = extension_of(path);
     if (auto text = open_text(path, options, extension)) return text;

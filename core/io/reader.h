@@ -1,8 +1,8 @@
 // Readers turn a file into batches of points, in bounded memory.
 //
-// One file a format: las_reader, ply_reader, ... open_reader() recognises the format by content first, by extension second.
-// A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check against, not
-// sizes to allocate.
+// One file a format: las_reader, ply_reader, ... open_reader() recognises the format by content first, by extension
+// second. A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check
+// against, not sizes to allocate.
 #pragma once
 
 #include "cloud/attribute.h"
@@ -23,23 +23,24 @@
 namespace pcm {
 
 struct FileInfo {
-    std::string format;                    // "LAS 1.2, point format 3", "PLY binary little endian"
-    std::uint64_t points = 0;              // as the file promises; the reader checks it
-    bool points_known = true;              // false: the file does not say, `points` is an estimate from its size
-    Schema schema;                         // attributes beside the position, in source order and type
+    std::string format;                          // "LAS 1.2, point format 3", "PLY binary little endian"
+    std::uint64_t points = 0;                    // as the file promises; the reader checks it
+    bool points_known = true;                    // false: the file does not say, `points` is an estimate from its size
+    Schema schema;                               // attributes beside the position, in source order and type
     ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, f32 or f64 else
-    std::optional<Grid> grid;              // present when positions are integers on a grid
-    std::optional<Grid> near_grid;         // of doubles that come from integers: the grid that they lie on, but for rounding
-    std::optional<Box3d> promised_box;     // from the header, not checked
+    std::optional<Grid> grid;                    // present when positions are integers on a grid
+    std::optional<Grid> near_grid;  // of doubles that come from integers: the grid that they lie on, but for rounding
+    std::optional<Box3d> promised_box;  // from the header, not checked
     std::vector<Metadata> metadata;
-    std::vector<std::string> notes;        // what a user should know: "12 faces ignored", "VLR count is wrong"
+    std::vector<std::string> notes;  // what a user should know: "12 faces ignored", "VLR count is wrong"
 };
 
 class PointReader {
 public:
     virtual ~PointReader() = default;
 
-    // Notes and metadata may become more while points are read: what is only found on the way, counts of what was dropped.
+    // Notes and metadata may become more while points are read: what is only found on the way, counts of what was
+    // dropped.
     virtual const FileInfo& info() const = 0;
 
     // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
@@ -69,8 +70,8 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();
 
-// Files as they are; folders stand for the readable files directly inside, in name order; of .txt .csv and .asc those that
-// hold points. Throws Error(not_found) for a missing path and for a folder without any readable file.
+// Files as they are; folders stand for the readable files directly inside, in name order; of .txt .csv and .asc those
+// that hold points. Throws Error(not_found) for a missing path and for a folder without any readable file.
 std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace pcm

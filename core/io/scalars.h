@@ -42,7 +42,8 @@ void copy_scalars(const std::byte* from, std::size_t stride, std::size_t count, 
 
 // The same of so many bytes, swapped as one number.
 template <bool Swap = false>
-void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, std::size_t count, std::byte* to, std::size_t to_stride)
+void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, std::size_t count, std::byte* to,
+                  std::size_t to_stride)
 {
     switch (bytes) {
         case 1:
@@ -55,7 +56,8 @@ void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, 
             return copy_scalars<8, Swap>(from, stride, count, to, to_stride);
         default:
             for (std::size_t i = 0; i < count; ++i)
-                for (std::size_t b = 0; b < bytes; ++b) to[i * to_stride + b] = from[i * stride + (Swap ? bytes - 1 - b : b)];
+                for (std::size_t b = 0; b < bytes; ++b)
+                    to[i * to_stride + b] = from[i * stride + (Swap ? bytes - 1 - b : b)];
     }
 }
 

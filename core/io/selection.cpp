@@ -95,8 +95,9 @@ Interval<T> interval(std::optional<Condition::Number> low, std::optional<Conditi
     } else {
         constexpr T infinity = std::numeric_limits<T>::infinity();
         const auto nearest = [&](const Condition::Number& number) {
-            const double raw = attribute.scale == 1 && attribute.offset == 0 ? number.value
-                                                                             : (number.value - attribute.offset) / attribute.scale;
+            const double raw = attribute.scale == 1 && attribute.offset == 0
+                                   ? number.value
+                                   : (number.value - attribute.offset) / attribute.scale;
             constexpr double largest = std::numeric_limits<T>::max();
             return static_cast<T>(std::clamp(raw, -largest, largest));
         };
@@ -114,12 +115,22 @@ std::vector<Interval<T>> intervals(const Condition& condition, const Attribute& 
     for (const Condition::Range& range : condition.ranges) {
         using R = Condition::Relation;
         switch (condition.relation) {
-        case R::equal:
-        case R::not_equal: result.push_back(interval<T>(range.low, range.high, false, attribute)); break;
-        case R::less: result.push_back(interval<T>({}, range.high, true, attribute)); break;
-        case R::less_equal: result.push_back(interval<T>({}, range.high, false, attribute)); break;
-        case R::greater: result.push_back(interval<T>(range.low, {}, true, attribute)); break;
-        case R::greater_equal: result.push_back(interval<T>(range.low, {}, false, attribute)); break;
+            case R::equal:
+            case R::not_equal:
+                result.push_back(interval<T>(range.low, range.high, false, attribute));
+                break;
+            case R::less:
+                result.push_back(interval<T>({}, range.high, true, attribute));
+                break;
+            case R::less_equal:
+                result.push_back(interval<T>({}, range.high, false, attribute));
+                break;
+            case R::greater:
+                result.push_back(interval<T>(range.low, {}, true, attribute));
+                break;
+            case R::greater_equal:
+                result.push_back(interval<T>(range.low, {}, false, attribute));
+                break;
         }
     }
     return result;
@@ -149,11 +160,12 @@ std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition,
             slot = schema.find(name);
         }
     }
-    if (!slot) throw Error(ErrorCode::invalid_argument, {}, "this cloud has no attribute '" + name + "'", list_of(schema));
+    if (!slot)
+        throw Error(ErrorCode::invalid_argument, {}, "this cloud has no attribute '" + name + "'", list_of(schema));
     const std::uint32_t components = schema[*slot].components;
     if (component >= components || (components > 1 && !named_component))
-        refuse(condition.text, "'" + name + "' has " + std::to_string(components) + " components; name one, " + name + "[0] to " +
-                                   name + "[" + std::to_string(components - 1) + "]");
+        refuse(condition.text, "'" + name + "' has " + std::to_string(components) + " components; name one, " + name +
+                                   "[0] to " + name + "[" + std::to_string(components - 1) + "]");
     return {*slot, component};
 }
 
@@ -237,7 +249,9 @@ template <class T>
 class TypedTest final : public Selector::Test {
 public:
     TypedTest(std::size_t slot, std::uint32_t component, const Condition& condition, const Attribute& attribute)
-        : Test(slot), component_(component), ranges_(intervals<T>(condition, attribute)),
+        : Test(slot),
+          component_(component),
+          ranges_(intervals<T>(condition, attribute)),
           inside_(condition.relation != Condition::Relation::not_equal)
     {
     }
@@ -294,7 +308,8 @@ Selector::Selector(const Selection& selection, const Schema& schema)
         region_.reset();
     }
     if (region_)
-        for (std::size_t axis = 0; axis < 3; ++axis) bound(axis, region_->bounds().min[axis], region_->bounds().max[axis]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            bound(axis, region_->bounds().min[axis], region_->bounds().max[axis]);
     for (const Condition& condition : selection.where) {
         const std::string& name = condition.name;
         if (!schema.find(name) && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
@@ -323,7 +338,9 @@ Selector::Selector(const Selection& selection, const Schema& schema)
     for (const auto* names : {&selection.keep, &selection.drop})
         for (const std::string& name : *names) {
             const auto slot = schema.find(name);
-            if (!slot) throw Error(ErrorCode::invalid_argument, {}, "this cloud has no attribute '" + name + "'", list_of(schema));
+            if (!slot)
+                throw Error(ErrorCode::invalid_argument, {}, "this cloud has no attribute '" + name + "'",
+                            list_of(schema));
             keep[*slot] = names == &selection.keep;
         }
     for (std::size_t k = 0; k < schema.size(); ++k)
@@ -347,7 +364,8 @@ BoxRelation Selector::relation(const Box3d& box) const
     return region_ ? both(relation, region_->relation(box)) : relation;
 }
 
-void Selector::narrow_by_attributes(const std::vector<const Column*>& columns, std::vector<std::uint32_t>& selected) const
+void Selector::narrow_by_attributes(const std::vector<const Column*>& columns,
+                                    std::vector<std::uint32_t>& selected) const
 {
     for (const auto& test : tests_) test->narrow(*columns[test->attribute()], selected);
 }
@@ -360,13 +378,19 @@ void Selector::apply(PointBatch& batch, const Grid* grid) const
     std::vector<const Column*> columns;
     for (const Column& column : batch.attributes) columns.push_back(&column);
     if (batch.gridded)
-        narrow(columns,
-               [&](std::size_t i) {
-                   return grid->to_source(Vec3i{batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]});
-               },
-               selected);
+        narrow(
+            columns,
+            [&](std::size_t i) {
+                return grid->to_source(Vec3i{batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]});
+            },
+            selected);
     else
-        narrow(columns, [&](std::size_t i) { return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]}; }, selected);
+        narrow(
+            columns,
+            [&](std::size_t i) {
+                return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
+            },
+            selected);
     if (selected.size() < batch.size) keep_points(batch, selected);
 }
 
@@ -374,15 +398,27 @@ void keep_points(Column& column, const std::vector<std::uint32_t>& kept)
 {
     std::byte* data = column.data();
     switch (const std::size_t size = column.point_bytes()) {
-    case 1: keep_of_size<1>(data, kept); break;
-    case 2: keep_of_size<2>(data, kept); break;
-    case 4: keep_of_size<4>(data, kept); break;
-    case 6: keep_of_size<6>(data, kept); break;
-    case 8: keep_of_size<8>(data, kept); break;
-    case 12: keep_of_size<12>(data, kept); break;
-    default:
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            if (kept[i] != i) std::memcpy(data + i * size, data + kept[i] * size, size);
+        case 1:
+            keep_of_size<1>(data, kept);
+            break;
+        case 2:
+            keep_of_size<2>(data, kept);
+            break;
+        case 4:
+            keep_of_size<4>(data, kept);
+            break;
+        case 6:
+            keep_of_size<6>(data, kept);
+            break;
+        case 8:
+            keep_of_size<8>(data, kept);
+            break;
+        case 12:
+            keep_of_size<12>(data, kept);
+            break;
+        default:
+            for (std::size_t i = 0; i < kept.size(); ++i)
+                if (kept[i] != i) std::memcpy(data + i * size, data + kept[i] * size, size);
     }
     column.resize(kept.size());
 }

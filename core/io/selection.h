@@ -1,4 +1,5 @@
-// What is wanted of a cloud: the points in a box or a region, the points whose attributes meet conditions, some of the attributes.
+// What is wanted of a cloud: the points in a box or a region, the points whose attributes meet conditions, some of the
+// attributes.
 #pragma once
 
 #include "cloud/geometry.h"
@@ -19,14 +20,15 @@ namespace pcm {
 //     NAME RELATION VALUE                relation: = == != < <= > >=
 //     NAME = VALUE or RANGE, ...         one of them; with != none of them
 //
-// RANGE is LOW..HIGH, both ends included; an end may be left out. NAME is an attribute, one of its components as in rgb[0], or
-// x, y, z. Values are those that users see, raw * scale + offset. A value stands for the nearest float where the attribute is
-// one (0.1 is found among f32), and for a scaled integer that it misses by less than a millionth of a step. NaN meets != alone.
+// RANGE is LOW..HIGH, both ends included; an end may be left out. NAME is an attribute, one of its components as in
+// rgb[0], or x, y, z. Values are those that users see, raw * scale + offset. A value stands for the nearest float where
+// the attribute is one (0.1 is found among f32), and for a scaled integer that it misses by less than a millionth of a
+// step. NaN meets != alone.
 struct Condition {
     enum class Relation { equal, not_equal, less, less_equal, greater, greater_equal };
     struct Number {
         double value = 0;
-        std::optional<std::int64_t> i64;   // set when the number was written as an integer that fits
+        std::optional<std::int64_t> i64;  // set when the number was written as an integer that fits
         std::optional<std::uint64_t> u64;
     };
     struct Range {
@@ -42,10 +44,10 @@ struct Condition {
 Condition parse_condition(const std::string& text);
 
 struct Selection {
-    std::optional<Box3d> box;         // source coordinates, both ends included; all points when absent, none when empty
-    std::optional<Region> region;     // beside the box: both must hold
-    std::vector<Condition> where;     // all must be met
-    std::vector<std::string> keep;    // attributes; all when empty
+    std::optional<Box3d> box;       // source coordinates, both ends included; all points when absent, none when empty
+    std::optional<Region> region;   // beside the box: both must hold
+    std::vector<Condition> where;   // all must be met
+    std::vector<std::string> keep;  // attributes; all when empty
     std::vector<std::string> drop;
 
     bool chooses_points() const { return box || region || !where.empty(); }
@@ -55,8 +57,8 @@ struct Selection {
 // A selection, made ready for clouds of one schema. Immutable; any number of threads.
 class Selector {
 public:
-    // Throws Error(invalid_argument) for a name that the schema lacks, naming those it has, and for an attribute of several
-    // components without one of them.
+    // Throws Error(invalid_argument) for a name that the schema lacks, naming those it has, and for an attribute of
+    // several components without one of them.
     Selector(const Selection& selection, const Schema& schema);
     ~Selector();
     Selector(Selector&&) noexcept;
@@ -71,7 +73,8 @@ public:
     bool tests_attributes() const { return !tests_.empty(); }
     // No point outside of this box is selected; absent when points anywhere may be.
     const std::optional<Box3d>& bounds() const { return bounds_; }
-    // Whether points in a box can have a position that is selected, or all have one. Conservative: see Region::relation().
+    // Whether points in a box can have a position that is selected, or all have one. Conservative: see
+    // Region::relation().
     BoxRelation relation(const Box3d& box) const;
 
     // Whether bounds() is all that is asked of positions.
@@ -84,15 +87,15 @@ public:
         return holds;
     }
 
-    // Keeps in `selected`, ascending numbers of points, those that meet box, region and conditions. `columns[k]` is attribute k of
-    // the schema (only tested ones are looked at), `position(i)` the source coordinates of point i. Where relation() of a box
-    // around the points is `inside`, their positions need no look.
+    // Keeps in `selected`, ascending numbers of points, those that meet box, region and conditions. `columns[k]` is
+    // attribute k of the schema (only tested ones are looked at), `position(i)` the source coordinates of point i.
+    // Where relation() of a box around the points is `inside`, their positions need no look.
     template <class Position>
-    void narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected,
-                BoxRelation relation = BoxRelation::crosses) const;
+    void narrow(const std::vector<const Column*>& columns, const Position& position,
+                std::vector<std::uint32_t>& selected, BoxRelation relation = BoxRelation::crosses) const;
 
-    // Leaves the selected points of a batch with all attributes of the schema; its attributes stay. `grid` is the batch's, for
-    // gridded ones.
+    // Leaves the selected points of a batch with all attributes of the schema; its attributes stay. `grid` is the
+    // batch's, for gridded ones.
     void apply(PointBatch& batch, const Grid* grid) const;
 
     class Test;  // of one attribute
@@ -132,8 +135,8 @@ private:
 };
 
 template <class Position>
-void Selector::narrow(const std::vector<const Column*>& columns, const Position& position, std::vector<std::uint32_t>& selected,
-                      BoxRelation relation) const
+void Selector::narrow(const std::vector<const Column*>& columns, const Position& position,
+                      std::vector<std::uint32_t>& selected, BoxRelation relation) const
 {
     if (looks_at_positions() && relation != BoxRelation::inside) {
         std::size_t kept = 0;

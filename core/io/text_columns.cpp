@@ -29,20 +29,62 @@ struct Synonym {
     std::string_view name, meaning;
 };
 constexpr Synonym synonyms[] = {
-    {"easting", "x"}, {"east", "x"}, {"coordx", "x"}, {"xcoord", "x"}, {"xcoordinate", "x"}, {"pointx", "x"},
-    {"longitude", "x"}, {"lon", "x"},
-    {"northing", "y"}, {"north", "y"}, {"coordy", "y"}, {"ycoord", "y"}, {"ycoordinate", "y"}, {"pointy", "y"},
-    {"latitude", "y"}, {"lat", "y"},
-    {"elevation", "z"}, {"elev", "z"}, {"height", "z"}, {"altitude", "z"}, {"alt", "z"}, {"coordz", "z"},
-    {"zcoord", "z"}, {"zcoordinate", "z"}, {"pointz", "z"},
-    {"red", "r"}, {"colorred", "r"}, {"colourred", "r"}, {"diffusered", "r"}, {"rf", "r"},
-    {"green", "g"}, {"colorgreen", "g"}, {"colourgreen", "g"}, {"diffusegreen", "g"}, {"gf", "g"},
-    {"blue", "b"}, {"colorblue", "b"}, {"colourblue", "b"}, {"diffuseblue", "b"}, {"bf", "b"},
-    {"normalx", "nx"}, {"xnormal", "nx"}, {"normx", "nx"},
-    {"normaly", "ny"}, {"ynormal", "ny"}, {"normy", "ny"},
-    {"normalz", "nz"}, {"znormal", "nz"}, {"normz", "nz"},
-    {"i", "intensity"}, {"class", "classification"}, {"returnno", "return_number"}, {"numreturns", "number_of_returns"},
-    {"returncount", "number_of_returns"}, {"infrared", "nir"}, {"nearinfrared", "nir"},
+    {"easting", "x"},
+    {"east", "x"},
+    {"coordx", "x"},
+    {"xcoord", "x"},
+    {"xcoordinate", "x"},
+    {"pointx", "x"},
+    {"longitude", "x"},
+    {"lon", "x"},
+    {"northing", "y"},
+    {"north", "y"},
+    {"coordy", "y"},
+    {"ycoord", "y"},
+    {"ycoordinate", "y"},
+    {"pointy", "y"},
+    {"latitude", "y"},
+    {"lat", "y"},
+    {"elevation", "z"},
+    {"elev", "z"},
+    {"height", "z"},
+    {"altitude", "z"},
+    {"alt", "z"},
+    {"coordz", "z"},
+    {"zcoord", "z"},
+    {"zcoordinate", "z"},
+    {"pointz", "z"},
+    {"red", "r"},
+    {"colorred", "r"},
+    {"colourred", "r"},
+    {"diffusered", "r"},
+    {"rf", "r"},
+    {"green", "g"},
+    {"colorgreen", "g"},
+    {"colourgreen", "g"},
+    {"diffusegreen", "g"},
+    {"gf", "g"},
+    {"blue", "b"},
+    {"colorblue", "b"},
+    {"colourblue", "b"},
+    {"diffuseblue", "b"},
+    {"bf", "b"},
+    {"normalx", "nx"},
+    {"xnormal", "nx"},
+    {"normx", "nx"},
+    {"normaly", "ny"},
+    {"ynormal", "ny"},
+    {"normy", "ny"},
+    {"normalz", "nz"},
+    {"znormal", "nz"},
+    {"normz", "nz"},
+    {"i", "intensity"},
+    {"class", "classification"},
+    {"returnno", "return_number"},
+    {"numreturns", "number_of_returns"},
+    {"returncount", "number_of_returns"},
+    {"infrared", "nir"},
+    {"nearinfrared", "nir"},
 };
 
 // Attributes that LAS defines, and the types it gives them.
@@ -51,14 +93,25 @@ struct Known {
     ScalarType type;
 };
 constexpr Known known_attributes[] = {
-    {"classification", ScalarType::u8}, {"return_number", ScalarType::u8}, {"number_of_returns", ScalarType::u8},
-    {"scan_direction_flag", ScalarType::u8}, {"edge_of_flight_line", ScalarType::u8}, {"synthetic", ScalarType::u8},
-    {"key_point", ScalarType::u8}, {"withheld", ScalarType::u8}, {"overlap", ScalarType::u8},
-    {"scanner_channel", ScalarType::u8}, {"scan_angle_rank", ScalarType::i8}, {"user_data", ScalarType::u8},
-    {"point_source_id", ScalarType::u16}, {"gps_time", ScalarType::f64}, {"nir", ScalarType::u16},
+    {"classification", ScalarType::u8},
+    {"return_number", ScalarType::u8},
+    {"number_of_returns", ScalarType::u8},
+    {"scan_direction_flag", ScalarType::u8},
+    {"edge_of_flight_line", ScalarType::u8},
+    {"synthetic", ScalarType::u8},
+    {"key_point", ScalarType::u8},
+    {"withheld", ScalarType::u8},
+    {"overlap", ScalarType::u8},
+    {"scanner_channel", ScalarType::u8},
+    {"scan_angle_rank", ScalarType::i8},
+    {"user_data", ScalarType::u8},
+    {"point_source_id", ScalarType::u16},
+    {"gps_time", ScalarType::f64},
+    {"nir", ScalarType::u16},
 };
 
-constexpr std::string_view meanings_apart[] = {"x", "y", "z", "r", "g", "b", "nx", "ny", "nz", "intensity", "scan_angle"};
+constexpr std::string_view meanings_apart[] = {"x",  "y",  "z",  "r",         "g",         "b",
+                                               "nx", "ny", "nz", "intensity", "scan_angle"};
 
 // The meaning that bears the name itself, up to case and signs; empty if there is none.
 std::string_view own_meaning(std::string_view bare)
@@ -152,11 +205,16 @@ bool fits(const ColumnLook& look, ScalarType type)
 {
     if (look.values == 0 && look.empty == 0) return true;  // a file without points
     switch (type) {
-        case ScalarType::i8: return look.whole && look.within(-128, 127);
-        case ScalarType::u8: return look.whole && look.within(0, 255);
-        case ScalarType::i16: return look.whole && look.within(-32768, 32767);
-        case ScalarType::u16: return look.whole && look.within(0, 65535);
-        default: return true;
+        case ScalarType::i8:
+            return look.whole && look.within(-128, 127);
+        case ScalarType::u8:
+            return look.whole && look.within(0, 255);
+        case ScalarType::i16:
+            return look.whole && look.within(-32768, 32767);
+        case ScalarType::u16:
+            return look.whole && look.within(0, 65535);
+        default:
+            return true;
     }
 }
 
@@ -220,8 +278,8 @@ std::vector<Group> find_groups(const std::vector<TextColumn>& columns)
         return no_column;
     };
     std::vector<Group> groups;
-    for (const auto& [attribute, members] :
-         {std::pair{attribute_name::rgb, std::array{"r", "g", "b"}}, {attribute_name::normal, std::array{"nx", "ny", "nz"}}}) {
+    for (const auto& [attribute, members] : {std::pair{attribute_name::rgb, std::array{"r", "g", "b"}},
+                                             {attribute_name::normal, std::array{"nx", "ny", "nz"}}}) {
         Group group{std::string(attribute), {find(members[0]), find(members[1]), find(members[2])}};
         if (std::find(group.columns.begin(), group.columns.end(), no_column) == group.columns.end())
             groups.push_back(std::move(group));
@@ -230,7 +288,8 @@ std::vector<Group> find_groups(const std::vector<TextColumn>& columns)
         const auto first = component_name(columns[i].name);
         if (!first || first->second != 0) continue;
         Group group{first->first, {i}};
-        for (std::size_t at = i; (at = find(group.attribute + "_" + std::to_string(group.columns.size()))) != no_column;)
+        for (std::size_t at = i;
+             (at = find(group.attribute + "_" + std::to_string(group.columns.size()))) != no_column;)
             group.columns.push_back(at);
         // A name that another attribute has stays its own.
         bool free = find(group.attribute) == no_column;
@@ -355,7 +414,8 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
             if (!type) type = colour_type(look, colour_range, says_floats);
             if (!type) {
                 plan.notes.push_back(
-                    "the columns r g b hold neither whole numbers up to 65535 nor fractions up to 1, and are kept as three "
+                    "the columns r g b hold neither whole numbers up to 65535 nor fractions up to 1, and are kept as "
+                    "three "
                     "attributes without colour");
                 continue;
             }
@@ -382,7 +442,8 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
         const std::string& attribute = g == no_column ? name : groups[g].attribute;
         if (g != no_column) {
             const auto& members = groups[g].columns;
-            field.component = static_cast<std::uint32_t>(std::find(members.begin(), members.end(), c) - members.begin());
+            field.component =
+                static_cast<std::uint32_t>(std::find(members.begin(), members.end(), c) - members.begin());
             field.type = type_of_group[g];
             if (const auto there = plan.schema.find(attribute)) {
                 field.index = *there;
@@ -395,8 +456,8 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
         // Names that promise three components to everybody are not given to one.
         const bool misleading = g == no_column && (name == attribute_name::rgb || name == attribute_name::normal);
         const std::string unique = unique_name(plan.schema, misleading ? name + "_scalar" : attribute);
-        plan.schema.add({unique, field.type, g == no_column ? 1u : static_cast<std::uint32_t>(groups[g].columns.size()), 1,
-                         0, {}});
+        plan.schema.add(
+            {unique, field.type, g == no_column ? 1u : static_cast<std::uint32_t>(groups[g].columns.size()), 1, 0, {}});
     }
     return plan;
 }

@@ -29,7 +29,8 @@ void check_columns(const std::vector<std::string>& columns)
                    "for example: x y z intensity r g b");
     for (const std::string& name : names)
         if (name != "-" && count(name.c_str()) > 1)
-            refuse("the columns '" + text + "' name " + name + " more than once", "a column that is not wanted is called -");
+            refuse("the columns '" + text + "' name " + name + " more than once",
+                   "a column that is not wanted is called -");
 }
 
 }  // namespace
@@ -67,7 +68,8 @@ void check_layout(const TextLayout& layout)
     if (layout.separator && std::string_view(" ,;\t").find(*layout.separator) == std::string_view::npos)
         refuse("the separator '" + std::string(1, *layout.separator) + "' is not known",
                "separators are a blank, a comma, a semicolon and a tab");
-    if (layout.colour_range && *layout.colour_range != 1 && *layout.colour_range != 255 && *layout.colour_range != 65535)
+    if (layout.colour_range && *layout.colour_range != 1 && *layout.colour_range != 255 &&
+        *layout.colour_range != 65535)
         refuse("colours up to " + exact(*layout.colour_range) + " are not known", "the range is 1, 255 or 65535");
     if (!layout.columns.empty()) check_columns(layout.columns);
 }

@@ -28,7 +28,8 @@ struct TextLayout {
 // Throws Error(invalid_argument) saying what is wrong with it.
 std::vector<std::string> parse_columns(const std::string& text);
 
-// A column as TextLayout has them: its name, and the type behind a colon. Throws Error(invalid_argument) for an unknown type.
+// A column as TextLayout has them: its name, and the type behind a colon. Throws Error(invalid_argument) for an unknown
+// type.
 struct NamedColumn {
     std::string name;
     std::optional<ScalarType> type;

@@ -104,8 +104,8 @@ void TextOutput::put_position(const PointBatch& batch, std::size_t point, char s
             continue;
         }
         char* const to = room();
-        char* const end = std::to_chars(to, to + longest_number, value, std::chars_format::fixed,
-                                        static_cast<int>(*decimals_)).ptr;
+        char* const end =
+            std::to_chars(to, to + longest_number, value, std::chars_format::fixed, static_cast<int>(*decimals_)).ptr;
         used_ += static_cast<std::size_t>(end - to);
         double written = value;
         std::from_chars(to, end, written);
@@ -121,8 +121,7 @@ void TextOutput::put_scalar(const Attribute& attribute, const Column& column, st
     with_type(column.type(), [&](auto zero) {
         using T = decltype(zero);
         const T value = column.as<T>()[index];
-        end = raw ? shortest(to, value)
-                  : shortest(to, static_cast<double>(value) * attribute.scale + attribute.offset);
+        end = raw ? shortest(to, value) : shortest(to, static_cast<double>(value) * attribute.scale + attribute.offset);
     });
     used_ += static_cast<std::size_t>(end - to);
 }

@@ -33,7 +33,8 @@ public:
     // behind the point as the options ask for. NaN is "nan", the infinities are "inf" and "-inf".
     void put_position(const PointBatch& batch, std::size_t point, char separator);
     // The value that a user sees of the raw scalar `index` of a column, in the fewest digits that give back the same
-    // number: an integer or float of the column's own type, or the double raw * scale + offset where they are not 1 and 0.
+    // number: an integer or float of the column's own type, or the double raw * scale + offset where they are not 1 and
+    // 0.
     void put_scalar(const Attribute& attribute, const Column& column, std::size_t index);
     void put_number(double value);
 

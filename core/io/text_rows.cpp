@@ -57,13 +57,16 @@ void split_fields(std::string_view line, const TextDialect& dialect, std::vector
             return;
         }
         std::size_t stop = at;
-        const std::size_t close = line[at] == '"' || line[at] == '\'' ? closing_quote(line, at) : std::string_view::npos;
+        const std::size_t close =
+            line[at] == '"' || line[at] == '\'' ? closing_quote(line, at) : std::string_view::npos;
         if (close != std::string_view::npos) {
             stop = close + 1;
             if (!blanks)
                 while (stop < line.size() && is_padding(line[stop], separator)) ++stop;
         }
-        const auto ends = [&] { return stop == line.size() || (blanks ? text::is_blank(line[stop]) : line[stop] == separator); };
+        const auto ends = [&] {
+            return stop == line.size() || (blanks ? text::is_blank(line[stop]) : line[stop] == separator);
+        };
         if (close != std::string_view::npos && ends()) {
             fields.push_back(line.substr(at + 1, close - at - 1));
         } else {
@@ -92,8 +95,7 @@ std::vector<std::string> TextCounts::notes() const
     if (empty_fields)
         notes.push_back(grouped(empty_fields) + (empty_fields == 1 ? " empty field is" : " empty fields are") + " NaN");
     if (rounded_values)
-        notes.push_back(grouped(rounded_values) +
-                        (rounded_values == 1 ? " value has" : " values have") +
+        notes.push_back(grouped(rounded_values) + (rounded_values == 1 ? " value has" : " values have") +
                         " more digits than a 32-bit float keeps and were rounded; a column called NAME:f64 keeps them");
     return notes;
 }
@@ -241,9 +243,10 @@ void TextRows::careful_field(std::string_view word, std::size_t i, std::size_t r
             if constexpr (std::is_floating_point_v<T>) value = std::numeric_limits<T>::quiet_NaN();
             ++counts_.empty_fields;
         } else if (!text::parse_number(word, value, form_.dialect.point)) {
-            complain(std::is_floating_point_v<T> ? std::string("a number")
-                                                 : "a whole number from " + std::to_string(std::numeric_limits<T>::min()) +
-                                                       " to " + std::to_string(std::numeric_limits<T>::max()));
+            complain(std::is_floating_point_v<T>
+                         ? std::string("a number")
+                         : "a whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
+                               std::to_string(std::numeric_limits<T>::max()));
         }
         if constexpr (std::is_same_v<T, float>) {
             double wide = 0;
@@ -266,8 +269,8 @@ bool TextRows::careful_row(std::string_view line, std::size_t row, std::uint64_t
         if (odd_line_ && odd_line_(line_number, words_)) return false;
         std::string names;
         for (const TextField& field : form_.fields) names += (names.empty() ? "" : " ") + field.name;
-        fail(line_number, "found " + fields_text(words_.size()) + ", expected " + std::to_string(expected) + " (" + names +
-                              "); the line is " + quote_bytes(line));
+        fail(line_number, "found " + fields_text(words_.size()) + ", expected " + std::to_string(expected) + " (" +
+                              names + "); the line is " + quote_bytes(line));
     }
     for (std::size_t i = 0; i < expected; ++i) careful_field(words_[i], i, row, line, line_number);
     if (longer && counts_.longer_lines++ == 0) counts_.first_longer_line = line_number;

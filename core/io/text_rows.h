@@ -57,8 +57,8 @@ struct TextCounts {
 // One thread.
 class TextRows {
 public:
-    // Asked about a line that is no row of numbers of the right count: true if it has been dealt with and reading goes on
-    // behind it. It may throw; when it returns false, read() throws.
+    // Asked about a line that is no row of numbers of the right count: true if it has been dealt with and reading goes
+    // on behind it. It may throw; when it returns false, read() throws.
     using OddLine = std::function<bool(std::uint64_t line_number, const std::vector<std::string_view>& fields)>;
 
     TextRows(std::filesystem::path path, TextForm form, OddLine odd_line = {});
@@ -69,7 +69,8 @@ public:
 
     const TextCounts& counts() const { return counts_; }
 
-    // Most rows that the bytes can hold, however few the points that are asked for: memory goes by the file, not the caller.
+    // Most rows that the bytes can hold, however few the points that are asked for: memory goes by the file, not the
+    // caller.
     std::size_t most_rows(std::uint64_t bytes, std::size_t max_points) const;
 
 private:

@@ -30,7 +30,8 @@ public:
         if (last && got && !text::is_line_end(end_[-1])) *end_++ = '\n';
         *end_ = '\0';
         if (!last)  // a CR may be half a line end
-            while (end_ != begin_ && (!text::is_line_end(end_[-1]) || (end_[-1] == '\r' && end_ == begin_ + got))) --end_;
+            while (end_ != begin_ && (!text::is_line_end(end_[-1]) || (end_[-1] == '\r' && end_ == begin_ + got)))
+                --end_;
     }
     const char* begin() const { return begin_; }
     const char* end() const { return end_; }
@@ -120,9 +121,11 @@ void look_at_line(std::string_view line, TextSample& sample, std::vector<std::st
     ++sample.rows;
     sample.row_bytes += static_cast<double>(line.size() + 1);
     values.resize(sample.columns);
-    for (std::size_t c = 0; c < sample.columns; ++c) look_at(words[c], sample.dialect.point, sample.looks[c], values[c]);
+    for (std::size_t c = 0; c < sample.columns; ++c)
+        look_at(words[c], sample.dialect.point, sample.looks[c], values[c]);
     for (std::size_t c = 0; c + 2 < sample.columns; ++c) {
-        const double length = std::sqrt(values[c] * values[c] + values[c + 1] * values[c + 1] + values[c + 2] * values[c + 2]);
+        const double length =
+            std::sqrt(values[c] * values[c] + values[c + 1] * values[c + 1] + values[c + 2] * values[c + 2]);
         if (length == 0) ++sample.looks[c].null_vectors;
         // Three decimals are the fewest with which normals are printed.
         if (std::fabs(length - 1) < 2e-3) ++sample.looks[c].unit_vectors;
@@ -161,7 +164,8 @@ void refuse_binary(const File& file, const Piece& piece)
                     "save it as UTF-8 or plain ASCII to read it");
     for (const char& c : bytes) {
         const auto byte = static_cast<unsigned char>(c);
-        if ((byte < 0x20 && !text::is_blank(c) && !text::is_line_end(c) && byte != '\v' && byte != '\f' && byte != 0x1A) ||
+        if ((byte < 0x20 && !text::is_blank(c) && !text::is_line_end(c) && byte != '\v' && byte != '\f' &&
+             byte != 0x1A) ||
             byte == 0x7F) {
             const std::size_t offset = piece.offset(&c);
             throw Error(ErrorCode::bad_format, file.path(),
@@ -179,9 +183,9 @@ struct HeadLine {
 
 // How well lines are cut by a dialect.
 struct Score {
-    std::size_t rows = 0;         // of as many numbers as most have
+    std::size_t rows = 0;  // of as many numbers as most have
     std::size_t columns = 0;
-    std::size_t first = 0;        // line
+    std::size_t first = 0;  // line
 };
 
 Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextDialect& dialect)
@@ -237,8 +241,8 @@ std::optional<TextSample> sample_text(const File& file, const TextHints& hints)
     }
 
     // Where two dialects cut all lines, the one that comes first is meant.
-    static constexpr TextDialect dialects[] = {{' ', '.'},  {',', '.'},  {';', '.'}, {'\t', '.'},
-                                               {';', ','},  {'\t', ','}, {' ', ','}};
+    static constexpr TextDialect dialects[] = {{' ', '.'}, {',', '.'},  {';', '.'}, {'\t', '.'},
+                                               {';', ','}, {'\t', ','}, {' ', ','}};
     const std::size_t from = std::min(lines.size(), hints.skip_lines.value_or(0));
     TextSample sample;
     Score best;

@@ -12,8 +12,8 @@ namespace pcm {
 
 inline constexpr std::size_t longest_text_line = std::size_t{1} << 20;
 
-// Lines end with LF, CRLF or CR; a byte order mark of UTF-8 is passed over. One thread; memory for one block, at most the
-// longest line.
+// Lines end with LF, CRLF or CR; a byte order mark of UTF-8 is passed over. One thread; memory for one block, at most
+// the longest line.
 //
 // Parsers work on at()..end() directly: whole lines, each with its end (the last of a file gets one), behind which one
 // more byte can be read. They say with advance() how far they got.
@@ -43,18 +43,18 @@ public:
 
 private:
     const File& file_;
-    std::uint64_t next_byte_;      // of the file, behind what the buffer holds
-    std::uint64_t padding_ = 0;    // bytes of the buffer that are not the file's
+    std::uint64_t next_byte_;    // of the file, behind what the buffer holds
+    std::uint64_t padding_ = 0;  // bytes of the buffer that are not the file's
     std::uint64_t lines_;
-    bool at_end_ = false;          // of the file
+    bool at_end_ = false;  // of the file
     std::vector<char> buffer_;
     const char* at_ = nullptr;
-    const char* end_ = nullptr;    // of the whole lines
-    const char* held_ = nullptr;   // end of all bytes in the buffer
+    const char* end_ = nullptr;   // of the whole lines
+    const char* held_ = nullptr;  // end of all bytes in the buffer
 };
 
-// The line that begins at `at`, without its end; `at` moves to the next line. For bytes as TextSource has them: the line has
-// an end, and behind it is one more byte.
+// The line that begins at `at`, without its end; `at` moves to the next line. For bytes as TextSource has them: the
+// line has an end, and behind it is one more byte.
 std::string_view take_line(const char*& at);
 
 }  // namespace pcm

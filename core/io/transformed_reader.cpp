@@ -31,7 +31,8 @@ void stretch(Column& column, double by)
 
 }  // namespace
 
-TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const Affine& map) : cloud_(std::move(cloud)), map_(map)
+TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const Affine& map)
+    : cloud_(std::move(cloud)), map_(map)
 {
     const auto& m = map_.linear;
     const double determinant = map_.determinant();
@@ -46,7 +47,8 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     }
     if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has numbers that are not finite");
     if (std::fabs(determinant) <= 1e-12 * volume)
-        throw Error(ErrorCode::invalid_argument, {}, "a transformation flattens the cloud: its determinant is " + std::to_string(determinant),
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a transformation flattens the cloud: its determinant is " + std::to_string(determinant),
                     "give one that keeps three dimensions");
     // Cofactors over the determinant are the inverse transposed; the length is the normal's own.
     for (std::size_t i = 0; i < 3; ++i)
@@ -88,7 +90,8 @@ bool TransformedReader::read(PointBatch& batch, std::size_t max_points)
         if (!more) return false;
         for (std::size_t i = 0; i < from_.size; ++i) {
             Vec3d p;
-            for (std::size_t a = 0; a < 3; ++a) p[a] = from_.gridded ? grid->to_source(from_.grid_xyz[a][i], a) : from_.xyz[a][i];
+            for (std::size_t a = 0; a < 3; ++a)
+                p[a] = from_.gridded ? grid->to_source(from_.grid_xyz[a][i], a) : from_.xyz[a][i];
             p = map_(p);
             for (std::size_t a = 0; a < 3; ++a) batch.xyz[a][i] = p[a];
         }

@@ -10,9 +10,10 @@
 
 namespace pcm {
 
-// Where the map only stretches and shifts along the axes, points on a grid stay on one, with the same integers; else positions become doubles. An
-// attribute `normal` of three floats is turned along (as planes are: by the inverse transposed) and keeps its length, `radius` grows with the cube root of the
-// volume. One thread, as the reader that is read.
+// Where the map only stretches and shifts along the axes, points on a grid stay on one, with the same integers; else
+// positions become doubles. An attribute `normal` of three floats is turned along (as planes are: by the inverse
+// transposed) and keeps its length, `radius` grows with the cube root of the volume. One thread, as the reader that is
+// read.
 class TransformedReader final : public PointReader {
 public:
     // Throws Error(invalid_argument) for a map that is not finite or flattens space.

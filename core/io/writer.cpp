@@ -22,16 +22,8 @@ struct Format {
 
 // The registry: a format is added here and nowhere else.
 constexpr Format formats[] = {
-    {"bpc", create_bpc},
-    {"las", create_las},
-    {"laz", create_las},
-    {"pts", create_pts},
-    {"xyz", create_xyz},
-    {"txt", create_xyz},
-    {"asc", create_xyz},
-    {"csv", create_xyz},
-    {"pcd", create_pcd},
-    {"ply", create_ply},
+    {"bpc", create_bpc}, {"las", create_las}, {"laz", create_las}, {"pts", create_pts}, {"xyz", create_xyz},
+    {"txt", create_xyz}, {"asc", create_xyz}, {"csv", create_xyz}, {"pcd", create_pcd}, {"ply", create_ply},
 };
 
 }  // namespace

@@ -15,8 +15,8 @@
 namespace pcm {
 
 struct WriteOptions {
-    // LAS and LAZ: the grid to write on. When absent that of the source, where it has one. A source of doubles needs one
-    // (choose_grid() finds the coarsest on which all of its points are exact).
+    // LAS and LAZ: the grid to write on. When absent that of the source, where it has one. A source of doubles needs
+    // one (choose_grid() finds the coarsest on which all of its points are exact).
     std::optional<Grid> grid;
     // Text: digits after the point of a coordinate. When absent the fewest that give back the same double.
     std::optional<unsigned> decimals;
@@ -24,13 +24,14 @@ struct WriteOptions {
     unsigned threads = 1;  // most threads to encode with, where a format can; 0: one a processor
 };
 
-// One thread. The file appears under its name only when finish() returns; until then the destructor leaves nothing behind.
+// One thread. The file appears under its name only when finish() returns; until then the destructor leaves nothing
+// behind.
 class PointWriter {
 public:
     virtual ~PointWriter() = default;
 
-    // A batch of the shape that the writer was created for. Throws Error(no_space | io | invalid_argument); after that the
-    // writer can only be destroyed.
+    // A batch of the shape that the writer was created for. Throws Error(no_space | io | invalid_argument); after that
+    // the writer can only be destroyed.
     virtual void write(const PointBatch& batch) = 0;
     // Writes what is known only at the end, syncs, renames. Nothing may be written afterwards.
     virtual void finish() = 0;
@@ -43,8 +44,8 @@ public:
 
 // `cloud` is the info() of the reader that the batches will come from: schema, position type, grid (batches are gridded
 // exactly when it is present) and metadata. Its number of points and its box are taken for hints.
-// Throws Error(unsupported) for an extension that no writer has, Error(invalid_argument) for a cloud that the format cannot
-// hold, and what opening a file can throw.
+// Throws Error(unsupported) for an extension that no writer has, Error(invalid_argument) for a cloud that the format
+// cannot hold, and what opening a file can throw.
 std::unique_ptr<PointWriter> create_writer(const std::filesystem::path& path, const FileInfo& cloud,
                                            const WriteOptions& options = {});
 

@@ -34,10 +34,14 @@ std::string separator_text(const TextDialect& dialect)
 {
     const std::string point = dialect.point == ',' ? ", with decimal commas" : "";
     switch (dialect.separator) {
-        case ',': return "commas" + point;
-        case ';': return "semicolons" + point;
-        case '\t': return "tabs" + point;
-        default: return "blanks" + point;
+        case ',':
+            return "commas" + point;
+        case ';':
+            return "semicolons" + point;
+        case '\t':
+            return "tabs" + point;
+        default:
+            return "blanks" + point;
     }
 }
 
@@ -70,7 +74,8 @@ private:
     }
     void plan(const TextLayout& layout, const TextSample& sample);
     void plan_without_rows(const TextLayout& layout);
-    void start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte, std::uint64_t line);
+    void start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
+               std::uint64_t line);
     void find_count(const std::vector<std::string>& head, std::size_t skipped);
     std::vector<TextColumn> columns_of(const TextLayout& layout, const TextSample& sample);
     std::optional<std::vector<TextColumn>> find_header(const TextSample& sample);
@@ -129,9 +134,8 @@ std::vector<TextColumn> TextPointReader::columns_of(const TextLayout& layout, co
             columns.push_back({named.name, named.type, false});
         }
         if (columns.size() != sample.columns)
-            fail(ErrorCode::bad_format,
-                 std::to_string(columns.size()) + " columns were named, most lines from " + first + " on have " +
-                     std::to_string(sample.columns));
+            fail(ErrorCode::bad_format, std::to_string(columns.size()) + " columns were named, most lines from " +
+                                            first + " on have " + std::to_string(sample.columns));
         return columns;
     }
     if (auto header = find_header(sample)) {
@@ -265,9 +269,9 @@ void TextPointReader::end_list(const std::string& where)
 {
     if (!promised_) return;
     const std::uint64_t found = rows_->counts().rows - rows_before_list_;
-    const std::string promise = "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
-    if (found < *promised_)
-        fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
+    const std::string promise =
+        "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
+    if (found < *promised_) fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
     if (found > *promised_ && info_.notes.size() < 100)
         info_.notes.push_back(promise + ", " + grouped(found) + " follow: all are read");
 }

@@ -34,7 +34,7 @@ std::vector<std::string> column_names(const Schema& schema, bool quoted)
             static constexpr const char* normals[] = {"nx", "ny", "nz"};
             const std::string name = three && attribute.name == attribute_name::rgb      ? colours[k]
                                      : three && attribute.name == attribute_name::normal ? normals[k]
-                                     : attribute.components == 1 ? attribute.name
+                                     : attribute.components == 1                         ? attribute.name
                                                                  : attribute.name + "_" + std::to_string(k);
             names.push_back(column_name(name, quoted, names));
         }

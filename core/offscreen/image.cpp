@@ -56,10 +56,12 @@ void unpremultiply(Image& image)
 
 void write_png(const std::filesystem::path& file, const Image& image, bool alpha)
 {
-    const auto pixels = static_cast<std::size_t>(image.width > 0 ? image.width : 0) * static_cast<std::size_t>(image.height > 0 ? image.height : 0);
+    const auto pixels = static_cast<std::size_t>(image.width > 0 ? image.width : 0) *
+                        static_cast<std::size_t>(image.height > 0 ? image.height : 0);
     if (pixels == 0 || image.rgba.size() != 4 * pixels)
-        throw Error(ErrorCode::invalid_argument, file, "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels with " +
-                                                           std::to_string(image.rgba.size()) + " bytes cannot be written");
+        throw Error(ErrorCode::invalid_argument, file,
+                    "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                        " pixels with " + std::to_string(image.rgba.size()) + " bytes cannot be written");
     std::vector<std::uint8_t> opaque;
     if (!alpha) {
         opaque.resize(3 * pixels);
@@ -80,7 +82,8 @@ void write_png(const std::filesystem::path& file, const Image& image, bool alpha
         throw Error(ErrorCode::io, file, std::string("writing the picture failed: ") + png.image.message);
     }
     errno = 0;
-    if (std::fflush(out.get()) != 0 || std::ferror(out.get())) throw Error::from_errno(errno, file, "writing the picture");
+    if (std::fflush(out.get()) != 0 || std::ferror(out.get()))
+        throw Error::from_errno(errno, file, "writing the picture");
     out.reset();
     std::error_code error;
     std::filesystem::rename(part, file, error);
@@ -97,8 +100,9 @@ Image read_png(const std::filesystem::path& file)
     if (!png_image_begin_read_from_stdio(&png.image, in.get()))
         throw Error(ErrorCode::bad_format, file, std::string("this is not a PNG picture: ") + png.image.message);
     if (std::uint64_t(png.image.width) * png.image.height > (std::uint64_t(1) << 28))
-        throw Error(ErrorCode::unsupported, file, "a picture of " + std::to_string(png.image.width) + " x " + std::to_string(png.image.height) +
-                                                      " pixels; at most 2^28 of them are read");
+        throw Error(ErrorCode::unsupported, file,
+                    "a picture of " + std::to_string(png.image.width) + " x " + std::to_string(png.image.height) +
+                        " pixels; at most 2^28 of them are read");
     png.image.format = PNG_FORMAT_RGBA;
     Image image;
     image.width = static_cast<int>(png.image.width);

@@ -38,7 +38,8 @@ std::vector<EGLDisplay> displays()
         std::array<EGLDeviceEXT, 16> devices{};
         EGLint count = 0;
         if (devices_of(static_cast<EGLint>(devices.size()), devices.data(), &count))
-            for (EGLint i = 0; i < count; ++i) found.push_back(of_platform(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
+            for (EGLint i = 0; i < count; ++i)
+                found.push_back(of_platform(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
     }
     if (of_platform) found.push_back(of_platform(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
     found.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));
@@ -58,9 +59,17 @@ struct Offscreen::Impl {
     bool make(EGLDisplay on)
     {
         if (on == EGL_NO_DISPLAY || !eglInitialize(on, nullptr, nullptr) || !eglBindAPI(EGL_OPENGL_API)) return false;
-        const EGLint mask = profile == OffscreenProfile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT;
-        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK, mask, EGL_NONE};
-        const EGLContext made = eglCreateContext(on, EGL_NO_CONFIG_KHR, share ? share->context : EGL_NO_CONTEXT, attributes);
+        const EGLint mask = profile == OffscreenProfile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT
+                                                              : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT;
+        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                     3,
+                                     EGL_CONTEXT_MINOR_VERSION,
+                                     3,
+                                     EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                     mask,
+                                     EGL_NONE};
+        const EGLContext made =
+            eglCreateContext(on, EGL_NO_CONFIG_KHR, share ? share->context : EGL_NO_CONTEXT, attributes);
         if (made == EGL_NO_CONTEXT) return false;
         if (!eglMakeCurrent(on, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
             eglDestroyContext(on, made);
@@ -99,8 +108,11 @@ struct Offscreen::Impl {
     {
         const EGLint error = eglGetError();
         destroy();
-        throw Error(ErrorCode::unsupported, {}, "no OpenGL context: EGL finds no device or software that has OpenGL 3.3 (last error " + std::to_string(error) + ")",
-                    "on Debian and its kin: apt-get install libegl1 libgl1-mesa-dri, which draws without a graphics card too");
+        throw Error(
+            ErrorCode::unsupported, {},
+            "no OpenGL context: EGL finds no device or software that has OpenGL 3.3 (last error " +
+                std::to_string(error) + ")",
+            "on Debian and its kin: apt-get install libegl1 libgl1-mesa-dri, which draws without a graphics card too");
     }
 
     void make_framebuffer()
@@ -111,7 +123,9 @@ struct Offscreen::Impl {
         largest = std::min({largest, viewport[0], viewport[1]});
         const std::string size = std::to_string(width) + " x " + std::to_string(height);
         if (width < 1 || height < 1 || width > largest || height > largest)
-            throw Error(ErrorCode::invalid_argument, {}, "a picture of " + size + " pixels; this driver draws 1 to " + std::to_string(largest) + " each way");
+            throw Error(
+                ErrorCode::invalid_argument, {},
+                "a picture of " + size + " pixels; this driver draws 1 to " + std::to_string(largest) + " each way");
         glGenFramebuffers(1, &framebuffer);
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
         glGenRenderbuffers(1, &colour);
@@ -124,7 +138,8 @@ struct Offscreen::Impl {
         glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
         if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || glGetError() != GL_NO_ERROR) {
             drain_gl_errors();
-            throw Error(ErrorCode::invalid_argument, {}, "this driver cannot draw a picture of " + size + " pixels", "memory may be short: try a smaller one");
+            throw Error(ErrorCode::invalid_argument, {}, "this driver cannot draw a picture of " + size + " pixels",
+                        "memory may be short: try a smaller one");
         }
         glViewport(0, 0, width, height);
     }
@@ -140,7 +155,8 @@ struct Offscreen::Impl {
     ~Impl() { destroy(); }
 };
 
-Offscreen::Offscreen(int width, int height, OffscreenProfile profile, const Offscreen* share) : impl_(std::make_unique<Impl>())
+Offscreen::Offscreen(int width, int height, OffscreenProfile profile, const Offscreen* share)
+    : impl_(std::make_unique<Impl>())
 {
     impl_->width = width;
     impl_->height = height;

@@ -7,7 +7,8 @@
 
 namespace pcm {
 
-OffscreenScene::OffscreenScene(const std::vector<std::filesystem::path>& trees, const L1Options& l1, const L2Options& l2)
+OffscreenScene::OffscreenScene(const std::vector<std::filesystem::path>& trees, const L1Options& l1,
+                               const L2Options& l2)
     : l1_(std::make_shared<L1Cache>(l1)), renderer_(l1_)
 {
     if (trees.empty()) throw Error(ErrorCode::invalid_argument, {}, "there is no tree to draw");
@@ -15,11 +16,13 @@ OffscreenScene::OffscreenScene(const std::vector<std::filesystem::path>& trees, 
     for (const std::filesystem::path& tree : trees) {
         std::error_code error;
         const std::filesystem::path canonical = std::filesystem::canonical(tree, error);
-        if (!error && !named.insert(canonical).second) throw Error(ErrorCode::invalid_argument, tree, "this tree is named twice");
+        if (!error && !named.insert(canonical).second)
+            throw Error(ErrorCode::invalid_argument, tree, "this tree is named twice");
         clouds_.push_back(PointCloud::open(tree, l2));
         box_.extend(clouds_.back()->info().bounds());
     }
-    if (box_.empty()) throw Error(ErrorCode::invalid_argument, trees.front(), "there is nothing to draw: the tree has no points");
+    if (box_.empty())
+        throw Error(ErrorCode::invalid_argument, trees.front(), "there is nothing to draw: the tree has no points");
     origin_ = box_.centre();
     for (const auto& cloud : clouds_) {
         drawn_.push_back(std::make_unique<DrawnCloud>(cloud, l1_));

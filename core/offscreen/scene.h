@@ -1,4 +1,5 @@
-// Trees that are drawn together without a window: what `pcm render`, benchmarks and tests draw with, which is what draws in MeshLab.
+// Trees that are drawn together without a window: what `pcm render`, benchmarks and tests draw with, which is what
+// draws in MeshLab.
 //
 //     pcm::Offscreen screen(640, 480);
 //     pcm::OffscreenScene scene({"city.pct"});
@@ -29,16 +30,20 @@ namespace pcm {
 
 class OffscreenScene {
 public:
-    // `l2` is the capacity of each cloud's L2. Throws what PointCloud::open() throws, and Error(invalid_argument) for no tree, a tree
-    // named twice, or nothing but empty ones.
-    explicit OffscreenScene(const std::vector<std::filesystem::path>& trees, const L1Options& l1 = {}, const L2Options& l2 = {});
+    // `l2` is the capacity of each cloud's L2. Throws what PointCloud::open() throws, and Error(invalid_argument) for
+    // no tree, a tree named twice, or nothing but empty ones.
+    explicit OffscreenScene(const std::vector<std::filesystem::path>& trees, const L1Options& l1 = {},
+                            const L2Options& l2 = {});
     ~OffscreenScene();
     OffscreenScene(const OffscreenScene&) = delete;
     OffscreenScene& operator=(const OffscreenScene&) = delete;
 
     const Box3d& box() const { return box_; }  // of all clouds
     const std::vector<std::shared_ptr<PointCloud>>& clouds() const { return clouds_; }
-    View view_of(const CameraFrame& frame, int width, int height) const { return pcm::view_of(frame, origin_, box_, width, height); }
+    View view_of(const CameraFrame& frame, int width, int height) const
+    {
+        return pcm::view_of(frame, origin_, box_, width, height);
+    }
 
     // One frame into the current framebuffer and viewport, whose size is the view's; all clouds in the same style.
     FrameReport draw(const View& view, const CloudStyle& style, const RenderOptions& options);

@@ -8,13 +8,11 @@
 namespace pcm {
 namespace {
 
-double now()
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // Adds those of points [begin, end) whose grid position is in a box.
-void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& points)
+void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t begin, std::uint32_t end,
+               std::vector<std::uint32_t>& points)
 {
     const std::size_t before = points.size();
     points.resize(before + (end - begin));
@@ -27,15 +25,18 @@ void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t 
         for (std::size_t a = 0; a < 3; ++a) {
             if (box.max[a] < positions.origin[a]) return;
             const auto origin = static_cast<std::uint64_t>(positions.origin[a]);
-            const std::uint64_t from = box.min[a] > positions.origin[a] ? static_cast<std::uint64_t>(box.min[a]) - origin : 0;
-            const std::uint64_t to = std::min<std::uint64_t>(static_cast<std::uint64_t>(box.max[a]) - origin, std::numeric_limits<Number>::max());
+            const std::uint64_t from =
+                box.min[a] > positions.origin[a] ? static_cast<std::uint64_t>(box.min[a]) - origin : 0;
+            const std::uint64_t to = std::min<std::uint64_t>(static_cast<std::uint64_t>(box.max[a]) - origin,
+                                                             std::numeric_limits<Number>::max());
             if (from > to) return;
             low[a] = static_cast<Number>(from);
             width[a] = static_cast<Number>(to - from);
         }
         const Number *x = xyz[0].data(), *y = xyz[1].data(), *z = xyz[2].data();
         for (std::uint32_t i = begin; i < end; ++i) {
-            const bool in_x = static_cast<Number>(x[i] - low[0]) <= width[0], in_y = static_cast<Number>(y[i] - low[1]) <= width[1],
+            const bool in_x = static_cast<Number>(x[i] - low[0]) <= width[0],
+                       in_y = static_cast<Number>(y[i] - low[1]) <= width[1],
                        in_z = static_cast<Number>(z[i] - low[2]) <= width[2];
             kept[n] = i;
             n += static_cast<std::size_t>(in_x & in_y & in_z);
@@ -61,14 +62,21 @@ std::uint64_t decoded_bytes(const Tree& tree, const ColumnSet& columns)
 std::uint32_t SelectedChunk::number(std::size_t index) const
 {
     if (begins.empty()) return static_cast<std::uint32_t>(index);
-    const auto part = static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), index) - begins.begin()) - 1;
+    const auto part =
+        static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), index) - begins.begin()) - 1;
     return first[part] + static_cast<std::uint32_t>(index - begins[part]);
 }
 
 ChunkStream::ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector,
                          const std::optional<std::uint16_t>& level, const ColumnSet& columns, unsigned in_flight)
-    : cache_(cache), pool_(pool), rates_(rates), selector_(std::move(selector)), level_(level), columns_(columns),
-      in_flight_(std::clamp(in_flight, 1u, ReadPool::most_threads)), nodes_(selected_nodes(cache.tree(), selector_, level))
+    : cache_(cache),
+      pool_(pool),
+      rates_(rates),
+      selector_(std::move(selector)),
+      level_(level),
+      columns_(columns),
+      in_flight_(std::clamp(in_flight, 1u, ReadPool::most_threads)),
+      nodes_(selected_nodes(cache.tree(), selector_, level))
 {
     box_ = selector_.bounds() ? grid_box(cache.tree(), *selector_.bounds()) : cache.tree().info().box;
 }
@@ -140,8 +148,9 @@ try {
         result.points = node.points;
     } else if (auto part = cache_.read_part(node.node, columns_, [&](const Box3i& box, std::uint16_t level) {
                    if (level_ && level > *level_) return false;
-                   const BoxRelation relation =
-                       node.relation == BoxRelation::inside ? node.relation : selector_.relation(tree.info().grid.to_source(box));
+                   const BoxRelation relation = node.relation == BoxRelation::inside
+                                                    ? node.relation
+                                                    : selector_.relation(tree.info().grid.to_source(box));
                    if (relation == BoxRelation::outside) return false;
                    relations.push_back(relation);
                    return true;
@@ -192,7 +201,8 @@ void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) co
         BoxRelation relation = of_part(k);
         points_in(positions, relation == BoxRelation::inside ? cache_.tree().info().box : box_, begin, end, some);
         if (selector_.is_box()) relation = BoxRelation::inside;
-        selector_.narrow(columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, relation);
+        selector_.narrow(
+            columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, relation);
         result.selected.insert(result.selected.end(), some.begin(), some.end());
     }
 }

@@ -1,4 +1,5 @@
-// The chunks that a selection touches, one after the other, with the selected points of each; read ahead by the threads of a pool.
+// The chunks that a selection touches, one after the other, with the selected points of each; read ahead by the threads
+// of a pool.
 #pragma once
 
 #include "cache/l2_cache.h"
@@ -24,7 +25,8 @@ struct SelectedChunk {
     std::size_t points = 0;               // of `chunk`, from its first on, that are of the level asked for
     bool all = true;                      // all of them are selected; else `selected`
     std::vector<std::uint32_t> selected;  // ascending
-    // Where the parts of `chunk` stand in the node's whole chunk: part k begins at `begins[k]` in `chunk` and at `first[k]` there.
+    // Where the parts of `chunk` stand in the node's whole chunk: part k begins at `begins[k]` in `chunk` and at
+    // `first[k]` there.
     std::vector<std::uint32_t> begins, first;
 
     std::size_t size() const { return all ? points : selected.size(); }
@@ -34,13 +36,14 @@ struct SelectedChunk {
     L2Cache::Handle pin;  // keeps what came from the cache in it
 };
 
-// A chunk that the cache holds is used from there. Of others, those that the selection or the level cuts are read past the cache,
-// and of them alone the segments that selected points can be in; whole ones go through the cache. Memory: at most `in_flight`
-// chunks beside the one that next() gave. One thread calls; the tree, the cache, the pool and the rates outlive the stream.
+// A chunk that the cache holds is used from there. Of others, those that the selection or the level cuts are read past
+// the cache, and of them alone the segments that selected points can be in; whole ones go through the cache. Memory: at
+// most `in_flight` chunks beside the one that next() gave. One thread calls; the tree, the cache, the pool and the
+// rates outlive the stream.
 class ChunkStream {
 public:
-    ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector, const std::optional<std::uint16_t>& level,
-                const ColumnSet& columns, unsigned in_flight);
+    ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector,
+                const std::optional<std::uint16_t>& level, const ColumnSet& columns, unsigned in_flight);
     ~ChunkStream();
     ChunkStream(const ChunkStream&) = delete;
     ChunkStream& operator=(const ChunkStream&) = delete;
@@ -55,7 +58,7 @@ public:
     std::uint64_t points_read() const { return points_read_; }  // decoded, selected or not
     std::uint64_t bytes_read() const { return bytes_read_; }    // from disk, as far as not through the cache
     std::uint64_t chunks() const { return chunks_; }
-    std::uint64_t cached() const { return cached_; }            // chunks that came out of the cache
+    std::uint64_t cached() const { return cached_; }  // chunks that came out of the cache
 
 private:
     struct Job {

@@ -12,7 +12,8 @@
 namespace pcm {
 namespace {
 
-// What part of a box's volume is selected, from points spread evenly over the part of it inside of the selection's bounds.
+// What part of a box's volume is selected, from points spread evenly over the part of it inside of the selection's
+// bounds.
 double selected_part(const Selector& selector, const Box3d& box, std::size_t steps)
 {
     Box3d clip = box;
@@ -35,7 +36,8 @@ double selected_part(const Selector& selector, const Box3d& box, std::size_t ste
                 const std::array<std::size_t, 3> at{i, j, k};
                 Vec3d p;
                 for (std::size_t a = 0; a < 3; ++a)
-                    p[a] = clip.min[a] + clip.extent(a) * ((static_cast<double>(at[a]) + 0.5) / static_cast<double>(n[a]));
+                    p[a] =
+                        clip.min[a] + clip.extent(a) * ((static_cast<double>(at[a]) + 0.5) / static_cast<double>(n[a]));
                 hits += selector.holds_at(p);
             }
     // A region that slips between all of them is not nothing.
@@ -50,7 +52,8 @@ public:
     BpcHeader read(NodeId node)
     {
         const Extent& extent = tree_.node(node).extent;
-        if (!file_.is_open() || extent.file != number_) file_ = File(tree_.folder() / data_file_name(extent.file), File::Mode::read);
+        if (!file_.is_open() || extent.file != number_)
+            file_ = File(tree_.folder() / data_file_name(extent.file), File::Mode::read);
         number_ = extent.file;
         return read_header(file_, extent.offset, extent.bytes);
     }
@@ -63,7 +66,8 @@ private:
 
 }  // namespace
 
-Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& query, const ColumnSet& columns, EstimatePrecision precision)
+Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& query, const ColumnSet& columns,
+                       EstimatePrecision precision)
 {
     const auto start = std::chrono::steady_clock::now();
     const Tree& tree = cache.tree();
@@ -73,7 +77,8 @@ Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& quer
     estimate.conditions = selector.tests_attributes();
     std::size_t cut = 0;
     for (const SelectedNode& node : nodes) cut += node.relation == BoxRelation::crosses;
-    const auto steps = static_cast<std::size_t>(std::clamp(std::cbrt(1e5 / static_cast<double>(std::max<std::size_t>(cut, 1))), 3.0, 8.0));
+    const auto steps = static_cast<std::size_t>(
+        std::clamp(std::cbrt(1e5 / static_cast<double>(std::max<std::size_t>(cut, 1))), 3.0, 8.0));
     Headers headers(tree);
 
     // Adds points that lie in a box together.
@@ -102,12 +107,14 @@ Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& quer
                 const BpcSegment& segment = header.segments[s];
                 if (query.level && segment.level > *query.level) continue;
                 const Box3d box = tree.info().grid.to_source(segment.box);
-                const BoxRelation relation = selected.relation == BoxRelation::inside ? selected.relation : selector.relation(box);
+                const BoxRelation relation =
+                    selected.relation == BoxRelation::inside ? selected.relation : selector.relation(box);
                 add(relation, box, segment.count);
                 if (relation == BoxRelation::outside) continue;
                 if (columns.positions && s < header.positions.pieces.size()) bytes += header.positions.pieces[s].bytes;
                 for (std::size_t k = 0; k < header.attributes.size(); ++k)
-                    if (columns.attributes.test(k) && s < header.attributes[k].pieces.size()) bytes += header.attributes[k].pieces[s].bytes;
+                    if (columns.attributes.test(k) && s < header.attributes[k].pieces.size())
+                        bytes += header.attributes[k].pieces[s].bytes;
             }
             if (estimate.points_read == read_before) continue;  // no segment is touched
         } else {

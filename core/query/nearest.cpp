@@ -19,10 +19,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double now()
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // A chunk's positions and blocks, held while they are of use.
 struct HeldChunk {
@@ -35,7 +32,10 @@ struct HeldChunk {
 
 class HeldChunks {
 public:
-    HeldChunks(L2Cache& cache, BlockCache& blocks, const std::optional<std::uint16_t>& level) : cache_(cache), blocks_(blocks), level_(level) {}
+    HeldChunks(L2Cache& cache, BlockCache& blocks, const std::optional<std::uint16_t>& level)
+        : cache_(cache), blocks_(blocks), level_(level)
+    {
+    }
 
     const Tree& tree() const { return cache_.tree(); }
     const Grid& grid() const { return tree().info().grid; }
@@ -52,7 +52,8 @@ public:
         held.points = level_ ? tree().node(id).points_to_level(*level_) : held.positions().size();
         // Blocks end where levels end.
         const auto& first = held.blocks->first;
-        held.end_block = static_cast<std::size_t>(std::lower_bound(first.begin(), first.end() - 1, held.points) - first.begin());
+        held.end_block =
+            static_cast<std::size_t>(std::lower_bound(first.begin(), first.end() - 1, held.points) - first.begin());
         held.node = id;
         return held;
     }
@@ -70,10 +71,13 @@ double square_of(const Vec3d& p, const Vec3d& q)
     return (x * x + y * y) + z * z;
 }
 
-// Of the nearest point of a box. Rounding is rising in each coordinate, so no point of the box has a smaller square_of().
+// Of the nearest point of a box. Rounding is rising in each coordinate, so no point of the box has a smaller
+// square_of().
 double square_of_box(const Box3d& box, const Vec3d& q)
 {
-    return square_of({std::clamp(q[0], box.min[0], box.max[0]), std::clamp(q[1], box.min[1], box.max[1]), std::clamp(q[2], box.min[2], box.max[2])}, q);
+    return square_of({std::clamp(q[0], box.min[0], box.max[0]), std::clamp(q[1], box.min[1], box.max[1]),
+                      std::clamp(q[2], box.min[2], box.max[2])},
+                     q);
 }
 
 // The nearest points of blocks [begin, end), as squares.
@@ -125,7 +129,8 @@ private:
     {
         return std::tie(a.squared_distance, a.node, a.index) < std::tie(b.squared_distance, b.node, b.index);
     }
-    // Whether a point of node `id` or below (those have higher numbers) can be among the best when none has a smaller square.
+    // Whether a point of node `id` or below (those have higher numbers) can be among the best when none has a smaller
+    // square.
     bool may_hold(double square, NodeId id, std::size_t k) const
     {
         if (!(square <= limit_)) return false;
@@ -156,13 +161,14 @@ private:
         }
         ranked.clear();
     }
-    void rank(const PointBlocks::Boxes& boxes, std::size_t begin, std::size_t end, NodeId id, const Vec3d& q, std::size_t k,
-              std::vector<Ranked>& ranked)
+    void rank(const PointBlocks::Boxes& boxes, std::size_t begin, std::size_t end, NodeId id, const Vec3d& q,
+              std::size_t k, std::vector<Ranked>& ranked)
     {
         squares_.resize(end - begin);
         squares_of(boxes, begin, end, q, squares_.data());
         for (std::size_t i = begin; i < end; ++i)
-            if (may_hold(squares_[i - begin], id, k)) ranked.emplace_back(squares_[i - begin], static_cast<std::uint32_t>(i));
+            if (may_hold(squares_[i - begin], id, k))
+                ranked.emplace_back(squares_[i - begin], static_cast<std::uint32_t>(i));
     }
 
     void search_chunk(NodeId id, const Vec3d& q, std::size_t k)
@@ -170,7 +176,8 @@ private:
         const HeldChunk& chunk = chunks_.get(id);
         const PointBlocks& blocks = *chunk.blocks;
         const auto& group_first = blocks.group_first;
-        const auto groups = static_cast<std::size_t>(std::lower_bound(group_first.begin(), group_first.end() - 1, chunk.end_block) - group_first.begin());
+        const auto groups = static_cast<std::size_t>(
+            std::lower_bound(group_first.begin(), group_first.end() - 1, chunk.end_block) - group_first.begin());
         rank(blocks.groups, 0, groups, id, q, k, ranked_groups_);
         in_order(ranked_groups_, id, k, [&](std::uint32_t group) {
             const std::size_t end = std::min<std::size_t>(group_first[group + 1], chunk.end_block);
@@ -191,7 +198,8 @@ private:
         if (small) {
             // Sums of whole numbers below 2^53: the same doubles as those of the grid position.
             const auto coordinate = [&](std::size_t a, std::size_t i) {
-                const double grid_position = static_cast<double>(positions.origin[a]) + positions.narrow_xyz[a][begin + i];
+                const double grid_position =
+                    static_cast<double>(positions.origin[a]) + positions.narrow_xyz[a][begin + i];
                 return grid_position * grid.scale[a] + grid.offset[a] - q[a];
             };
             for (std::size_t i = 0; i < count; ++i) {
@@ -199,7 +207,8 @@ private:
                 squares[i] = (x * x + y * y) + z * z;
             }
         } else {
-            for (std::size_t i = 0; i < count; ++i) squares[i] = square_of(grid.to_source(positions.grid(begin + i)), q);
+            for (std::size_t i = 0; i < count; ++i)
+                squares[i] = square_of(grid.to_source(positions.grid(begin + i)), q);
         }
         compared_ += count;
         for (std::size_t i = 0; i < count; ++i) {
@@ -233,12 +242,17 @@ void require(const std::vector<Vec3d>& points, const NearestOptions& options)
 {
     for (const Vec3d& p : points)
         if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
-            throw Error(ErrorCode::invalid_argument, {}, "neighbours of a point that is not finite were asked for: " + exact(p));
+            throw Error(ErrorCode::invalid_argument, {},
+                        "neighbours of a point that is not finite were asked for: " + exact(p));
     if (!(options.max_distance >= 0))
-        throw Error(ErrorCode::invalid_argument, {}, "the largest distance of neighbours is " + exact(options.max_distance) + "; it is 0 or more");
+        throw Error(ErrorCode::invalid_argument, {},
+                    "the largest distance of neighbours is " + exact(options.max_distance) + "; it is 0 or more");
 }
 
-double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level) { return level ? level_spacing(tree, *level) : 0; }
+double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level)
+{
+    return level ? level_spacing(tree, *level) : 0;
+}
 
 double least_distance(const std::vector<Neighbour>& points, double spacing, double max_distance)
 {
@@ -264,7 +278,8 @@ std::vector<std::uint32_t> morton_order(const std::vector<Vec3d>& points)
         std::uint64_t key = 0;
         for (std::size_t a = 0; a < 3; ++a) {
             const double part = side > 0 ? (points[i][a] - box.min[a]) / side : 0.0;
-            const auto cell = part > 0 ? std::min<std::uint64_t>(static_cast<std::uint64_t>(part * 0x1p21), 0x1fffff) : 0;
+            const auto cell =
+                part > 0 ? std::min<std::uint64_t>(static_cast<std::uint64_t>(part * 0x1p21), 0x1fffff) : 0;
             for (unsigned bit = 0; bit < 21; ++bit) key |= (cell >> bit & 1) << (3 * bit + a);
         }
         keys[i] = {key, static_cast<std::uint32_t>(i)};
@@ -280,13 +295,15 @@ std::vector<std::uint32_t> morton_order(const std::vector<Vec3d>& points)
 double level_spacing(const Tree& tree, std::uint16_t level)
 {
     const TreeInfo& info = tree.info();
-    if (level >= info.spacings.size() || level + 1 >= info.levels || tree.points_to_level(level) == info.points) return 0;
+    if (level >= info.spacings.size() || level + 1 >= info.levels || tree.points_to_level(level) == info.points)
+        return 0;
     return info.coverage_kept ? info.spacings[level] : infinity;
 }
 
 double Neighbour::distance() const { return std::sqrt(squared_distance); }
 
-NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k, const NearestOptions& options)
+NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k,
+                           const NearestOptions& options)
 {
     require({point}, options);
     const double start = now();
@@ -303,10 +320,12 @@ NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& poin
     return result;
 }
 
-NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<Vec3d>& points, std::size_t k, const NearestOptions& options)
+NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<Vec3d>& points, std::size_t k,
+                          const NearestOptions& options)
 {
     require(points, options);
-    if (points.size() > 0xffffffffu) throw Error(ErrorCode::invalid_argument, {}, "more than 4294967295 points were given at once", "ask in parts");
+    if (points.size() > 0xffffffffu)
+        throw Error(ErrorCode::invalid_argument, {}, "more than 4294967295 points were given at once", "ask in parts");
     const double start = now(), spacing = spacing_at(cache.tree(), options.level);
     const std::vector<std::uint32_t> order = morton_order(points);
     std::vector<std::vector<Neighbour>> found(points.size());
@@ -318,17 +337,20 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
     const auto work = [&] {
         Search search(cache, blocks, options);
         for (std::size_t begin; !signal.stopped && (begin = next.fetch_add(at_once)) < order.size();)
-            for (std::size_t i = begin; i < std::min(begin + at_once, order.size()); ++i) search.run(points[order[i]], k, found[order[i]]);
+            for (std::size_t i = begin; i < std::min(begin + at_once, order.size()); ++i)
+                search.run(points[order[i]], k, found[order[i]]);
         compared += search.compared();
     };
     const std::size_t most = (points.size() + at_once - 1) / at_once;
-    const std::size_t threads = std::min<std::size_t>(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency()), most);
+    const std::size_t threads = std::min<std::size_t>(
+        options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency()), most);
     {
         Crew crew(signal);
         for (std::size_t t = 0; t < threads; ++t) crew.add(work);
         crew.join([&] {
             const auto begun = static_cast<double>(std::min(next.load(), order.size()));
-            watch.report("Searching neighbours", order.empty() ? 1.0 : 0.999 * begun / static_cast<double>(order.size()));
+            watch.report("Searching neighbours",
+                         order.empty() ? 1.0 : 0.999 * begun / static_cast<double>(order.size()));
         });
     }
     NearestBatch batch;
@@ -347,10 +369,12 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
     return batch;
 }
 
-HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam, const std::optional<std::uint16_t>& level)
+HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
+                         const std::optional<std::uint16_t>& level)
 {
     if (beam.kind() != Region::Kind::ray && beam.kind() != Region::Kind::cone)
-        throw Error(ErrorCode::invalid_argument, {}, "the first point along a region was asked for that is neither ray nor cone");
+        throw Error(ErrorCode::invalid_argument, {},
+                    "the first point along a region was asked for that is neither ray nor cone");
     const double start = now();
     HitResult result;
     HeldChunks chunks(cache, blocks, level);
@@ -379,13 +403,16 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
             const PointBlocks& parts = *chunk.blocks;
             for (std::size_t g = 0; g < parts.groups.size() && parts.group_first[g] < chunk.end_block; ++g) {
                 if (!is_wanted(parts.groups.box(g))) continue;
-                for (std::size_t b = parts.group_first[g]; b < std::min<std::size_t>(parts.group_first[g + 1], chunk.end_block); ++b) {
+                for (std::size_t b = parts.group_first[g];
+                     b < std::min<std::size_t>(parts.group_first[g + 1], chunk.end_block); ++b) {
                     if (!is_wanted(parts.blocks.box(b))) continue;
                     for (std::uint32_t i = parts.first[b]; i < parts.first[b + 1]; ++i) {
                         ++result.outcome.points_in;
                         const Vec3d p = chunks.grid().to_source(chunk.positions().grid(i));
                         const double t = beam.along(p);
-                        const bool sooner = !result.hit || std::tie(t, id, i) < std::tie(result.hit->along, result.hit->node, result.hit->index);
+                        const bool sooner =
+                            !result.hit ||
+                            std::tie(t, id, i) < std::tie(result.hit->along, result.hit->node, result.hit->index);
                         if (sooner && beam.contains(p)) result.hit = Hit{id, i, t, p};
                     }
                 }
@@ -396,7 +423,8 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
     }
     result.outcome.points_out = result.hit ? 1 : 0;
     result.outcome.error = spacing_at(tree, level);
-    result.outcome.error_meaning = "every point of the whole cloud has one of this level nearer than this, source units";
+    result.outcome.error_meaning =
+        "every point of the whole cloud has one of this level nearer than this, source units";
     result.outcome.seconds = now() - start;
     return result;
 }

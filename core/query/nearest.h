@@ -1,8 +1,9 @@
 // The points nearest to a point, and the first one that a ray or a cone meets: exactly, or at a precision.
 //
-// Distances are between doubles: with p the source coordinates of a point and q those asked for, the squared distance is
-// (dx * dx + dy * dy) + dz * dz with dx = p.x - q.x and so on, in double. Order is by (squared distance, node, index): results
-// depend on nothing but the tree. Nothing is approximate but what the level leaves out, and that is reported.
+// Distances are between doubles: with p the source coordinates of a point and q those asked for, the squared distance
+// is (dx * dx + dy * dy) + dz * dz with dx = p.x - q.x and so on, in double. Order is by (squared distance, node,
+// index): results depend on nothing but the tree. Nothing is approximate but what the level leaves out, and that is
+// reported.
 #pragma once
 
 #include "cache/l2_cache.h"
@@ -21,30 +22,32 @@ struct Neighbour {
     NodeId node = no_node;
     std::uint32_t index = 0;  // in the node's chunk
     double squared_distance = 0;
-    Vec3d position{};         // source coordinates
+    Vec3d position{};  // source coordinates
     double distance() const;
 };
 
 struct NearestOptions {
     std::optional<std::uint16_t> level;  // only points of the cloud at this level; the whole cloud when absent
     double max_distance = std::numeric_limits<double>::infinity();  // none whose squared distance is above its square
-    unsigned threads = 0;                // of many searches; 0: one a processor
-    ProgressFunction progress;           // of many searches
+    unsigned threads = 0;                                           // of many searches; 0: one a processor
+    ProgressFunction progress;                                      // of many searches
 };
 
-// At a level every point of the cloud has one nearer than the level's spacing s. So when the nearest point of the level lies at
-// distance d, no point of the cloud is nearer than d - s; and each further distance is at least that of the whole cloud.
+// At a level every point of the cloud has one nearer than the level's spacing s. So when the nearest point of the level
+// lies at distance d, no point of the cloud is nearer than d - s; and each further distance is at least that of the
+// whole cloud.
 struct NearestResult {
-    std::vector<Neighbour> points;  // nearest first; fewer than asked for when the cloud has no more (within max_distance)
-    double least_distance = 0;      // no point of the whole cloud is nearer
-    Outcome outcome;                // points_in: compared; error: how much nearer a point of the whole cloud may be, source units
+    std::vector<Neighbour>
+        points;                 // nearest first; fewer than asked for when the cloud has no more (within max_distance)
+    double least_distance = 0;  // no point of the whole cloud is nearer
+    Outcome outcome;  // points_in: compared; error: how much nearer a point of the whole cloud may be, source units
 };
 
 struct NearestBatch {
-    std::vector<Neighbour> points;      // of all searches, one after the other
-    std::vector<std::size_t> first;     // of each search, and the end
-    std::vector<double> least_distance; // of each search
-    Outcome outcome;                    // error: the largest of any search
+    std::vector<Neighbour> points;       // of all searches, one after the other
+    std::vector<std::size_t> first;      // of each search, and the end
+    std::vector<double> least_distance;  // of each search
+    Outcome outcome;                     // error: the largest of any search
 };
 
 struct Hit {
@@ -59,17 +62,20 @@ struct HitResult {
     Outcome outcome;         // error: every point of the whole cloud has one of the level nearer than this
 };
 
-// What a level leaves out: every point of the cloud has one of the level nearer than this. 0 where the level is the whole cloud,
-// infinite where nothing is promised (points were deleted since the levels were made).
+// What a level leaves out: every point of the cloud has one of the level nearer than this. 0 where the level is the
+// whole cloud, infinite where nothing is promised (points were deleted since the levels were made).
 double level_spacing(const Tree& tree, std::uint16_t level);
 
-// Memory: beside the cache's, up to 16 chunks that a search, or each thread of many searches, holds. Throw Error(invalid_argument)
-// for a point that is not finite, a negative max_distance, or a region that is neither ray nor cone; and what reading throws.
-NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k, const NearestOptions& options);
+// Memory: beside the cache's, up to 16 chunks that a search, or each thread of many searches, holds. Throw
+// Error(invalid_argument) for a point that is not finite, a negative max_distance, or a region that is neither ray nor
+// cone; and what reading throws.
+NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k,
+                           const NearestOptions& options);
 // The same for many points; neighbouring ones share chunks, whatever their order. Memory: of the results.
 NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<Vec3d>& points, std::size_t k,
                           const NearestOptions& options);
 // The point in a ray or cone that is nearest along its axis.
-HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam, const std::optional<std::uint16_t>& level);
+HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
+                         const std::optional<std::uint16_t>& level);
 
 }  // namespace pcm

@@ -15,15 +15,18 @@
 
 namespace pcm {
 
-// Points of a chunk lie in Morton order, level by level: a run of them is near together. Blocks are runs of one level, groups are
-// runs of blocks. Boxes are in source coordinates, and tight.
+// Points of a chunk lie in Morton order, level by level: a run of them is near together. Blocks are runs of one level,
+// groups are runs of blocks. Boxes are in source coordinates, and tight.
 struct PointBlocks {
     static constexpr std::size_t block_points = 64, group_blocks = 32;
 
     struct Boxes {  // a column a bound
         std::array<std::vector<double>, 3> min, max;
         std::size_t size() const { return min[0].size(); }
-        Box3d box(std::size_t i) const { return {{min[0][i], min[1][i], min[2][i]}, {max[0][i], max[1][i], max[2][i]}}; }
+        Box3d box(std::size_t i) const
+        {
+            return {{min[0][i], min[1][i], min[2][i]}, {max[0][i], max[1][i], max[2][i]}};
+        }
         void add(const Box3d& box);
     };
     Boxes blocks, groups;

@@ -7,8 +7,9 @@
 
 namespace pcm {
 
-// Reads take seconds = latency + decoded bytes * rate; both come from a line through the reads seen, of which old ones count less and
-// less. How many reads ran beside each other shows in the time that callers waited. Any number of threads.
+// Reads take seconds = latency + decoded bytes * rate; both come from a line through the reads seen, of which old ones
+// count less and less. How many reads ran beside each other shows in the time that callers waited. Any number of
+// threads.
 class ReadRates {
 public:
     void add_read(std::uint64_t decoded_bytes, double seconds);

@@ -73,7 +73,8 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
     const auto flags = in.get<std::uint8_t>();
     if (wide > 1 || flags > coverage_kept) throw refuse("it says what no tree has");
     info.wide = wide != 0;
-    if (sampling > static_cast<std::uint8_t>(Sampling::grid)) throw refuse("the levels are of a kind that does not exist");
+    if (sampling > static_cast<std::uint8_t>(Sampling::grid))
+        throw refuse("the levels are of a kind that does not exist");
     info.sampling = static_cast<Sampling>(sampling);
     info.coverage_kept = flags & coverage_kept;
     info.spacings.resize(info.levels);
@@ -81,7 +82,8 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
     for (std::size_t k = 0; k < info.spacings.size(); ++k) {
         const double spacing = info.spacings[k];
         const bool last = k + 1 == info.spacings.size();
-        if (!std::isfinite(spacing) || spacing < 0 || (spacing == 0 && !last) || (k > 0 && spacing >= info.spacings[k - 1]))
+        if (!std::isfinite(spacing) || spacing < 0 || (spacing == 0 && !last) ||
+            (k > 0 && spacing >= info.spacings[k - 1]))
             throw Error(ErrorCode::corrupt, path, "level " + std::to_string(k) + " has a spacing out of order");
     }
     const auto attributes = in.get<std::uint32_t>();
@@ -127,10 +129,12 @@ TreeInfo read_about(const std::filesystem::path& folder)
         throw Error(ErrorCode::corrupt, path, "the file has " + std::to_string(size) + " bytes, which is impossible");
     std::vector<std::byte> bytes(static_cast<std::size_t>(size));
     file.read_at(bytes.data(), bytes.size(), 0);
-    if (std::memcmp(bytes.data(), magic, sizeof magic) != 0) throw Error(ErrorCode::corrupt, path, "this is not a file about a tree");
+    if (std::memcmp(bytes.data(), magic, sizeof magic) != 0)
+        throw Error(ErrorCode::corrupt, path, "this is not a file about a tree");
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
-    if (stored != checksum(bytes.data(), bytes.size() - 8)) throw Error(ErrorCode::corrupt, path, "the checksum does not hold");
+    if (stored != checksum(bytes.data(), bytes.size() - 8))
+        throw Error(ErrorCode::corrupt, path, "the checksum does not hold");
     ByteReader in(bytes.data(), bytes.size() - 8, path);
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint32_t>();

@@ -1,4 +1,5 @@
-// What a tree's chunks do not say about the tree: in the index, and in a file of its own that helps to make the index again.
+// What a tree's chunks do not say about the tree: in the index, and in a file of its own that helps to make the index
+// again.
 #pragma once
 
 #include "bpc/byte_order.h"
@@ -29,8 +30,8 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path);
 // Whether both say the same, `bytes` aside.
 bool same_info(const TreeInfo& a, const TreeInfo& b);
 
-// Writes about.pct; at any instant it is the old file or the new one. It is written before the index: after an interruption between the
-// two it is one generation ahead.
+// Writes about.pct; at any instant it is the old file or the new one. It is written before the index: after an
+// interruption between the two it is one generation ahead.
 void write_about(const std::filesystem::path& folder, const TreeInfo& info);
 // Throws Error(not_found | corrupt | unsupported | permission | io).
 TreeInfo read_about(const std::filesystem::path& folder);

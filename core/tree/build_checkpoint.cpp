@@ -58,7 +58,8 @@ Bins<Coord> get_bins(BuildState& state, ByteReader& in)
     bins.scratch = std::make_unique<Scratch>(state.folder / scratch_file_name, state.nodes.layout, state.nodes.schema,
                                              state.space, in);
     for (const auto& node : bins.top.nodes)
-        if (nodes == 0 || node.bin >= bins.scratch->bins()) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+        if (nodes == 0 || node.bin >= bins.scratch->bins())
+            throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
     return bins;
 }
 

@@ -84,7 +84,8 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(outpu
         }
     }
     if (!lock_.is_open()) {
-        if (!fs::create_directory(part_, error) && error) throw Error::from_errno(error.value(), part_, "creating the folder");
+        if (!fs::create_directory(part_, error) && error)
+            throw Error::from_errno(error.value(), part_, "creating the folder");
         lock();
     }
     try {
@@ -107,7 +108,8 @@ void BuildFolder::lock()
         if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
             throw Error(ErrorCode::exists, output_, "another build is writing this tree at this moment");
         // One that has just ended may have removed what was opened here.
-        struct stat opened {}, named {};
+        struct stat opened {
+        }, named{};
         if (::fstat(lock_.descriptor(), &opened) == 0 && ::stat((part_ / build_marker_name).c_str(), &named) == 0 &&
             opened.st_ino == named.st_ino && opened.st_dev == named.st_dev)
             break;

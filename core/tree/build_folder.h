@@ -5,9 +5,11 @@
 //     tree/        what becomes NAME
 //     publishing   from the moment that tree/ is whole: the checksum of its index
 //     old/         the tree that is replaced, where the two cannot be exchanged at one stroke
-// and the build's scratch files. A crash at any instant leaves one of these, which the next build of the name tells apart:
+// and the build's scratch files. A crash at any instant leaves one of these, which the next build of the name tells
+// apart:
 // - NAME is as before, or absent: tree/ is gone on with or removed;
-// - NAME is absent and old/ is there (between the two renames that replace a tree where the system cannot exchange): old/ gets
+// - NAME is absent and old/ is there (between the two renames that replace a tree where the system cannot exchange):
+// old/ gets
 //   its name back first; put_back_replaced() does that too;
 // - NAME has the index that `publishing` names: the build was done, and what is left is removed.
 #pragma once
@@ -48,8 +50,8 @@ private:
     bool owned_ = false, left_over_ = false;
 };
 
-// Where an interrupted build was about to replace the tree `output`, and it is gone from its place: puts it back. True when it
-// did. Throws Error(exists) while a build is at work.
+// Where an interrupted build was about to replace the tree `output`, and it is gone from its place: puts it back. True
+// when it did. Throws Error(exists) while a build is at work.
 bool put_back_replaced(const std::filesystem::path& output);
 
 // Whether that is the case. For messages.

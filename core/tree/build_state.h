@@ -39,7 +39,7 @@ struct BuildState {
     Watch watch;
     ScratchSpace space;
 
-    const TreeInfo* like = nullptr;      // a tree whose grid and width of coordinates are to be taken
+    const TreeInfo* like = nullptr;  // a tree whose grid and width of coordinates are to be taken
 
     // What reading finds.
     NodeBuilderOptions nodes;
@@ -49,8 +49,8 @@ struct BuildState {
     std::vector<Metadata> metadata;
     std::vector<std::string> notes;
 
-    // Points of a bin. It must not depend on the number of threads, or the tree would: sixteen bins at work fill half of the
-    // memory.
+    // Points of a bin. It must not depend on the number of threads, or the tree would: sixteen bins at work fill half
+    // of the memory.
     std::uint64_t bin_points(std::size_t row_bytes, std::size_t coordinate_bytes) const
     {
         return std::max(options.memory_bytes / 2 / 16 / point_bytes(row_bytes, coordinate_bytes),

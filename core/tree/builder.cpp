@@ -28,10 +28,10 @@ namespace fs = std::filesystem;
 
 class TreeBuild {
 public:
-    // `identity`: see identity_of_build(); absent for a build that makes no checkpoints. `like`: of the tree whose points these
-    // are; null when there is none.
-    TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options,
-              const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like)
+    // `identity`: see identity_of_build(); absent for a build that makes no checkpoints. `like`: of the tree whose
+    // points these are; null when there is none.
+    TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,
+              const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like)
         : cloud_(cloud),
           sources_(sources),
           output_(output),
@@ -48,8 +48,9 @@ public:
         std::string note;
         if (folder_.left_over()) {
             if (identity_) open_checkpoints();
-            note = checkpoints().same_build() ? "an interrupted build was begun afresh: it had no checkpoint that holds"
-                                              : "what an interrupted build of other files or with other options had left was removed";
+            note = checkpoints().same_build()
+                       ? "an interrupted build was begun afresh: it had no checkpoint that holds"
+                       : "what an interrupted build of other files or with other options had left was removed";
             bins = find_bins();
         }
         if (bins) {
@@ -93,7 +94,8 @@ private:
     Checkpoints& checkpoints() { return *checkpoints_; }
     void open_checkpoints()
     {
-        checkpoints_ = std::make_unique<Checkpoints>(state().folder / "journal", *identity_, state().options.checkpoint_seconds);
+        checkpoints_ =
+            std::make_unique<Checkpoints>(state().folder / "journal", *identity_, state().options.checkpoint_seconds);
     }
     void begin_afresh()
     {
@@ -124,7 +126,8 @@ private:
     void checkpoint_bins(const AnyBins& bins)
     {
         if (!checkpoints().on()) return;
-        if (state().observed.points == 0 || state().watch.seconds() < checkpoints().seconds()) return checkpoints().off();
+        if (state().observed.points == 0 || state().watch.seconds() < checkpoints().seconds())
+            return checkpoints().off();
         ByteWriter record;
         save_bins(state(), bins, record);
         std::shared_ptr<Scratch> scratch = std::visit([](const auto& of) { return of.scratch; }, bins);
@@ -163,7 +166,7 @@ private:
         checkpoints().forget_found();
         Draft* root = jobs->run(threads, checkpoints(), [&](std::uint64_t done) {
             state().watch.report("Building chunks",
-                                0.7 + 0.28 * static_cast<double>(done) / static_cast<double>(state().observed.points));
+                                 0.7 + 0.28 * static_cast<double>(done) / static_cast<double>(state().observed.points));
         });
         state().watch.report("Writing the index", 0.99);
         files->finish();
@@ -231,8 +234,9 @@ private:
                 }
             });
         crew.join([&] {
-            state().watch.report("Sorting points", 0.4 + 0.1 * static_cast<double>(std::min(next.load(), todo.size())) /
-                                                            static_cast<double>(std::max<std::size_t>(1, todo.size())));
+            state().watch.report("Sorting points",
+                                 0.4 + 0.1 * static_cast<double>(std::min(next.load(), todo.size())) /
+                                           static_cast<double>(std::max<std::size_t>(1, todo.size())));
         });
         checkpoint(true);
         checkpoints().post([from = bins.scratch] { from->clear(); });
@@ -271,7 +275,8 @@ private:
         for (std::size_t bin = 0; bin < bins.scratch->bins(); ++bin)
             if (!is_sorted[bin] && !bins.scratch->can_hold(bin))
                 throw Error(ErrorCode::truncated, state().folder, "a bin of an interrupted build is missing");
-        if (count) went_on_ = std::to_string(count) + " of " + std::to_string(bins.scratch->bins()) + " bins had been sorted";
+        if (count)
+            went_on_ = std::to_string(count) + " of " + std::to_string(bins.scratch->bins()) + " bins had been sorted";
         return sorted;
     }
 
@@ -280,7 +285,8 @@ private:
     {
         const fs::path file = state().folder / "levels.tmp";
         const auto make = [&](File::Mode mode) {
-            return std::make_shared<LevelSampler<Coord>>(sorted.points(), state().nodes.lattice, state().options.sampling, file, mode);
+            return std::make_shared<LevelSampler<Coord>>(sorted.points(), state().nodes.lattice,
+                                                         state().options.sampling, file, mode);
         };
         if (const auto found = checkpoints().found(Checkpoints::levelled); !found.empty()) {
             try {
@@ -379,7 +385,8 @@ fs::path check(const fs::path& output, const BuildOptions& options)
 }
 
 BuildReport build(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& folder,
-                  const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like = nullptr)
+                  const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity,
+                  const TreeInfo* like = nullptr)
 {
     try {
         return TreeBuild(cloud, sources, folder, options, identity, like).run();
@@ -397,8 +404,8 @@ void check_build_options(const BuildOptions& options)
     if (options.memory_bytes < (std::uint64_t(64) << 20))
         throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
     if (options.chunk_points < 1000 || options.chunk_points > 10000000)
-        throw Error(ErrorCode::invalid_argument, {}, "points a chunk must be between 1000 and 10000000, not " +
-                                                         std::to_string(options.chunk_points));
+        throw Error(ErrorCode::invalid_argument, {},
+                    "points a chunk must be between 1000 and 10000000, not " + std::to_string(options.chunk_points));
     if (options.threads > 1024) throw Error(ErrorCode::invalid_argument, {}, "more than 1024 threads");
 }
 

@@ -1,8 +1,8 @@
-// The checkpoints of a build: what is on disk for good, and what was done with it, so that a build that was killed goes on from
-// there.
+// The checkpoints of a build: what is on disk for good, and what was done with it, so that a build that was killed goes
+// on from there.
 //
-// A checkpoint syncs data first, then writes a record into the journal; only then may data that it replaces be given up. All this
-// is done by a thread of its own, in order, while the build goes on.
+// A checkpoint syncs data first, then writes a record into the journal; only then may data that it replaces be given
+// up. All this is done by a thread of its own, in order, while the build goes on.
 #pragma once
 
 #include "tree/journal.h"
@@ -28,8 +28,8 @@ public:
 
     // None are made: post() does only what comes after the record.
     Checkpoints() = default;
-    // `build` says what is built from what, in which way: records of another one are forgotten. `seconds` is how often due()
-    // holds.
+    // `build` says what is built from what, in which way: records of another one are forgotten. `seconds` is how often
+    // due() holds.
     Checkpoints(const std::filesystem::path& journal, const std::vector<std::byte>& build, double seconds);
     // Whatever waits is dropped.
     ~Checkpoints();
@@ -37,7 +37,7 @@ public:
 
     bool on() const { return journal_ != nullptr; }
     bool same_build() const { return same_build_; }  // as the one whose journal was found
-    void off();  // from now on, before anything was posted
+    void off();                                      // from now on, before anything was posted
     double seconds() const { return seconds_; }
 
     // What was found of an interrupted build. The pointers hold until forget_found() or cut().
@@ -48,8 +48,8 @@ public:
 
     // It is time for the next one, where there is no other reason for it. Any thread.
     bool due() const;
-    // Syncs, writes the record, does `then`; soon: it waits while two others wait. Any thread. Throws what an earlier one has
-    // thrown.
+    // Syncs, writes the record, does `then`; soon: it waits while two others wait. Any thread. Throws what an earlier
+    // one has thrown.
     void post(std::function<void()> sync, Kind kind, std::vector<std::byte> record, std::function<void()> then = {});
     // The same without a record: `work` is done when all before it is.
     void post(std::function<void()> work);

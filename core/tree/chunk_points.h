@@ -1,6 +1,6 @@
-// How many points a chunk of a tree has at most unless there is a reason for another number: the largest size that the caches' study
-// (bench/results) found as good as the best. Larger ones show a coarser picture while a view moves and take longer to load,
-// smaller ones make a cold scan slower.
+// How many points a chunk of a tree has at most unless there is a reason for another number: the largest size that the
+// caches' study (bench/results) found as good as the best. Larger ones show a coarser picture while a view moves and
+// take longer to load, smaller ones make a cold scan slower.
 #pragma once
 
 #include <cstdint>

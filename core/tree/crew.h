@@ -19,7 +19,10 @@ namespace pcm {
 // Passes progress on to the user, at most ten times a second, and turns a wish to cancel into an exception.
 class Watch {
 public:
-    explicit Watch(const ProgressFunction& progress) : progress_(progress), start_(std::chrono::steady_clock::now()), last_(start_) {}
+    explicit Watch(const ProgressFunction& progress)
+        : progress_(progress), start_(std::chrono::steady_clock::now()), last_(start_)
+    {
+    }
 
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
@@ -60,8 +63,8 @@ struct Signal {
     }
 };
 
-// Threads that stop together: the first exception of any is thrown by join(). Declare it after all that the threads use: when it
-// dies they have ended.
+// Threads that stop together: the first exception of any is thrown by join(). Declare it after all that the threads
+// use: when it dies they have ended.
 class Crew {
 public:
     explicit Crew(Signal& signal) : signal_(signal) {}

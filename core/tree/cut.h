@@ -17,13 +17,13 @@ struct Cut {
     Coord value = 0;  // points with a smaller coordinate go left
 };
 
-// How many bits finer an axis' grid is than the coarsest axis' (0 for all three on most clouds): lengths on different axes
-// compare after shifting them down by this.
+// How many bits finer an axis' grid is than the coarsest axis' (0 for all three on most clouds): lengths on different
+// axes compare after shifting them down by this.
 using AxisShift = std::array<int, 3>;
 
-// `coordinate(i, axis)` gives the coordinates of `count` points. Depends on the set alone, not on its order. Nothing when
-// all points coincide. Both sides get at least one point; unless many points share one coordinate each gets at least a
-// third.
+// `coordinate(i, axis)` gives the coordinates of `count` points. Depends on the set alone, not on its order. Nothing
+// when all points coincide. Both sides get at least one point; unless many points share one coordinate each gets at
+// least a third.
 template <class Coord, class Access>
 std::optional<Cut<Coord>> choose_cut(std::size_t count, const AxisShift& finer, const Access& coordinate)
 {
@@ -42,8 +42,8 @@ std::optional<Cut<Coord>> choose_cut(std::size_t count, const AxisShift& finer, 
         if (extent(a) > extent(cut.axis)) cut.axis = a;
     if (low[cut.axis] == high[cut.axis]) return std::nullopt;
 
-    // Histograms over ever smaller ranges [from, from + (buckets << shift)) around the median, until some bucket boundary
-    // has balance. `below` counts the points left of the range.
+    // Histograms over ever smaller ranges [from, from + (buckets << shift)) around the median, until some bucket
+    // boundary has balance. `below` counts the points left of the range.
     constexpr std::size_t buckets = 1024;
     std::array<std::size_t, buckets + 1> histogram;
     Coord from = low[cut.axis];
@@ -58,8 +58,8 @@ std::optional<Cut<Coord>> choose_cut(std::size_t count, const AxisShift& finer, 
             const Coord c = coordinate(i, cut.axis);
             if (c >= from && c <= last) ++histogram[(static_cast<std::uint64_t>(c) >> shift) - aligned];
         }
-        // Boundary b lies before bucket b; cutting there leaves `left` points on the left. Best balance, and among those
-        // with balance to spare (45..55 %) the roundest number.
+        // Boundary b lies before bucket b; cutting there leaves `left` points on the left. Best balance, and among
+        // those with balance to spare (45..55 %) the roundest number.
         std::size_t left = below, best_miss = count, best_round = 0, median_bucket = 0;
         bool found_round = false;
         Coord best_value = 0;
@@ -73,9 +73,9 @@ std::optional<Cut<Coord>> choose_cut(std::size_t count, const AxisShift& finer, 
                 const std::size_t miss = left * 2 > count ? left * 2 - count : count - left * 2;
                 const bool balanced = miss * 10 <= count;
                 const auto round = static_cast<std::size_t>(__builtin_ctzll(value_at(b)));
-                const bool better = balanced ? (!found_round || round > best_round ||
-                                                (round == best_round && miss < best_miss))
-                                             : (!found_round && miss < best_miss);
+                const bool better =
+                    balanced ? (!found_round || round > best_round || (round == best_round && miss < best_miss))
+                             : (!found_round && miss < best_miss);
                 if (better) {
                     best_value = value_at(b);
                     best_miss = miss;

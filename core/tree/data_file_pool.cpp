@@ -8,7 +8,8 @@
 
 namespace pcm {
 
-DataFilePool::DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files, std::size_t most_open)
+DataFilePool::DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files,
+                           std::size_t most_open)
     : folder_(folder), most_open_(std::max<std::size_t>(most_open, 1)), entries_(files.size())
 {
     std::size_t used = 0;
@@ -18,7 +19,8 @@ DataFilePool::DataFilePool(const std::filesystem::path& folder, const std::vecto
         auto file = std::make_shared<const File>(folder_ / data_file_name(i), File::Mode::read);
         if (file->size() < files[i].bytes)
             throw Error(ErrorCode::truncated, file->path(),
-                        "the file has " + std::to_string(file->size()) + " bytes, the index expects " + std::to_string(files[i].bytes));
+                        "the file has " + std::to_string(file->size()) + " bytes, the index expects " +
+                            std::to_string(files[i].bytes));
         if (used <= most_open_) keep(i, std::move(file));
     }
 }

@@ -1,6 +1,7 @@
 // The data files of a tree, open for reading: a bounded number of them at once.
 //
-// Any number of threads may call get(). A file that a caller holds stays open, so there are at most as many more open files as callers.
+// Any number of threads may call get(). A file that a caller holds stays open, so there are at most as many more open
+// files as callers.
 #pragma once
 
 #include "cloud/file.h"
@@ -18,8 +19,9 @@ namespace pcm {
 
 class DataFilePool {
 public:
-    // Checks that each file with bytes in use is there and as long as that. When there are at most `most_open` of them all are opened now, and
-    // stay open: what others do to the folder's names does not matter then. Throws Error(not_found | permission | truncated | io).
+    // Checks that each file with bytes in use is there and as long as that. When there are at most `most_open` of them
+    // all are opened now, and stay open: what others do to the folder's names does not matter then. Throws
+    // Error(not_found | permission | truncated | io).
     DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files, std::size_t most_open);
 
     // Opens the file unless it is open, and closes the one not used for longest when that makes too many.
@@ -28,7 +30,7 @@ public:
 
 private:
     struct Entry {
-        std::shared_ptr<const File> file;       // null while it is closed
+        std::shared_ptr<const File> file;        // null while it is closed
         std::list<std::uint32_t>::iterator use;  // in by_use_, while it is open
     };
 

@@ -21,8 +21,9 @@ std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
 {
     auto file = std::make_shared<File>(path, File::Mode::change);
     if (file->size() < bytes)
-        throw Error(ErrorCode::truncated, path,
-                    "the file has " + std::to_string(file->size()) + " bytes, " + std::to_string(bytes) + " were expected");
+        throw Error(
+            ErrorCode::truncated, path,
+            "the file has " + std::to_string(file->size()) + " bytes, " + std::to_string(bytes) + " were expected");
     int result;
     do result = ::ftruncate(file->descriptor(), static_cast<off_t>(bytes));
     while (result != 0 && errno == EINTR);

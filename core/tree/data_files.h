@@ -15,8 +15,8 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
-// Chunks are appended in the order of the calls; those of the first levels wait in a file of their own until finish() puts
-// them in front, parents first. One thread at a time.
+// Chunks are appended in the order of the calls; those of the first levels wait in a file of their own until finish()
+// puts them in front, parents first. One thread at a time.
 class DataFiles {
 public:
     // In `folder`, numbered from `first` on; `work` is where the front waits.
@@ -29,8 +29,8 @@ public:
     const std::vector<std::uint64_t>& bytes() const { return bytes_; }  // of each data file
     std::uint64_t appended() const { return appended_; }                // bytes, by this process
 
-    // How much has been written, and the reverse: the files are cut off there. load() throws Error(truncated | ...) when they
-    // have less. The drafts whose chunks were written are told by written(), in the order of append().
+    // How much has been written, and the reverse: the files are cut off there. load() throws Error(truncated | ...)
+    // when they have less. The drafts whose chunks were written are told by written(), in the order of append().
     void save(ByteWriter& out) const;
     void load(ByteReader& in);
     void written(Draft& draft);

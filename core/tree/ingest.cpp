@@ -43,15 +43,29 @@ void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte*
         const std::size_t size = layout.sizes[k];
         std::byte* to = rows + layout.offsets[k];
         switch (size) {
-        case 1: scatter<1>(from, batch.size, to, layout.bytes); break;
-        case 2: scatter<2>(from, batch.size, to, layout.bytes); break;
-        case 3: scatter<3>(from, batch.size, to, layout.bytes); break;
-        case 4: scatter<4>(from, batch.size, to, layout.bytes); break;
-        case 6: scatter<6>(from, batch.size, to, layout.bytes); break;
-        case 8: scatter<8>(from, batch.size, to, layout.bytes); break;
-        case 12: scatter<12>(from, batch.size, to, layout.bytes); break;
-        default:
-            for (std::size_t i = 0; i < batch.size; ++i) std::memcpy(to + i * layout.bytes, from + i * size, size);
+            case 1:
+                scatter<1>(from, batch.size, to, layout.bytes);
+                break;
+            case 2:
+                scatter<2>(from, batch.size, to, layout.bytes);
+                break;
+            case 3:
+                scatter<3>(from, batch.size, to, layout.bytes);
+                break;
+            case 4:
+                scatter<4>(from, batch.size, to, layout.bytes);
+                break;
+            case 6:
+                scatter<6>(from, batch.size, to, layout.bytes);
+                break;
+            case 8:
+                scatter<8>(from, batch.size, to, layout.bytes);
+                break;
+            case 12:
+                scatter<12>(from, batch.size, to, layout.bytes);
+                break;
+            default:
+                for (std::size_t i = 0; i < batch.size; ++i) std::memcpy(to + i * layout.bytes, from + i * size, size);
         }
     }
 }

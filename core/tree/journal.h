@@ -10,8 +10,8 @@
 
 namespace pcm {
 
-// Record: u32 kind, u32 0, u64 bytes, u64 checksum of what is before and of the bytes; then the bytes. What follows the first
-// record that does not hold is cut off. One thread at a time.
+// Record: u32 kind, u32 0, u64 bytes, u64 checksum of what is before and of the bytes; then the bytes. What follows the
+// first record that does not hold is cut off. One thread at a time.
 class Journal {
 public:
     struct Record {
@@ -25,7 +25,7 @@ public:
     const std::vector<Record>& records() const { return records_; }  // that were found
     // Forgets what was found from record number `from` on, in the file too.
     void cut(std::size_t from);
-    void forget_found() { std::vector<Record>().swap(records_); }    // in memory alone
+    void forget_found() { std::vector<Record>().swap(records_); }  // in memory alone
     // The record is on disk when this returns.
     void append(std::uint32_t kind, const std::vector<std::byte>& bytes);
 

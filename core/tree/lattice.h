@@ -1,8 +1,9 @@
-// The lattice of cells that sampling and sorting share: cubes as nearly as the grid allows, their sides doubling from one
-// size to the next, aligned in the whole cloud's coordinates, so that cells nest and do not depend on how it is divided.
+// The lattice of cells that sampling and sorting share: cubes as nearly as the grid allows, their sides doubling from
+// one size to the next, aligned in the whole cloud's coordinates, so that cells nest and do not depend on how it is
+// divided.
 //
-// A cell of size g is 2^(g + finer[a]) grid steps along axis a. Two points of one cell are less than spacing(g) apart, and
-// what is nearer than spacing(g) to a point lies at most 4 cells away along any axis.
+// A cell of size g is 2^(g + finer[a]) grid steps along axis a. Two points of one cell are less than spacing(g) apart,
+// and what is nearer than spacing(g) to a point lies at most 4 cells away along any axis.
 #pragma once
 
 #include "cloud/geometry.h"
@@ -62,7 +63,8 @@ struct Lattice {
 template <class Coord>
 bool same_cell(const Point<Coord>& p, const Point<Coord>& q, const std::array<int, 3>& shifts)
 {
-    return !((static_cast<std::uint64_t>(p[0] ^ q[0]) >> shifts[0]) | (static_cast<std::uint64_t>(p[1] ^ q[1]) >> shifts[1]) |
+    return !((static_cast<std::uint64_t>(p[0] ^ q[0]) >> shifts[0]) |
+             (static_cast<std::uint64_t>(p[1] ^ q[1]) >> shifts[1]) |
              (static_cast<std::uint64_t>(p[2] ^ q[2]) >> shifts[2]));
 }
 
@@ -75,7 +77,8 @@ int parting_size(const Point<Coord>& p, const Point<Coord>& q, const AxisShift& 
     return differ ? 63 - __builtin_clzll(differ) : -1;
 }
 
-// Morton order of all cells down to size 0, z before y before x, then by coordinates. Cells of every size are runs in it.
+// Morton order of all cells down to size 0, z before y before x, then by coordinates. Cells of every size are runs in
+// it.
 template <class Coord>
 bool morton_before(const Point<Coord>& p, const Point<Coord>& q, const AxisShift& finer)
 {

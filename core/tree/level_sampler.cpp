@@ -15,8 +15,8 @@ namespace {
 constexpr double margin = 1e-9;  // bounds are computed with rounding and decide only by more than this
 // The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
 constexpr std::uint64_t first_level_points = 512;
-// Sampling ends when a quarter of the points is chosen: the step to the whole cloud is then like that between levels, as
-// surfaces have four times the points at half the spacing. A few points in much denser places are not waited for.
+// Sampling ends when a quarter of the points is chosen: the step to the whole cloud is then like that between levels,
+// as surfaces have four times the points at half the spacing. A few points in much denser places are not waited for.
 constexpr double chosen_share = 0.1;
 constexpr double waiting_share = 0.2;
 
@@ -25,7 +25,12 @@ constexpr double waiting_share = 0.2;
 template <class Coord>
 LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
                                   const std::filesystem::path& scratch, File::Mode mode)
-    : points_(points), lattice_(lattice), sampling_(sampling), file_(scratch, mode), remove_(mode == File::Mode::create_new), bins_(points.bins())
+    : points_(points),
+      lattice_(lattice),
+      sampling_(sampling),
+      file_(scratch, mode),
+      remove_(mode == File::Mode::create_new),
+      bins_(points.bins())
 {
     for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
 }
@@ -47,10 +52,12 @@ void LevelSampler<Coord>::add_to(GivenLevels<Coord> given)
         const int size = spacing > 0 ? std::ilogb(spacing / lattice_.spacing(0) * (1 + margin)) : -1;
         if (size < 0 || size > 62 || std::fabs(spacing / lattice_.spacing(size) - 1) > margin ||
             (!sizes_.empty() && size != sizes_.back() - 1))
-            throw Error(ErrorCode::invalid_argument, {}, "levels that are not on the ladder of spacings of the cloud's grid");
+            throw Error(ErrorCode::invalid_argument, {},
+                        "levels that are not on the ladder of spacings of the cloud's grid");
         sizes_.push_back(size);
     }
-    if (sizes_.empty()) throw Error(ErrorCode::invalid_argument, {}, "a cloud without levels that points could be added to");
+    if (sizes_.empty())
+        throw Error(ErrorCode::invalid_argument, {}, "a cloud without levels that points could be added to");
 }
 
 template <class Coord>
@@ -151,7 +158,8 @@ void LevelSampler<Coord>::count_levels()
         rest += bin.histogram.back();
     }
     if (given_.list) {
-        std::copy(given_.spacings.begin(), given_.spacings.begin() + static_cast<std::ptrdiff_t>(sizes_.size()), spacings_.begin());
+        std::copy(given_.spacings.begin(), given_.spacings.begin() + static_cast<std::ptrdiff_t>(sizes_.size()),
+                  spacings_.begin());
         if (given_.spacings.size() > sizes_.size()) return;  // it has a rest
     }
     if (rest == 0) {
@@ -212,7 +220,8 @@ std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
         return levels;
     }
     for (const List& list : bins_[bin].lists)
-        for (const std::uint32_t i : read(list)) levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - list.size));
+        for (const std::uint32_t i : read(list))
+            levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - list.size));
     return levels;
 }
 
@@ -227,7 +236,9 @@ void LevelSampler<Coord>::for_each_bin(unsigned threads, const std::function<voi
             for (std::size_t b; !signal.stopped && (b = next++) < bins_.size();)
                 if (points_.box(b).points > 0) work(b);
         });
-    crew.join([&] { progress_(static_cast<double>(std::min(next.load(), bins_.size())) / static_cast<double>(bins_.size())); });
+    crew.join([&] {
+        progress_(static_cast<double>(std::min(next.load(), bins_.size())) / static_cast<double>(bins_.size()));
+    });
 }
 
 template <class Coord>
@@ -245,22 +256,25 @@ void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
             before = p;
         }
         for (int size = top; size >= 0; --size)
-            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)]) bins_[b].lists.push_back({size, 0, count, 0});
+            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)])
+                bins_[b].lists.push_back({size, 0, count, 0});
     });
 }
 
 template <class Coord>
 void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
 {
-    // A point is the first of its cell where no point before it is in that cell, and no given one before or after it: the
-    // nearest ones in Morton order tell. Of three in order, the outer two are parted by the larger of the inner partings.
+    // A point is the first of its cell where no point before it is in that cell, and no given one before or after it:
+    // the nearest ones in Morton order tell. Of three in order, the outer two are parted by the larger of the inner
+    // partings.
     Bin& bin = bins_[number];
     const auto& box = points_.box(number);
     typename SortedPoints<Coord>::Reader reader(points_, number);
     std::vector<Point<Coord>> points;
     for (std::size_t i = 0; i < reader.size(); ++i) points.push_back(reader[i]);
-    std::vector<std::int8_t> before(points.size(), 127), after(points.size(), 127);  // size that parts from the nearest given
-    Point<Coord> low, high;  // the points' cells of the first level
+    std::vector<std::int8_t> before(points.size(), 127),
+        after(points.size(), 127);  // size that parts from the nearest given
+    Point<Coord> low, high;         // the points' cells of the first level
     const std::array<int, 3> shifts = lattice_.shifts(sizes_[0]);
     for (std::size_t a = 0; a < 3; ++a) {
         const std::uint64_t inside = (std::uint64_t(1) << shifts[a]) - 1;
@@ -272,7 +286,9 @@ void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
             const auto at = std::lower_bound(points.begin(), points.end(), given[n], [&](const auto& p, const auto& q) {
                 return morton_before(p, q, lattice_.finer);
             });
-            const auto parted = [&](std::size_t i) { return static_cast<std::int8_t>(parting_size(points[i], given[n], lattice_.finer)); };
+            const auto parted = [&](std::size_t i) {
+                return static_cast<std::int8_t>(parting_size(points[i], given[n], lattice_.finer));
+            };
             const auto i = static_cast<std::size_t>(at - points.begin());
             if (i < points.size()) before[i] = std::min(before[i], parted(i));
             if (i > 0) after[i - 1] = std::min(after[i - 1], parted(i - 1));
@@ -283,7 +299,8 @@ void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
         parting[i] = static_cast<std::int8_t>(parting_size(points[i - 1], points[i], lattice_.finer));
         before[i] = std::min(before[i], std::max(before[i - 1], parting[i]));
     }
-    for (std::size_t i = points.size() - 1; i-- > 0;) after[i] = std::min(after[i], std::max(after[i + 1], parting[i + 1]));
+    for (std::size_t i = points.size() - 1; i-- > 0;)
+        after[i] = std::min(after[i], std::max(after[i + 1], parting[i + 1]));
     std::vector<std::uint8_t> levels(points.size(), static_cast<std::uint8_t>(sizes_.size()));
     std::vector<std::uint32_t> counts(sizes_.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -292,7 +309,8 @@ void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
         levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
         ++counts[levels[i]];
     }
-    for (std::size_t level = 0; level < counts.size(); ++level) bin.lists.push_back({sizes_[level], 0, counts[level], 0});
+    for (std::size_t level = 0; level < counts.size(); ++level)
+        bin.lists.push_back({sizes_[level], 0, counts[level], 0});
     bin.bytes = write(levels.data(), levels.size());
 }
 
@@ -335,12 +353,13 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
     // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one colour are not
     // near each other and go side by side; colours go one after the other: the same for any number of threads.
     const double squared = lattice_.spacing(size) * lattice_.spacing(size);
-    // Found anew each time they are needed: at coarse spacings every bin is near every other, and lists of all would take memory with
-    // the square of their number.
+    // Found anew each time they are needed: at coarse spacings every bin is near every other, and lists of all would
+    // take memory with the square of their number.
     const auto neighbours_of = [&](std::size_t b, std::size_t below) {
         std::vector<std::size_t> neighbours;
         for (std::size_t n = 0; n < below; ++n)
-            if (n != b && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared) neighbours.push_back(n);
+            if (n != b && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared)
+                neighbours.push_back(n);
         return neighbours;
     };
     std::vector<std::size_t> colour(bins_.size(), 0);
@@ -362,7 +381,8 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
         if (points_.box(b).points) groups[colour[b]].push_back(b);
     std::atomic<std::size_t> done{0};
     const auto tick = [&] {
-        const double inside = static_cast<double>(done.load()) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
+        const double inside =
+            static_cast<double>(done.load()) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
         progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
     };
     for (const std::vector<std::size_t>& group : groups) {
@@ -391,7 +411,8 @@ std::vector<Point<Coord>> LevelSampler<Coord>::given_near(std::size_t number, in
                                                           std::size_t last_level,
                                                           typename SortedPoints<Coord>::Reader& points) const
 {
-    // Of those in the box only the ones in or beside a bucket in which the bin has points: a few a point, however many there are.
+    // Of those in the box only the ones in or beside a bucket in which the bin has points: a few a point, however many
+    // there are.
     const auto& box = points_.box(number);
     Point<Coord> low, high;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -432,7 +453,9 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     const double spacing = lattice_.spacing(size);
     const double squared = spacing * spacing;
     if (bin.chosen == box.points) return;
-    const auto covers_all = [&](const Point<Coord>& p) { return squared_distance_to(p, box, true) * (1 + margin) < squared; };
+    const auto covers_all = [&](const Point<Coord>& p) {
+        return squared_distance_to(p, box, true) * (1 + margin) < squared;
+    };
 
     std::vector<Point<Coord>> others;
     for (const Point<Coord>& p : bin.border)
@@ -468,7 +491,8 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
         bin.chosen += found.size();
     }
     // Neighbours only get fewer with smaller spacings: what is far from all of them now will not be asked for again.
-    // Neighbours lie outside of the bin's own box, as a rule: then what is as deep in it as the spacing is far from them.
+    // Neighbours lie outside of the bin's own box, as a rule: then what is as deep in it as the spacing is far from
+    // them.
     Point<Coord> inner_low = box.high, inner_high = box.low;
     for (std::size_t a = 0; a < 3; ++a) {
         const double reach = std::ceil(spacing / lattice_.scale[a]) + 1;
@@ -520,7 +544,8 @@ template <class Coord>
 void LevelSampler<Coord>::load(ByteReader& in)
 {
     const auto check = [&](bool holds) {
-        if (!holds) throw Error(ErrorCode::corrupt, file_.path(), "the levels of an interrupted build do not fit its points");
+        if (!holds)
+            throw Error(ErrorCode::corrupt, file_.path(), "the levels of an interrupted build do not fit its points");
     };
     end_ = in.get<std::uint64_t>();
     check(end_ <= file_.size());
@@ -543,7 +568,8 @@ void LevelSampler<Coord>::load(ByteReader& in)
             list.offset = in.get<std::uint64_t>();
             list.count = in.get<std::uint32_t>();
             list.checksum = in.get<std::uint64_t>();
-            check(sampling_ == Sampling::grid || (list.offset <= end_ && list.count <= (end_ - list.offset) / sizeof(std::uint32_t)));
+            check(sampling_ == Sampling::grid ||
+                  (list.offset <= end_ && list.count <= (end_ - list.offset) / sizeof(std::uint32_t)));
             bin.lists.push_back(list);
         }
     }

@@ -1,15 +1,17 @@
 // Which level each point of a cloud belongs to.
 //
-// Levels lie on one ladder of spacings for the whole cloud, each half of the one before. The points of levels 0..k together
-// are a maximal Poisson-disk sample at the spacing of k: no two of them are nearer, no input point is as far from all of
-// them, across the borders of bins too. The last level, the rest, holds all others, with spacing 0.
+// Levels lie on one ladder of spacings for the whole cloud, each half of the one before. The points of levels 0..k
+// together are a maximal Poisson-disk sample at the spacing of k: no two of them are nearer, no input point is as far
+// from all of them, across the borders of bins too. The last level, the rest, holds all others, with spacing 0.
 //
 // Points can be added to a cloud that has its levels already and keeps them (`GivenLevels`). Then
 // - both clouds' levels 0..k together have no two points nearer than the spacing of k, as above;
 // - no point of the cloud that was there is as far from them (it has its own);
-// - an added point is as far as the spacing only if all levels up to k were barred to it: where a given point of a finer level
-//   m is nearer than the spacing of m, the added one may come only after m. It is then nearer than 1.5 spacings, because that
-//   given point has one of level 0..k near. No choice of levels does without this while the given ones stay.
+// - an added point is as far as the spacing only if all levels up to k were barred to it: where a given point of a
+// finer level
+//   m is nearer than the spacing of m, the added one may come only after m. It is then nearer than 1.5 spacings,
+//   because that given point has one of level 0..k near. No choice of levels does without this while the given ones
+//   stay.
 #pragma once
 
 #include "tree/crew.h"
@@ -30,8 +32,8 @@ struct GivenLevels {
     using Visit = std::function<void(const Point<Coord>* points, std::size_t count)>;
 
     std::vector<double> spacings;  // as LevelSampler::spacings(), on the same grid; at least one that is not 0
-    // Calls visit() with every point of levels first..last in the box [low, high], in any order and pieces of any size; points
-    // of these levels outside of the box do no harm. The rest is never asked for. Any thread, several at once.
+    // Calls visit() with every point of levels first..last in the box [low, high], in any order and pieces of any size;
+    // points of these levels outside of the box do no harm. The rest is never asked for. Any thread, several at once.
     std::function<void(const Point<Coord>& low, const Point<Coord>& high, std::size_t first, std::size_t last,
                        const Visit& visit)>
         list;
@@ -40,8 +42,8 @@ struct GivenLevels {
 template <class Coord>
 class LevelSampler {
 public:
-    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes; a new one is removed
-    // in the end, one that is opened in another way stays.
+    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes; a new one is
+    // removed in the end, one that is opened in another way stays.
     LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
                  const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
     ~LevelSampler();
@@ -77,13 +79,14 @@ private:
         std::vector<Point<Coord>> border;  // chosen points that are nearer than the spacing to another bin
         std::uint64_t chosen = 0;
         std::vector<std::uint64_t> histogram;
-        // Where in the file a byte for each point is, if the bin has that. Poisson: the smallest size that is barred to it by
-        // given points, as are all larger ones; 255 for none. Grid, with a given cloud: its level.
+        // Where in the file a byte for each point is, if the bin has that. Poisson: the smallest size that is barred to
+        // it by given points, as are all larger ones; 255 for none. Grid, with a given cloud: its level.
         std::uint64_t bytes = no_bytes;
     };
     static constexpr std::uint64_t no_bytes = ~std::uint64_t(0);
 
-    double squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box, bool farthest) const;
+    double squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box,
+                               bool farthest) const;
     double squared_distance_between(std::size_t bin, std::size_t other) const;
     void pass(int size, unsigned threads);
     void sample_bin(std::size_t bin, int size, const std::vector<std::size_t>& neighbours);

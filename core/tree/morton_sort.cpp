@@ -66,8 +66,8 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
         }
     }
 
-    // Coordinates relative to a base: `extent` low bits, and above them one bit that tells on which side of a large cell's
-    // border the point lies. The three of these come in the order of their true places, which may be far above.
+    // Coordinates relative to a base: `extent` low bits, and above them one bit that tells on which side of a large
+    // cell's border the point lies. The three of these come in the order of their true places, which may be far above.
     Lattice lattice;
     lattice.finer = finer;
     const int extent = lattice.size_of_box<Coord>(low, high);
@@ -76,7 +76,8 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
     for (std::size_t a = 0; a < 3; ++a) {
         const std::uint64_t lowest = static_cast<std::uint64_t>(low[a]) >> finer[a];
         base[a] = extent >= 64 ? 0 : lowest >> extent << extent;
-        const std::uint64_t differ = (static_cast<std::uint64_t>(low[a]) ^ static_cast<std::uint64_t>(high[a])) >> finer[a];
+        const std::uint64_t differ =
+            (static_cast<std::uint64_t>(low[a]) ^ static_cast<std::uint64_t>(high[a])) >> finer[a];
         place[a] = differ ? 63 - __builtin_clzll(differ) : -1;
     }
     std::array<std::size_t, 3> axes{0, 1, 2};
@@ -102,11 +103,12 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
         std::size_t to = from + 1;
         while (to < count && items[to].code == items[from].code) ++to;
         if (to - from > 1)
-            std::sort(items.begin() + static_cast<std::ptrdiff_t>(from), items.begin() + static_cast<std::ptrdiff_t>(to),
-                      [&](const CodeIndex& p, const CodeIndex& q) {
+            std::sort(items.begin() + static_cast<std::ptrdiff_t>(from),
+                      items.begin() + static_cast<std::ptrdiff_t>(to), [&](const CodeIndex& p, const CodeIndex& q) {
                           const Point<Coord> a = point(p.index), b = point(q.index);
                           if (a != b) return morton_before(a, b, finer);
-                          return std::memcmp(rows + p.index * layout.bytes, rows + q.index * layout.bytes, layout.bytes) < 0;
+                          return std::memcmp(rows + p.index * layout.bytes, rows + q.index * layout.bytes,
+                                             layout.bytes) < 0;
                       });
         from = to;
     }

@@ -34,7 +34,8 @@ auto NodeBuilder<Coord>::build(const LeveledRows& points, const NodePath& path, 
                                Output& output) -> Region
 {
     if (points.levels.size() > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorCode::unsupported, {}, "more than 4294967295 points share one position or are too close to part");
+        throw Error(ErrorCode::unsupported, {},
+                    "more than 4294967295 points share one position or are too close to part");
     Indices own;
     own.reserve(points.levels.size());
     Region region = divide(points, above, &own);
@@ -50,7 +51,8 @@ auto NodeBuilder<Coord>::hand_up(const LeveledRows& points, const std::vector<Le
 
 // Points of the levels that nodes above take go up; `own` gets the others.
 template <class Coord>
-auto NodeBuilder<Coord>::divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const -> Region
+auto NodeBuilder<Coord>::divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const
+    -> Region
 {
     const std::size_t row_bytes = options_.layout.bytes;
     const std::size_t first = above.empty() ? 0 : above.back().last;
@@ -88,8 +90,8 @@ auto NodeBuilder<Coord>::join(Region left, Region right) -> Region
 }
 
 template <class Coord>
-Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path,
-                                       Output& output)
+Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indices, std::size_t first,
+                                       const NodePath& path, Output& output)
 {
     const std::size_t row_bytes = options_.layout.bytes;
     Draft* draft = drafts_.add(path);
@@ -134,7 +136,8 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
 }
 
 template <class Coord>
-auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output) -> Region
+auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, const LevelRange& own, Output& output)
+    -> Region
 {
     const std::array<Draft*, 2> children{left.draft, right.draft};
     Region region = join(std::move(left), std::move(right));
@@ -187,7 +190,8 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
     auto positions = std::make_shared<ChunkPositions>();
     positions->origin = draft.box.min;
     for (std::size_t a = 0; a < 3; ++a)
-        if (static_cast<std::uint64_t>(high[a] - low[a]) > std::numeric_limits<std::uint32_t>::max()) positions->wide = true;
+        if (static_cast<std::uint64_t>(high[a] - low[a]) > std::numeric_limits<std::uint32_t>::max())
+            positions->wide = true;
     const auto fill = [&](auto& axes) {
         using Word = typename std::decay_t<decltype(axes[0])>::value_type;
         for (auto& axis : axes) axis.resize(order.size());
@@ -218,16 +222,30 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
             std::byte* to = columns[k]->data() + first * size;
             const std::byte* from = points.rows.data() + options_.layout.offsets[k];
             const auto gather = [&](auto fixed) {
-                for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * fixed, from + order[first + i] * row_bytes, fixed);
+                for (std::size_t i = 0; i < count; ++i)
+                    std::memcpy(to + i * fixed, from + order[first + i] * row_bytes, fixed);
             };
             switch (size) {
-            case 1: gather(std::integral_constant<std::size_t, 1>()); break;
-            case 2: gather(std::integral_constant<std::size_t, 2>()); break;
-            case 4: gather(std::integral_constant<std::size_t, 4>()); break;
-            case 6: gather(std::integral_constant<std::size_t, 6>()); break;
-            case 8: gather(std::integral_constant<std::size_t, 8>()); break;
-            case 12: gather(std::integral_constant<std::size_t, 12>()); break;
-            default: gather(size);
+                case 1:
+                    gather(std::integral_constant<std::size_t, 1>());
+                    break;
+                case 2:
+                    gather(std::integral_constant<std::size_t, 2>());
+                    break;
+                case 4:
+                    gather(std::integral_constant<std::size_t, 4>());
+                    break;
+                case 6:
+                    gather(std::integral_constant<std::size_t, 6>());
+                    break;
+                case 8:
+                    gather(std::integral_constant<std::size_t, 8>());
+                    break;
+                case 12:
+                    gather(std::integral_constant<std::size_t, 12>());
+                    break;
+                default:
+                    gather(size);
             }
         }
     }

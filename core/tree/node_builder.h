@@ -1,5 +1,5 @@
-// Builds the nodes of a region, top down and in memory: a node's chunk takes as many levels as fit, and what remains is cut in
-// two. Points come in Morton order with their levels (level_sampler.h) and keep that order.
+// Builds the nodes of a region, top down and in memory: a node's chunk takes as many levels as fit, and what remains is
+// cut in two. Points come in Morton order with their levels (level_sampler.h) and keep that order.
 //
 // Regions larger than memory are built in parts: what belongs into the chunks of nodes above a part is handed up, and
 // those nodes are made when all their parts are there.
@@ -53,7 +53,7 @@ struct NodeBuilderOptions {
     Schema schema;
     RowLayout layout;
     std::uint32_t chunk_points = default_chunk_points;
-    std::vector<double> spacings;  // of each level
+    std::vector<double> spacings;            // of each level
     std::uint32_t part = 0, generation = 1;  // of the tree: what is built
 };
 
@@ -93,8 +93,8 @@ public:
 
     NodeBuilder(const NodeBuilderOptions& options, DraftStore& drafts) : options_(options), drafts_(drafts) {}
 
-    // All points of a region at `path`. `above` says which levels the nodes above take: one range a depth, consecutive from
-    // level 0.
+    // All points of a region at `path`. `above` says which levels the nodes above take: one range a depth, consecutive
+    // from level 0.
     Region build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above, Output& output);
     // The same without making any node: what a region that was built before handed up.
     Region hand_up(const LeveledRows& points, const std::vector<LevelRange>& above) const;
@@ -106,7 +106,8 @@ public:
 private:
     using Indices = std::vector<std::uint32_t>;
     Region divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const;
-    Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path, Output& output);
+    Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path,
+                       Output& output);
     double spacing_after(const LevelRange& own) const;
     // Gives a node its chunk: the points at `indices`, which are in Morton order, by level.
     void emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const;

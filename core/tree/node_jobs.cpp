@@ -170,7 +170,8 @@ void NodeJobs<Coord>::load(std::size_t number, ByteReader& in)
         files_.written(*job.region.draft);
         for (std::size_t side = 0; side < 2; ++side) {
             Draft* child = jobs_[job.inputs[side]].region.draft;
-            if (has_child[side] != (child != nullptr)) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+            if (has_child[side] != (child != nullptr))
+                throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
             job.region.draft->children[side] = child;
         }
     }
@@ -212,7 +213,8 @@ auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> ty
 template <class Coord>
 void NodeJobs<Coord>::checkpoint(Checkpoints& checkpoints, std::size_t committed)
 {
-    if (!checkpoints.on() || !(checkpoints.due() || files_.appended() - bytes_checkpointed_ >= checkpoint_bytes)) return;
+    if (!checkpoints.on() || !(checkpoints.due() || files_.appended() - bytes_checkpointed_ >= checkpoint_bytes))
+        return;
     ByteWriter record;
     save(checkpointed_, committed, record);
     checkpoints.post(files_.syncer(), Checkpoints::committed, std::move(record.bytes()));
@@ -221,7 +223,8 @@ void NodeJobs<Coord>::checkpoint(Checkpoints& checkpoints, std::size_t committed
 }
 
 template <class Coord>
-Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const std::function<void(std::uint64_t)>& progress)
+Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints,
+                            const std::function<void(std::uint64_t)>& progress)
 {
     if (jobs_.empty()) return nullptr;
     Signal signal;
@@ -273,7 +276,8 @@ Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints, const st
             job.done = true;
             if (job.bin) points_done += bins_.rows(*job.bin);
             commits.add(lock, *mine, std::move(output), [&](std::size_t number, typename Builder::Output next) {
-                for (const auto& piece : next.pieces) files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
+                for (const auto& piece : next.pieces)
+                    files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
                 checkpoint(checkpoints, number + 1);
             });
             signal.wake.notify_all();

@@ -16,8 +16,8 @@
 
 namespace pcm {
 
-// Bins, and the nodes above them, as jobs in post-order. Output is committed in that order, so the files do not depend on
-// which thread did what; and so few results are kept waiting that memory stays bounded.
+// Bins, and the nodes above them, as jobs in post-order. Output is committed in that order, so the files do not depend
+// on which thread did what; and so few results are kept waiting that memory stays bounded.
 template <class Coord>
 class NodeJobs {
 public:
@@ -25,13 +25,15 @@ public:
     NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
              const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files);
 
-    // Before run(): what was committed until the checkpoints in `records` were made is taken from them, and run() does the rest.
-    // Throws Error(corrupt | truncated | not_found) when they do not go together with the files; all is to be made anew then.
+    // Before run(): what was committed until the checkpoints in `records` were made is taken from them, and run() does
+    // the rest. Throws Error(corrupt | truncated | not_found) when they do not go together with the files; all is to be
+    // made anew then.
     void go_on(const std::vector<const std::vector<std::byte>*>& records);
     std::size_t restored() const { return restored_; }
     std::size_t size() const { return jobs_.size(); }
 
-    // Returns the root; null for a cloud without points. `progress(points done)` is called on this thread and may throw.
+    // Returns the root; null for a cloud without points. `progress(points done)` is called on this thread and may
+    // throw.
     Draft* run(unsigned threads, Checkpoints& checkpoints, const std::function<void(std::uint64_t)>& progress);
 
 private:
@@ -55,8 +57,8 @@ private:
     std::optional<std::size_t> list(std::uint32_t node, const NodePath& path);
     std::uint64_t rows(std::uint32_t node) const;
     void plan();
-    typename Builder::Region build(Builder& builder, Job& job, typename Builder::Region left, typename Builder::Region right,
-                                   typename Builder::Output& output) const;
+    typename Builder::Region build(Builder& builder, Job& job, typename Builder::Region left,
+                                   typename Builder::Region right, typename Builder::Output& output) const;
 
     const TopTree<Coord>& top_;
     const SortedBins<Coord>& bins_;

@@ -21,7 +21,8 @@ struct Observed {
         for (std::size_t a = 0; a < 3; ++a) {
             if (points == 0 || p[a] < extremes[2 * a][a] || (p[a] == extremes[2 * a][a] && p < extremes[2 * a]))
                 extremes[2 * a] = p;
-            if (points == 0 || p[a] > extremes[2 * a + 1][a] || (p[a] == extremes[2 * a + 1][a] && p < extremes[2 * a + 1]))
+            if (points == 0 || p[a] > extremes[2 * a + 1][a] ||
+                (p[a] == extremes[2 * a + 1][a] && p < extremes[2 * a + 1]))
                 extremes[2 * a + 1] = p;
         }
         ++points;

@@ -17,7 +17,11 @@ namespace {
 class Partition {
 public:
     Partition(PointReader& cloud, BuildState& state)
-        : cloud_(cloud), state_(state), nodes_(state.nodes), threads_(state.threads), memory_(state.options.memory_bytes)
+        : cloud_(cloud),
+          state_(state),
+          nodes_(state.nodes),
+          threads_(state.threads),
+          memory_(state.options.memory_bytes)
     {
         nodes_.schema = cloud_.info().schema;
         state_.position_type = cloud_.info().position_type;
@@ -56,8 +60,8 @@ private:
         observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
     }
 
-    // Reads the cloud on this thread, calling look(batch), and hands the batches to `take(thread, batch, rows)` on all threads;
-    // `rows` is work space of the thread's own. `end(thread)` is called when there are no more.
+    // Reads the cloud on this thread, calling look(batch), and hands the batches to `take(thread, batch, rows)` on all
+    // threads; `rows` is work space of the thread's own. `end(thread)` is called when there are no more.
     template <class Look, class Take, class End>
     void stream(double share, const Look& look, const Take& take, const End& end)
     {
@@ -159,8 +163,8 @@ private:
         return of_spool<Coord>(spool, sample.items(), [](unsigned, std::byte* row) { return row; });
     }
 
-    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get; then
-    // the spool is put on a grid and distributed.
+    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get;
+    // then the spool is put on a grid and distributed.
     AnyBins of_doubles()
     {
         const RowLayout layout(nodes_.schema, true);
@@ -195,14 +199,16 @@ private:
                     const Vec3d p = position(batch, i);
                     if (!is_finite(p)) continue;
                     std::byte* row = rows.data() + kept++ * layout.bytes;
-                    if (row != rows.data() + i * layout.bytes) std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
+                    if (row != rows.data() + i * layout.bytes)
+                        std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
                     std::memcpy(row, p.data(), sizeof p);
                 }
                 writers[t].append(rows.data(), kept);
             },
             [](unsigned) {});
         if (state_.points_skipped)
-            state_.notes.push_back(std::to_string(state_.points_skipped) + " points without a finite position were left out");
+            state_.notes.push_back(std::to_string(state_.points_skipped) +
+                                   " points without a finite position were left out");
         if (choose_grid(box)) return put_on_grid<std::uint32_t>(spool, sample);
         return put_on_grid<std::uint64_t>(spool, sample);
     }
@@ -269,11 +275,11 @@ private:
         return result;
     }
 
-    // Moves rows, read piece by piece, into bins [first, first + bins) of `to`, on all threads. `put(thread, row, writer)` adds a
-    // row to its bin; `done(piece)` is called when a piece has gone.
+    // Moves rows, read piece by piece, into bins [first, first + bins) of `to`, on all threads. `put(thread, row,
+    // writer)` adds a row to its bin; `done(piece)` is called when a piece has gone.
     template <class Read, class Done, class Put>
-    void distribute(std::size_t pieces, const Read& read, const Done& done, std::size_t row_bytes, Scratch& to, std::size_t first,
-                    std::size_t bins, const Put& put)
+    void distribute(std::size_t pieces, const Read& read, const Done& done, std::size_t row_bytes, Scratch& to,
+                    std::size_t first, std::size_t bins, const Put& put)
     {
         std::atomic<std::size_t> next{0};
         Signal signal;
@@ -306,7 +312,8 @@ private:
             if (top.nodes[n].children[0]) continue;
             const std::size_t bin = top.nodes[n].bin;
             if (scratch.rows(bin) <= limit) continue;
-            // Rows lie in the order that threads wrote them; a sample by the rows' hashes is the same whatever the order.
+            // Rows lie in the order that threads wrote them; a sample by the rows' hashes is the same whatever the
+            // order.
             std::vector<std::byte> rows;
             TopPlanner<Coord> planner(top, nodes_.lattice.finer, per_bin);
             typename TopPlanner<Coord>::Sample chosen;
@@ -336,8 +343,8 @@ private:
         }
     }
 
-    // Divides the bin of node `n`, most of whose points lie in one place, into bins that overlap: by the rows' hashes, or, where
-    // all rows are the same, in turn. `rounds` counts, for each node, how often that was done above it.
+    // Divides the bin of node `n`, most of whose points lie in one place, into bins that overlap: by the rows' hashes,
+    // or, where all rows are the same, in turn. `rounds` counts, for each node, how often that was done above it.
     template <class Coord>
     void divide_pile(Bins<Coord>& of, std::uint32_t n, std::uint64_t per_bin, std::vector<unsigned>& rounds)
     {
@@ -402,8 +409,8 @@ private:
         nodes_.lattice = Lattice(grid);
     }
 
-    // Doubles that come from integers keep those integers' grid; else a power of two an axis, the finest that holds the largest
-    // coordinate. True when all positions are narrow on it.
+    // Doubles that come from integers keep those integers' grid; else a power of two an axis, the finest that holds the
+    // largest coordinate. True when all positions are narrow on it.
     bool choose_grid(const Box3d& box)
     {
         if (state_.like) {
@@ -412,7 +419,8 @@ private:
         }
         Grid grid;
         Vec3d largest{0, 0, 0};
-        for (std::size_t a = 0; a < 3 && !box.empty(); ++a) largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
+        for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
+            largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
         if (cloud_.info().near_grid && tells_apart(*cloud_.info().near_grid, largest)) {
             grid = *cloud_.info().near_grid;
             set_grid(grid);
@@ -421,7 +429,8 @@ private:
             for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
                 for (const double end : {box.min[a], box.max[a]}) {
                     const std::int64_t q = to_grid_position(end, grid.scale[a], grid.offset[a]);
-                    narrow = narrow && q >= std::numeric_limits<std::int32_t>::min() && q <= std::numeric_limits<std::int32_t>::max();
+                    narrow = narrow && q >= std::numeric_limits<std::int32_t>::min() &&
+                             q <= std::numeric_limits<std::int32_t>::max();
                 }
             return narrow;
         }
@@ -439,7 +448,8 @@ private:
     static bool tells_apart(const Grid& grid, const Vec3d& largest)
     {
         for (std::size_t a = 0; a < 3; ++a)
-            if (!((largest[a] + std::fabs(grid.offset[a])) / std::fabs(grid.scale[a]) <= std::ldexp(1.0, 50))) return false;
+            if (!((largest[a] + std::fabs(grid.offset[a])) / std::fabs(grid.scale[a]) <= std::ldexp(1.0, 50)))
+                return false;
         return true;
     }
 

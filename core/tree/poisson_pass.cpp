@@ -7,9 +7,9 @@
 namespace pcm {
 namespace {
 
-// Squared distances in float, in spacings, are right within this: coordinates are below 36 cells (a block of 32, and a bucket of
-// at most 4 more), of which each is less than 0.9 wide, so they are off by less than 2e-6 and their differences by 4e-6; there
-// are three of them that are at most about 1 where it matters.
+// Squared distances in float, in spacings, are right within this: coordinates are below 36 cells (a block of 32, and a
+// bucket of at most 4 more), of which each is less than 0.9 wide, so they are off by less than 2e-6 and their
+// differences by 4e-6; there are three of them that are at most about 1 where it matters.
 constexpr float error = 5e-5f;
 constexpr float surely_inside = 1 - error, surely_outside = 1 + error;
 constexpr float nowhere = 1e18f;
@@ -44,7 +44,8 @@ template <class Coord>
 std::size_t hash_of(const Point<Coord>& p, int bits)
 {
     // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
-    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u + static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
+    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u +
+                               static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
                                static_cast<std::uint64_t>(p[2]) * 0x165667B19E3779F9u;
     return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
 }
@@ -65,7 +66,8 @@ Point<Coord> cell_of(const Point<Coord>& p, const std::array<int, 3>& shifts)
             static_cast<Coord>(down(p[2], shifts[2]))};
 }
 
-// As Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of equal numbers.
+// As Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of equal
+// numbers.
 std::array<int, 3> all_shifts(const Lattice& lattice, int size)
 {
     return {size + lattice.finer[0], size + lattice.finer[1], size + lattice.finer[2]};
@@ -98,9 +100,16 @@ void PoissonPass<Coord>::NearPoints::fill_four()
 template <class Coord>
 PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
                                 const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others)
-    : points_(points), lattice_(lattice), size_(size), bucket_bits_(bucket_bits(lattice)), own_(own), cell_(all_shifts(lattice, size)),
-      bucket_(all_shifts(lattice, size + bucket_bits_)), block_(all_shifts(lattice, size + block_bits)),
-      table_(std::size_t(1) << table_bits_), taken_(std::size_t(1) << (3 * block_bits - 6))
+    : points_(points),
+      lattice_(lattice),
+      size_(size),
+      bucket_bits_(bucket_bits(lattice)),
+      own_(own),
+      cell_(all_shifts(lattice, size)),
+      bucket_(all_shifts(lattice, size + bucket_bits_)),
+      block_(all_shifts(lattice, size + block_bits)),
+      table_(std::size_t(1) << table_bits_),
+      taken_(std::size_t(1) << (3 * block_bits - 6))
 {
     const double spacing = lattice.spacing(size);
     squared_spacing_ = spacing * spacing;
@@ -188,7 +197,8 @@ void PoissonPass<Coord>::add_local(std::uint32_t chosen)
     }
     const std::size_t row = along[2] * side + along[1], bucket = row * side + along[0];
     const std::uint32_t bit = 1u << along[0];
-    local_.push_back({relative(p[0], 0), relative(p[1], 1), relative(p[2], 2), chosen, rows_[row] & bit ? heads_[bucket] : none});
+    local_.push_back(
+        {relative(p[0], 0), relative(p[1], 1), relative(p[2], 2), chosen, rows_[row] & bit ? heads_[bucket] : none});
     heads_[bucket] = static_cast<std::uint32_t>(local_.size() - 1);
     rows_[row] |= bit;
 }
@@ -198,7 +208,8 @@ void PoissonPass<Coord>::enter_block(const Point<Coord>& p)
 {
     const Point<Coord> at = cell_of(p, block_);
     // The cell of a point that is not in the first one is less than 64 bits wide.
-    for (std::size_t a = 0; a < 3; ++a) origin_[a] = at[a] ? static_cast<Coord>(static_cast<std::uint64_t>(at[a]) << block_[a]) : 0;
+    for (std::size_t a = 0; a < 3; ++a)
+        origin_[a] = at[a] ? static_cast<Coord>(static_cast<std::uint64_t>(at[a]) << block_[a]) : 0;
     local_.clear();
     rows_.fill(0);
     std::fill(taken_.begin(), taken_.end(), 0);

@@ -1,5 +1,5 @@
-// Points as rows of bytes, the form in which the builder moves them: the three grid coordinates, biased so that they are
-// unsigned and their order is kept, then the attributes in schema order, nothing between.
+// Points as rows of bytes, the form in which the builder moves them: the three grid coordinates, biased so that they
+// are unsigned and their order is kept, then the attributes in schema order, nothing between.
 //
 // Coord is std::uint32_t where every coordinate of the cloud fits in 32 bits (LAS files on one grid), else
 // std::uint64_t.

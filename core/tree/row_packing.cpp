@@ -81,14 +81,22 @@ template <class F>
 void with_bytes(std::size_t bytes, F&& f)
 {
     switch (bytes) {
-    case 1: return f(std::integral_constant<std::size_t, 1>());
-    case 2: return f(std::integral_constant<std::size_t, 2>());
-    case 3: return f(std::integral_constant<std::size_t, 3>());
-    case 4: return f(std::integral_constant<std::size_t, 4>());
-    case 5: return f(std::integral_constant<std::size_t, 5>());
-    case 6: return f(std::integral_constant<std::size_t, 6>());
-    case 7: return f(std::integral_constant<std::size_t, 7>());
-    default: return f(std::integral_constant<std::size_t, 8>());
+        case 1:
+            return f(std::integral_constant<std::size_t, 1>());
+        case 2:
+            return f(std::integral_constant<std::size_t, 2>());
+        case 3:
+            return f(std::integral_constant<std::size_t, 3>());
+        case 4:
+            return f(std::integral_constant<std::size_t, 4>());
+        case 5:
+            return f(std::integral_constant<std::size_t, 5>());
+        case 6:
+            return f(std::integral_constant<std::size_t, 6>());
+        case 7:
+            return f(std::integral_constant<std::size_t, 7>());
+        default:
+            return f(std::integral_constant<std::size_t, 8>());
     }
 }
 
@@ -98,7 +106,8 @@ RowPacking::RowPacking(const RowLayout& layout, const Schema& schema, bool coord
     : row_bytes_(layout.bytes)
 {
     if (coordinates)
-        for (std::size_t a = 0; a < 3; ++a) add(a * layout.coordinate_bytes, layout.coordinate_bytes, signed_coordinates);
+        for (std::size_t a = 0; a < 3; ++a)
+            add(a * layout.coordinate_bytes, layout.coordinate_bytes, signed_coordinates);
     for (std::size_t k = 0; k < schema.size(); ++k) {
         const ScalarType type = schema[k].type;
         const std::size_t size = size_of(type);
@@ -134,7 +143,8 @@ void RowPacking::pack_block(const RowAt& row_at, std::size_t count, std::vector<
     int group_bits = 0;
     std::array<Part, 8> parts;
     for (const Word& word : words_) {
-        with_bytes(word.bytes, [&](auto bytes) { load_word<decltype(bytes)::value>(row_at, count, word.offset, values); });
+        with_bytes(word.bytes,
+                   [&](auto bytes) { load_word<decltype(bytes)::value>(row_at, count, word.offset, values); });
         const std::uint64_t first = values[0];
         std::uint64_t varies = 0;
         for (std::size_t i = 0; i < count; ++i) varies |= values[i] ^ first;
@@ -192,7 +202,8 @@ void RowPacking::pack(const std::byte* rows, std::size_t count, std::vector<std:
     }
 }
 
-void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::size_t count, std::vector<std::byte>& out) const
+void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::size_t count,
+                      std::vector<std::byte>& out) const
 {
     // Rows that follow each other lie anywhere: each is fetched once, for all its words.
     std::vector<std::byte> block(block_rows * row_bytes_);
@@ -204,8 +215,8 @@ void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::si
     }
 }
 
-const std::byte* RowPacking::unpack_block(const std::byte* data, const std::byte* end, std::byte* rows, std::size_t count,
-                                          const std::filesystem::path& path) const
+const std::byte* RowPacking::unpack_block(const std::byte* data, const std::byte* end, std::byte* rows,
+                                          std::size_t count, const std::filesystem::path& path) const
 {
     const auto refuse = [&]() -> Error { return Error(ErrorCode::corrupt, path, "packed rows make no sense"); };
     if (static_cast<std::size_t>(end - data) < header_bytes_) throw refuse();

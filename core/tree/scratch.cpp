@@ -12,7 +12,8 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t extent_bytes = 1u << 18;
-constexpr std::size_t most_unpacked = 16 * std::size_t(extent_bytes);  // of an extent's rows: those that are all the same pack to nothing
+constexpr std::size_t most_unpacked =
+    16 * std::size_t(extent_bytes);  // of an extent's rows: those that are all the same pack to nothing
 
 // Before each packed block.
 struct BlockHeader {
@@ -21,10 +22,13 @@ struct BlockHeader {
     std::uint64_t checksum = 0;  // of the packed rows
 };
 
-std::uint64_t pages(std::uint64_t bytes) { return (bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page; }
+std::uint64_t pages(std::uint64_t bytes)
+{
+    return (bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page;
+}
 
-// Neighbours in space together, roughly: rows by the cells of a grid of 8 x 8 x 8 over their box. Packed blocks of neighbours are
-// smaller, and the sort that follows jumps about less.
+// Neighbours in space together, roughly: rows by the cells of a grid of 8 x 8 x 8 over their box. Packed blocks of
+// neighbours are smaller, and the sort that follows jumps about less.
 template <class Coord>
 void order_by_cells(const std::byte* rows, std::size_t count, std::size_t row_bytes, Scratch::Work& work)
 {
@@ -57,7 +61,10 @@ void order_by_cells(const std::byte* rows, std::size_t count, std::size_t row_by
 }  // namespace
 
 Scratch::Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space)
-    : file_(path, space), row_bytes_(layout.bytes), coordinate_bytes_(layout.coordinate_bytes), packing_(layout, schema, true)
+    : file_(path, space),
+      row_bytes_(layout.bytes),
+      coordinate_bytes_(layout.coordinate_bytes),
+      packing_(layout, schema, true)
 {
 }
 
@@ -171,7 +178,8 @@ void Scratch::read(std::size_t bin, std::size_t number, std::vector<std::byte>& 
         at += header.bytes;
         to += header.rows * row_bytes_;
     }
-    if (to != end) throw Error(ErrorCode::corrupt, file_.path(), "rows are missing", "the disk may be failing; build again");
+    if (to != end)
+        throw Error(ErrorCode::corrupt, file_.path(), "rows are missing", "the disk may be failing; build again");
 }
 
 std::vector<std::byte> Scratch::read(std::size_t bin) const
@@ -196,14 +204,12 @@ void Scratch::give_back(std::size_t bin)
 bool Scratch::can_hold(std::size_t bin) const
 {
     for (const Extent& extent : bins_[bin].extents)
-        if (extent.used > extent.room || extent.offset > file_.bytes() || extent.used > file_.bytes() - extent.offset) return false;
+        if (extent.used > extent.room || extent.offset > file_.bytes() || extent.used > file_.bytes() - extent.offset)
+            return false;
     return true;
 }
 
-void Scratch::forget(std::size_t bin)
-{
-    bins_[bin] = Bin();
-}
+void Scratch::forget(std::size_t bin) { bins_[bin] = Bin(); }
 
 Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes)
     : scratch_(scratch),

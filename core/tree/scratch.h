@@ -1,7 +1,7 @@
 // The builder's scratch file: rows of points, sorted into bins, packed, on disk.
 //
-// A bin lies in extents: stretches of the file that belong to it alone, so large that it is read in few pieces and that its
-// space can be given back. Within an extent packed blocks of rows follow each other.
+// A bin lies in extents: stretches of the file that belong to it alone, so large that it is read in few pieces and that
+// its space can be given back. Within an extent packed blocks of rows follow each other.
 #pragma once
 
 #include "tree/row_packing.h"
@@ -56,8 +56,8 @@ public:
     // Appends `count` rows straight to a bin, in any order. Threads may call it for any bins.
     void append(std::size_t bin, const std::byte* rows, std::size_t count, Work& work);
 
-    // Extents of a bin, in no particular order. read() appends an extent's rows to `rows`. Throws Error(corrupt) when they are
-    // not what was written.
+    // Extents of a bin, in no particular order. read() appends an extent's rows to `rows`. Throws Error(corrupt) when
+    // they are not what was written.
     std::size_t extents(std::size_t bin) const { return bins_[bin].extents.size(); }
     void read(std::size_t bin, std::size_t extent, std::vector<std::byte>& rows) const;
     std::vector<std::byte> read(std::size_t bin) const;

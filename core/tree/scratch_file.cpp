@@ -30,8 +30,9 @@ void ScratchFile::give_back(std::uint64_t offset, std::uint64_t length, std::uin
 {
     if (length == 0) return;
     int result;
-    do result = ::fallocate(file_.descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
-                            static_cast<off_t>(length));
+    do
+        result = ::fallocate(file_.descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
+                             static_cast<off_t>(length));
     while (result != 0 && errno == EINTR);
     if (result != 0) return;  // a file system that cannot, or will not: nothing is lost but space
     on_disk_ -= bytes;

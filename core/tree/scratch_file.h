@@ -45,9 +45,10 @@ public:
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset) { file_.write_at(from, bytes, offset); }
     void read_at(void* to, std::size_t bytes, std::uint64_t offset) const { file_.read_at(to, bytes, offset); }
     void sync() { file_.sync(); }
-    // Makes a hole; `bytes` of its pages are on disk. Where the file system knows no holes they stay there, and are counted.
+    // Makes a hole; `bytes` of its pages are on disk. Where the file system knows no holes they stay there, and are
+    // counted.
     void give_back(std::uint64_t offset, std::uint64_t length, std::uint64_t bytes);
-    void clear();   // nothing in it is needed
+    void clear();  // nothing in it is needed
     void remove();
 
 private:

@@ -40,8 +40,8 @@ Box3i grid_box(const Tree& tree, const Box3d& box)
     return result;
 }
 
-std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector, const std::optional<std::uint16_t>& level,
-                                         bool single_precision)
+std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector,
+                                         const std::optional<std::uint16_t>& level, bool single_precision)
 {
     const std::vector<Node>& nodes = tree.nodes();
     std::vector<BoxRelation> relations(nodes.size(), BoxRelation::outside);
@@ -52,8 +52,9 @@ std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selec
         if (above == BoxRelation::outside) continue;
         // Finer levels are below: a node that begins beyond the level ends the way down.
         if (level && node.points > 0 && node.first_level > *level) continue;
-        relations[id] = above == BoxRelation::inside ? above
-                                                     : selector.relation(source_box(tree.info().grid, node.box, single_precision));
+        relations[id] = above == BoxRelation::inside
+                            ? above
+                            : selector.relation(source_box(tree.info().grid, node.box, single_precision));
         const std::uint32_t points = level ? node.points_to_level(*level) : node.points;
         if (relations[id] != BoxRelation::outside && points > 0) result.push_back({id, points, relations[id]});
     }

@@ -22,9 +22,10 @@ Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision);
 // The grid positions of a tree whose source coordinates lie in a box: no others do.
 Box3i grid_box(const Tree& tree, const Box3d& box);
 
-// Nodes with points of the cloud at `level` (the whole cloud when absent) where selected ones can be, parents first. Every
-// selected point is in one of them. What lies below an untouched or inside of an all selected node is not compared again.
-std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector, const std::optional<std::uint16_t>& level,
-                                         bool single_precision = false);
+// Nodes with points of the cloud at `level` (the whole cloud when absent) where selected ones can be, parents first.
+// Every selected point is in one of them. What lies below an untouched or inside of an all selected node is not
+// compared again.
+std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector,
+                                         const std::optional<std::uint16_t>& level, bool single_precision = false);
 
 }  // namespace pcm

@@ -56,7 +56,8 @@ void SortedBins<Coord>::resize(std::size_t bins)
 }
 
 template <class Coord>
-void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows, const std::vector<std::uint32_t>& order)
+void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows,
+                            const std::vector<std::uint32_t>& order)
 {
     std::vector<std::byte> packed;
     if (layout_.bytes > 3 * sizeof(Coord)) packing_.pack(rows.data(), order.data(), order.size(), packed);
@@ -69,7 +70,8 @@ void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows,
     packed = {};
 
     std::vector<Point<Coord>> positions(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) positions[i] = coordinates_of<Coord>(rows.data() + order[i] * layout_.bytes);
+    for (std::size_t i = 0; i < order.size(); ++i)
+        positions[i] = coordinates_of<Coord>(rows.data() + order[i] * layout_.bytes);
     space_.take(points_.put(bin, positions));
 }
 
@@ -85,7 +87,8 @@ std::vector<std::byte> SortedBins<Coord>::read(std::size_t bin) const
                     "the disk may be failing; build again");
     const std::size_t count = rows(bin);
     std::vector<std::byte> all(count * layout_.bytes);
-    if (layout_.bytes > 3 * sizeof(Coord)) packing_.unpack(packed.data(), packed.size(), all.data(), count, file_.path());
+    if (layout_.bytes > 3 * sizeof(Coord))
+        packing_.unpack(packed.data(), packed.size(), all.data(), count, file_.path());
     typename SortedPoints<Coord>::Reader positions(points_, bin);
     for (std::size_t i = 0; i < count; ++i) {
         const Point<Coord> p = positions[i];

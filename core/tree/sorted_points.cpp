@@ -10,12 +10,14 @@
 namespace pcm {
 
 template <class Coord>
-SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path) : file_(path, File::Mode::create_new), remove_(true)
+SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path)
+    : file_(path, File::Mode::create_new), remove_(true)
 {
 }
 
 template <class Coord>
-SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path, File::Mode mode) : file_(path, mode), remove_(false), end_(file_.size())
+SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path, File::Mode mode)
+    : file_(path, mode), remove_(false), end_(file_.size())
 {
 }
 
@@ -87,7 +89,8 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
             pack(words.data(), count, bytes);
         }
         to.blocks.push_back({start, static_cast<std::uint32_t>(bytes.size() - start),
-                             static_cast<std::uint32_t>(checksum(bytes.data() + start, bytes.size() - start)), points[from]});
+                             static_cast<std::uint32_t>(checksum(bytes.data() + start, bytes.size() - start)),
+                             points[from]});
     }
     std::uint64_t offset;
     {
@@ -102,7 +105,11 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
 
 template <class Coord>
 SortedPoints<Coord>::Reader::Reader(const SortedPoints& store, std::size_t bin)
-    : store_(store), bin_(bin), size_(store.bins_[bin].box.points), points_(new Point<Coord>[size_]), ready_(store.bins_[bin].blocks.size(), 0)
+    : store_(store),
+      bin_(bin),
+      size_(store.bins_[bin].box.points),
+      points_(new Point<Coord>[size_]),
+      ready_(store.bins_[bin].blocks.size(), 0)
 {
 }
 
@@ -128,7 +135,8 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
 }
 
 template <class Coord>
-std::size_t SortedPoints<Coord>::Reader::end_of_longer_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts)
+std::size_t SortedPoints<Coord>::Reader::end_of_longer_cell(std::size_t i, std::size_t end,
+                                                            const std::array<int, 3>& shifts)
 {
     const Point<Coord> p = (*this)[i];
     const std::vector<Block>& blocks = store_.bins_[bin_].blocks;

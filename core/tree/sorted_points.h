@@ -58,7 +58,8 @@ public:
         {
             const std::size_t next = i + 1;
             if (next == end) return end;
-            if (next % sorted_block && ready_[i / sorted_block] && !same_cell(points_[i], points_[next], shifts)) return next;
+            if (next % sorted_block && ready_[i / sorted_block] && !same_cell(points_[i], points_[next], shifts))
+                return next;
             return end_of_longer_cell(i, end, shifts);
         }
 

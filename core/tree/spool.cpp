@@ -10,7 +10,8 @@
 namespace pcm {
 namespace {
 
-// Codes of values that all are quotients of the divisor (double_codes.h). False when they are not, or too large for this.
+// Codes of values that all are quotients of the divisor (double_codes.h). False when they are not, or too large for
+// this.
 bool code_quotients(const double* values, std::size_t count, double divisor, std::int64_t* to)
 {
     // Adding and taking away 1.5 * 2^52 rounds to an integer what is smaller than 2^51.
@@ -28,13 +29,15 @@ bool code_quotients(const double* values, std::size_t count, double divisor, std
         differ |= bits ^ back_bits;
     }
     if (!fits || differ) return false;
-    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<std::int64_t>((values[i] * divisor + rounder) - rounder);
+    for (std::size_t i = 0; i < count; ++i)
+        to[i] = static_cast<std::int64_t>((values[i] * divisor + rounder) - rounder);
     return true;
 }
 
 }  // namespace
 
-Spool::Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles, ScratchSpace& space)
+Spool::Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
+             ScratchSpace& space)
     : file_(path, space), row_bytes_(layout.bytes), doubles_(doubles), packing_(layout, schema, true, doubles)
 {
 }
@@ -52,7 +55,8 @@ void Spool::Writer::code_doubles_of(std::byte* rows, std::size_t count, DoubleCo
             code_doubles(values_.data(), count, a, codes, coded_.data());
             divisor_[a] = codes.divisor[a];
         }
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(first + i * spool_.row_bytes_, &coded_[i], sizeof(std::int64_t));
+        for (std::size_t i = 0; i < count; ++i)
+            std::memcpy(first + i * spool_.row_bytes_, &coded_[i], sizeof(std::int64_t));
     }
 }
 

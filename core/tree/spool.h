@@ -15,7 +15,8 @@ namespace pcm {
 class Spool {
 public:
     // Rows of the layout; `doubles`: it is a wide one and their positions are doubles, which keep their bits.
-    Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles, ScratchSpace& space);
+    Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
+          ScratchSpace& space);
     ~Spool() { file_.remove(); }
 
     std::size_t row_bytes() const { return row_bytes_; }
@@ -37,7 +38,8 @@ public:
         std::vector<std::int64_t> coded_;
     };
 
-    // Blocks in no particular order. read() appends a block's rows. Throws Error(corrupt) when they are not what was written.
+    // Blocks in no particular order. read() appends a block's rows. Throws Error(corrupt) when they are not what was
+    // written.
     std::size_t pieces() const { return blocks_.size(); }
     void read(std::size_t piece, std::vector<std::byte>& rows) const;
     // A block is not needed any more.

@@ -22,8 +22,8 @@ struct TopTree {
     };
     std::vector<Node> nodes{Node()};  // the root; one bin until it is divided
 
-    // Where bin_of() begins, so that it has fewer nodes to pass: for each cell of a grid the node that has it all. Cells at the
-    // sides of the grid reach on without end. Empty: at the root.
+    // Where bin_of() begins, so that it has fewer nodes to pass: for each cell of a grid the node that has it all.
+    // Cells at the sides of the grid reach on without end. Empty: at the root.
     static constexpr int grid_bits = 5;
     static constexpr std::uint64_t grid_last = (1u << grid_bits) - 1;  // of 32 cells along an axis
     std::vector<std::uint32_t> starts;
@@ -35,7 +35,8 @@ struct TopTree {
     {
         grid_low = low;
         for (std::size_t a = 0; a < 3; ++a)
-            for (grid_shift[a] = 0; static_cast<std::uint64_t>(high[a] - low[a]) >> grid_shift[a] > grid_last;) ++grid_shift[a];
+            for (grid_shift[a] = 0; static_cast<std::uint64_t>(high[a] - low[a]) >> grid_shift[a] > grid_last;)
+                ++grid_shift[a];
         starts.resize(std::size_t(1) << (3 * grid_bits));
         for (std::size_t cell = 0; cell < starts.size(); ++cell) {
             std::array<Coord, 3> first, last;  // coordinates in the cell
@@ -83,8 +84,8 @@ public:
         : top_(top), finer_(finer), bin_points_(bin_points)
     {
     }
-    // Divides node `at`, which stands for `points` points of which `sample` is a part; bins are numbered from `first_bin`.
-    // Returns how many bins there are. One bin means that the node could not be divided.
+    // Divides node `at`, which stands for `points` points of which `sample` is a part; bins are numbered from
+    // `first_bin`. Returns how many bins there are. One bin means that the node could not be divided.
     std::size_t plan(std::uint32_t at, Sample& sample, std::uint64_t points, std::size_t first_bin)
     {
         next_bin_ = first_bin;
@@ -114,8 +115,8 @@ private:
         }
         auto* middle = std::partition(sample, sample + count, [&](const auto& c) { return c[cut->axis] < cut->value; });
         const auto left = static_cast<std::size_t>(middle - sample);
-        const auto left_points =
-            static_cast<std::uint64_t>(static_cast<double>(points) * static_cast<double>(left) / static_cast<double>(count));
+        const auto left_points = static_cast<std::uint64_t>(static_cast<double>(points) * static_cast<double>(left) /
+                                                            static_cast<double>(count));
         const auto first = static_cast<std::uint32_t>(top_.nodes.size());
         top_.nodes.resize(top_.nodes.size() + 2);
         top_.nodes[at].axis = cut->axis;

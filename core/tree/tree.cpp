@@ -32,9 +32,10 @@ TreeIndex read_whole_index(const File& file)
 // Whether the file still goes by its name.
 bool is_there(const File& file)
 {
-    struct stat opened {}, named {};
-    return ::fstat(file.descriptor(), &opened) == 0 && ::stat(file.path().c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-           opened.st_dev == named.st_dev;
+    struct stat opened {
+    }, named{};
+    return ::fstat(file.descriptor(), &opened) == 0 && ::stat(file.path().c_str(), &named) == 0 &&
+           opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
 [[noreturn]] void refuse_folder(const fs::path& folder)
@@ -62,7 +63,8 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     const fs::file_status status = fs::status(folder, error);
     if (status.type() == fs::file_type::not_found) {
         if (was_being_replaced(folder))
-            throw Error(ErrorCode::interrupted_build, folder, "a build was about to replace this tree when it was interrupted",
+            throw Error(ErrorCode::interrupted_build, folder,
+                        "a build was about to replace this tree when it was interrupted",
                         "build it again, or put the tree back with 'pcm repair'");
         fs::path part = folder;
         part += ".part";
@@ -121,7 +123,8 @@ ChunkIdentity Tree::identity(NodeId id) const
     for (NodeId below = id; below != root; below = nodes_[below].parent) {
         const Node& parent = nodes_[nodes_[below].parent];
         const int depth = parent.depth - nodes_[root].depth;
-        if (parent.children[1] == below) identity.path.bits[static_cast<std::size_t>(depth / 64)] |= std::uint64_t(1) << (depth % 64);
+        if (parent.children[1] == below)
+            identity.path.bits[static_cast<std::size_t>(depth / 64)] |= std::uint64_t(1) << (depth % 64);
     }
     return identity;
 }
@@ -156,11 +159,12 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
 void Tree::check(NodeId id, const BpcHeader& header) const
 {
     const Node& node = nodes_[id];
-    if (!header.identity || !(*header.identity == identity(id)) || !header.schema.is_beginning_of(info_.schema) || !(header.grid == info_.grid) ||
-        !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
-        throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
-                    "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
-                    "'pcm repair' makes the index again from the chunks");
+    if (!header.identity || !(*header.identity == identity(id)) || !header.schema.is_beginning_of(info_.schema) ||
+        !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
+        throw Error(
+            ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
+            "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
+            "'pcm repair' makes the index again from the chunks");
 }
 
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
@@ -202,7 +206,8 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
 std::shared_ptr<const Tree> Tree::with_schema(const Schema& longer) const
 {
     if (!info_.schema.is_beginning_of(longer))
-        throw Error(ErrorCode::invalid_argument, folder_, "attributes can be added to those that a tree has, not put in their place");
+        throw Error(ErrorCode::invalid_argument, folder_,
+                    "attributes can be added to those that a tree has, not put in their place");
     std::shared_ptr<Tree> tree(new Tree(*this));
     tree->info_.schema = longer;
     return tree;

@@ -30,8 +30,9 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
     for (std::size_t i = 0; i < index.data_files.size(); ++i)
         if (index.data_files[i].generation == 0 || index.data_files[i].generation > index.info.generation)
             throw Error(ErrorCode::corrupt, path,
-                        "data file " + std::to_string(i) + " is of generation " + std::to_string(index.data_files[i].generation) +
-                            ", the tree of generation " + std::to_string(index.info.generation));
+                        "data file " + std::to_string(i) + " is of generation " +
+                            std::to_string(index.data_files[i].generation) + ", the tree of generation " +
+                            std::to_string(index.info.generation));
     for (std::size_t id = 0; id < nodes.size(); ++id) {
         const Node& node = nodes[id];
         if ((id == 0) != (node.parent == no_node)) throw refuse(id, "has no place under the root");
@@ -48,17 +49,20 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
         std::uint64_t below = node.points;
         for (const NodeId child : node.children) {
             if (child == no_node) continue;
-            if (child <= id || child >= nodes.size() || nodes[child].parent != id) throw refuse(id, "has a false child");
+            if (child <= id || child >= nodes.size() || nodes[child].parent != id)
+                throw refuse(id, "has a false child");
             below += nodes[child].subtree_points;
         }
-        if (node.children[0] != no_node && node.children[0] == node.children[1]) throw refuse(id, "has one child twice");
+        if (node.children[0] != no_node && node.children[0] == node.children[1])
+            throw refuse(id, "has one child twice");
         if (below != node.subtree_points) throw refuse(id, "does not hold as many points as it says");
         if (node.box.empty()) throw refuse(id, "has no box");
         if ((node.points == 0) != (node.extent.bytes == 0)) throw refuse(id, "has points without a chunk");
         if (node.extent.bytes) {
             const Extent& extent = node.extent;
             if (extent.file >= index.data_files.size() || extent.offset > index.data_files[extent.file].bytes ||
-                extent.bytes > index.data_files[extent.file].bytes - extent.offset || extent.header_bytes > extent.bytes)
+                extent.bytes > index.data_files[extent.file].bytes - extent.offset ||
+                extent.header_bytes > extent.bytes)
                 throw refuse(id, "has its chunk outside the data files");
         }
         if (!(node.spacing >= 0)) throw refuse(id, "has no spacing");
@@ -81,7 +85,8 @@ void find_parts(TreeIndex& index, const std::filesystem::path& path)
     for (std::size_t part = 0; part < index.part_roots.size(); ++part) {
         const NodeId root = index.part_roots[part];
         if (root == no_node) continue;
-        if (root >= nodes.size()) throw Error(ErrorCode::corrupt, path, "the root of part " + std::to_string(part) + " does not exist");
+        if (root >= nodes.size())
+            throw Error(ErrorCode::corrupt, path, "the root of part " + std::to_string(part) + " does not exist");
         if (nodes[root].part != no_part) throw refuse(root, "is the root of two parts");
         nodes[root].part = static_cast<std::uint32_t>(part);
     }
@@ -92,7 +97,8 @@ void find_parts(TreeIndex& index, const std::filesystem::path& path)
             node.part = nodes[node.parent].part;
         }
         if (node.part != no_part) {
-            if (node.depth - nodes[index.part_roots[node.part]].depth > NodePath::max_depth) throw refuse(id, "is too deep in its part");
+            if (node.depth - nodes[index.part_roots[node.part]].depth > NodePath::max_depth)
+                throw refuse(id, "is too deep in its part");
         } else if (node.points > 0 || node.is_leaf()) {
             throw refuse(id, "belongs to no part");
         }
@@ -172,10 +178,10 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint32_t>();
     if (found != version)
-        throw Error(ErrorCode::unsupported, path,
-                    "tree format version " + std::to_string(found) + ", this program reads version " +
-                        std::to_string(version),
-                    found < version ? "build the tree again from its files" : "");
+        throw Error(
+            ErrorCode::unsupported, path,
+            "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
+            found < version ? "build the tree again from its files" : "");
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))

@@ -18,15 +18,18 @@ struct TreeIndex {
     std::vector<DataFile> data_files;
 };
 
-// Ends a generation: puts its commit record behind the live bytes of the index's last data file, which then count it. The file must exist.
+// Ends a generation: puts its commit record behind the live bytes of the index's last data file, which then count it.
+// The file must exist.
 void write_commit(const std::filesystem::path& folder, TreeIndex& index);
 
 std::vector<std::byte> encode_index(const TreeIndex& index);
 
-// Gives each node its part, from the parts' roots. Throws Error(corrupt) when a node with points is of no part, or of two.
+// Gives each node its part, from the parts' roots. Throws Error(corrupt) when a node with points is of no part, or of
+// two.
 void find_parts(TreeIndex& index, const std::filesystem::path& path);
 
-// Checks magic, version, checksum and every invariant that tree.h states for nodes. Throws Error(corrupt | unsupported).
+// Checks magic, version, checksum and every invariant that tree.h states for nodes. Throws Error(corrupt |
+// unsupported).
 TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -17,7 +17,9 @@ namespace {
 bool fits_32_bits(const Box3i& box)
 {
     for (std::size_t a = 0; a < 3; ++a)
-        if (box.min[a] < std::numeric_limits<std::int32_t>::min() || box.max[a] > std::numeric_limits<std::int32_t>::max()) return false;
+        if (box.min[a] < std::numeric_limits<std::int32_t>::min() ||
+            box.max[a] > std::numeric_limits<std::int32_t>::max())
+            return false;
     return true;
 }
 
@@ -38,20 +40,26 @@ void copy_points(const Column& column, const std::uint32_t* points, std::size_t 
     }
     points += first;
     switch (size) {
-    case 1: return gather<1>(column.data(), points, count, to.data());
-    case 2: return gather<2>(column.data(), points, count, to.data());
-    case 4: return gather<4>(column.data(), points, count, to.data());
-    case 6: return gather<6>(column.data(), points, count, to.data());
-    case 8: return gather<8>(column.data(), points, count, to.data());
-    default:
-        for (std::size_t i = 0; i < count; ++i) std::memcpy(to.data() + i * size, column.data() + points[i] * size, size);
+        case 1:
+            return gather<1>(column.data(), points, count, to.data());
+        case 2:
+            return gather<2>(column.data(), points, count, to.data());
+        case 4:
+            return gather<4>(column.data(), points, count, to.data());
+        case 6:
+            return gather<6>(column.data(), points, count, to.data());
+        case 8:
+            return gather<8>(column.data(), points, count, to.data());
+        default:
+            for (std::size_t i = 0; i < count; ++i)
+                std::memcpy(to.data() + i * size, column.data() + points[i] * size, size);
     }
 }
 
 }  // namespace
 
-TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
-                       unsigned chunks_ahead)
+TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level,
+                       const Selection& selection, unsigned chunks_ahead)
     : tree_(std::move(tree)),
       level_(level),
       selector_(selection, tree_->info().schema),
@@ -94,9 +102,11 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         if (!box.empty()) info_.promised_box = box;
     }
     if (tree_info.points_skipped)
-        info_.notes.push_back(grouped(tree_info.points_skipped) + " points without a finite position were left out when the tree was built");
+        info_.notes.push_back(grouped(tree_info.points_skipped) +
+                              " points without a finite position were left out when the tree was built");
     if (tree_info.position_error > 0 && !single_precision_)
-        info_.notes.push_back("positions are up to " + brief(tree_info.position_error) + " from those that the tree was built from");
+        info_.notes.push_back("positions are up to " + brief(tree_info.position_error) +
+                              " from those that the tree was built from");
 }
 
 Vec3d TreeReader::position(std::size_t i) const
@@ -113,9 +123,10 @@ bool TreeReader::next_chunk()
     chunk_ = Chunk();
     while (next_node_ < nodes_.size()) {
         for (; next_ahead_ < nodes_.size() && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
-            ahead_.push_back(std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
-                return tree->read_chunk(id, columns);
-            }));
+            ahead_.push_back(
+                std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
+                    return tree->read_chunk(id, columns);
+                }));
         std::future<Chunk> next = std::move(ahead_.front());
         ahead_.pop_front();
         const SelectedNode node = nodes_[next_node_++];
@@ -129,7 +140,8 @@ bool TreeReader::next_chunk()
             for (const std::size_t k : selector_.tested()) columns[k] = chunk_.attributes[k].get();
             selected_.resize(chunk_points_);
             std::iota(selected_.begin(), selected_.end(), 0u);
-            selector_.narrow(columns, [this](std::size_t i) { return position(i); }, selected_, node.relation);
+            selector_.narrow(
+                columns, [this](std::size_t i) { return position(i); }, selected_, node.relation);
             chunk_points_ = selected_.size();
         }
         if (chunk_points_ > 0) return true;
@@ -145,7 +157,8 @@ bool TreeReader::read(PointBatch& batch, std::size_t max_points)
         return false;
     }
     const std::size_t first = next_point_;
-    const std::size_t count = std::min({std::max<std::size_t>(max_points, 1), chunk_points_ - first, points_that_fit_a_batch(info_.schema)});
+    const std::size_t count =
+        std::min({std::max<std::size_t>(max_points, 1), chunk_points_ - first, points_that_fit_a_batch(info_.schema)});
     next_point_ += count;
     shape_batch(batch, info_.schema, info_.grid.has_value(), count);
     const std::uint32_t* points = all_ ? nullptr : selected_.data();
@@ -160,7 +173,8 @@ bool TreeReader::read(PointBatch& batch, std::size_t max_points)
         }
     }
     const std::vector<std::size_t>& kept = selector_.kept();
-    for (std::size_t k = 0; k < kept.size(); ++k) copy_points(*chunk_.attributes[kept[k]], points, first, count, batch.attributes[k]);
+    for (std::size_t k = 0; k < kept.size(); ++k)
+        copy_points(*chunk_.attributes[kept[k]], points, first, count, batch.attributes[k]);
     return true;
 }
 

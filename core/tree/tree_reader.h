@@ -15,14 +15,14 @@
 
 namespace pcm {
 
-// Points come in node order, so those of coarser levels first, with the tree's metadata and exact source coordinates: integers on
-// the tree's grid where the source had such and they fit in 32 bits, else doubles. Only the columns that are kept or tested are
-// read; nodes outside of box and region are not. Memory: `chunks_ahead` + 1 decoded chunks. One thread calls; chunks ahead are read on
-// threads of their own.
+// Points come in node order, so those of coarser levels first, with the tree's metadata and exact source coordinates:
+// integers on the tree's grid where the source had such and they fit in 32 bits, else doubles. Only the columns that
+// are kept or tested are read; nodes outside of box and region are not. Memory: `chunks_ahead` + 1 decoded chunks. One
+// thread calls; chunks ahead are read on threads of their own.
 class TreeReader final : public PointReader {
 public:
-    // The cloud at `level` (the whole cloud when absent), of it what `selection` leaves. The number of points is known when all
-    // are selected. Throws what Selector throws.
+    // The cloud at `level` (the whole cloud when absent), of it what `selection` leaves. The number of points is known
+    // when all are selected. Throws what Selector throws.
     TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
                unsigned chunks_ahead = 1);
 
@@ -52,7 +52,7 @@ private:
     std::size_t next_ahead_ = 0;            // of those asked for
     std::deque<std::future<Chunk>> ahead_;  // nodes [next_node_, next_ahead_)
     Chunk chunk_;
-    bool all_ = true;                       // points of the chunk are selected
+    bool all_ = true;  // points of the chunk are selected
     std::vector<std::uint32_t> selected_;
     std::size_t next_point_ = 0, chunk_points_ = 0;  // of the selected ones
     std::uint64_t seen_ = 0;

@@ -16,8 +16,8 @@ public:
 
     std::size_t next() const { return next_; }  // the first that has not been taken
 
-    // Of what has come by now, calls take(number, result) for all whose turn it is, with `lock` released; one thread at a time does so.
-    // When take() throws, nothing is taken any more.
+    // Of what has come by now, calls take(number, result) for all whose turn it is, with `lock` released; one thread at
+    // a time does so. When take() throws, nothing is taken any more.
     template <class Take>
     void add(std::unique_lock<std::mutex>& lock, std::size_t number, Result result, const Take& take)
     {

@@ -46,8 +46,8 @@ void check_about(const Tree& tree, VerifyReport& report)
         } else if (about.generation == tree.info().generation + 1) {
             report.notes.push_back(name + ": it is of an update that was interrupted");
         } else {
-            report.around.push_back(name + ": it is of generation " + std::to_string(about.generation) + ", the index of " +
-                                    std::to_string(tree.info().generation));
+            report.around.push_back(name + ": it is of generation " + std::to_string(about.generation) +
+                                    ", the index of " + std::to_string(tree.info().generation));
         }
     } catch (const Error& error) {
         if (error.code() == ErrorCode::permission || error.code() == ErrorCode::io) throw;
@@ -71,8 +71,9 @@ void check_commit(const Tree& tree, VerifyReport& report)
         const auto commit = read_commit(File(path, File::Mode::read), end - size, size, bytes);
         if (!commit || bytes != size) return report.notes.push_back(missing);
         const TreeInfo& info = tree.info();
-        if (commit->generation == info.generation && (commit->points != info.points || commit->content_hash != info.content_hash ||
-                                                      commit->coverage_kept != info.coverage_kept || commit->data_files != files))
+        if (commit->generation == info.generation &&
+            (commit->points != info.points || commit->content_hash != info.content_hash ||
+             commit->coverage_kept != info.coverage_kept || commit->data_files != files))
             report.notes.push_back(path.string() + ": the record of generation " + std::to_string(info.generation) +
                                    " does not say what the index says");
     } catch (const Error& error) {
@@ -92,7 +93,8 @@ void list_strays(const Tree& tree, VerifyReport& report)
         std::error_code error;
         const std::uint64_t size = fs::file_size(path, error);
         if (!error && used > 0 && size > used)
-            report.notes.push_back(path.string() + ": " + std::to_string(size - used) + " bytes behind those that the index names");
+            report.notes.push_back(path.string() + ": " + std::to_string(size - used) +
+                                   " bytes behind those that the index names");
         if (!error && used == 0) report.notes.push_back(path.string() + ": nothing in it is in use; it can be removed");
     }
     std::sort(known.begin(), known.end());
@@ -139,8 +141,9 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     check_commit(*tree, report);
     list_strays(*tree, report);
 
-    // Chunks are whole, and what they hold is, as a set, what the build and the updates were given: the sum of all points' hashes is
-    // the one recorded, their tight boxes are the nodes' boxes, and points are as many as the nodes say.
+    // Chunks are whole, and what they hold is, as a set, what the build and the updates were given: the sum of all
+    // points' hashes is the one recorded, their tight boxes are the nodes' boxes, and points are as many as the nodes
+    // say.
     const RowLayout layout(info.schema, info.wide);
     const ColumnSet all = ColumnSet::all(info.schema);
     std::vector<Box3i> own_box(nodes.size());
@@ -184,8 +187,7 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
         if (points != info.points)
             report.faults.push_back(std::to_string(points) + " points in the chunks, " + std::to_string(info.points) +
                                     " in the index");
-        if (hash != info.content_hash)
-            report.faults.push_back("the points are not, bit for bit, those that went in");
+        if (hash != info.content_hash) report.faults.push_back("the points are not, bit for bit, those that went in");
         std::vector<Box3i> tight = own_box;
         for (std::size_t id = nodes.size(); id-- > 0;) {
             if (!(tight[id] == nodes[id].box))

@@ -63,8 +63,8 @@ public:
         return sum;
     }
 
-    // The smallest squared distance from p to a point within `reach` cubes that is not p itself or, with `self`, is not point
-    // number `self`. It is the true one if it is at most (reach * side)².
+    // The smallest squared distance from p to a point within `reach` cubes that is not p itself or, with `self`, is not
+    // point number `self`. It is the true one if it is at most (reach * side)².
     double nearest(const Vec3i& p, int reach, std::uint32_t self) const
     {
         double best = infinity;
@@ -90,7 +90,8 @@ private:
     std::size_t slot(const Vec3i& cube) const
     {
         std::uint64_t hash = 0;
-        for (const std::int64_t c : cube) hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
+        for (const std::int64_t c : cube)
+            hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
         return hash & (head_.size() - 1);
     }
     const std::vector<Vec3i>& points_;
@@ -103,7 +104,10 @@ private:
 class Measurement {
 public:
     Measurement(const Tree& tree, unsigned threads, const ProgressFunction& progress)
-        : tree_(tree), info_(tree.info()), threads_(threads ? threads : std::max(1u, std::thread::hardware_concurrency())), watch_(progress)
+        : tree_(tree),
+          info_(tree.info()),
+          threads_(threads ? threads : std::max(1u, std::thread::hardware_concurrency())),
+          watch_(progress)
     {
     }
 
@@ -114,7 +118,8 @@ public:
         for (std::size_t level = 0; level < info_.spacings.size() && info_.spacings[level] > 0; ++level)
             if (info_.points) tiles_.push_back({level, info_.box});
         sums_.resize(tiles_.size());
-        const double all = static_cast<double>(info_.points) * static_cast<double>(std::max<std::size_t>(1, tiles_.size()));
+        const double all =
+            static_cast<double>(info_.points) * static_cast<double>(std::max<std::size_t>(1, tiles_.size()));
         Crew crew(signal_);
         for (unsigned t = 0; t < threads_; ++t) crew.add([this] { work(); });
         crew.join([&] {
@@ -163,7 +168,8 @@ private:
             open.pop_back();
             const Node& node = nodes[id];
             bool apart = false;
-            for (std::size_t a = 0; a < 3; ++a) apart = apart || node.box.max[a] < box.min[a] || node.box.min[a] > box.max[a];
+            for (std::size_t a = 0; a < 3; ++a)
+                apart = apart || node.box.max[a] < box.min[a] || node.box.min[a] > box.max[a];
             if (apart || (node.points && node.first_level > level)) continue;
             for (const NodeId child : node.children)
                 if (child != no_node) open.push_back(child);
@@ -187,8 +193,12 @@ private:
         for (std::size_t a = 0; a < 3; ++a) {
             const double steps = std::min(std::ceil(distance / info_.grid.scale[a]) + 1, std::ldexp(1.0, 61));
             const auto by = static_cast<std::int64_t>(steps);
-            wide.min[a] = wide.min[a] < std::numeric_limits<std::int64_t>::min() + by ? std::numeric_limits<std::int64_t>::min() : wide.min[a] - by;
-            wide.max[a] = wide.max[a] > std::numeric_limits<std::int64_t>::max() - by ? std::numeric_limits<std::int64_t>::max() : wide.max[a] + by;
+            wide.min[a] = wide.min[a] < std::numeric_limits<std::int64_t>::min() + by
+                              ? std::numeric_limits<std::int64_t>::min()
+                              : wide.min[a] - by;
+            wide.max[a] = wide.max[a] > std::numeric_limits<std::int64_t>::max() - by
+                              ? std::numeric_limits<std::int64_t>::max()
+                              : wide.max[a] + by;
         }
         return wide;
     }
@@ -198,7 +208,8 @@ private:
     {
         const double spacing = info_.spacings[tile.level], squared_spacing = spacing * spacing;
         std::vector<Vec3i> chosen;
-        for_points(around(tile.box, 2 * spacing), tile.level, [&](const Vec3i& p, std::size_t) { chosen.push_back(p); });
+        for_points(around(tile.box, 2 * spacing), tile.level,
+                   [&](const Vec3i& p, std::size_t) { chosen.push_back(p); });
         Sums sums;
         if (chosen.size() > tile_points && divide(tile, chosen, parts)) return sums;
 
@@ -232,17 +243,21 @@ private:
     // In two, at the median of the points inside, along the axis where they reach farthest.
     bool divide(const Tile& tile, std::vector<Vec3i>& chosen, std::vector<Tile>& parts) const
     {
-        chosen.erase(std::remove_if(chosen.begin(), chosen.end(), [&](const Vec3i& p) { return !tile.box.contains(p); }),
-                     chosen.end());
+        chosen.erase(
+            std::remove_if(chosen.begin(), chosen.end(), [&](const Vec3i& p) { return !tile.box.contains(p); }),
+            chosen.end());
         if (chosen.size() < 2) return false;
         Box3i tight;
         for (const Vec3i& p : chosen) tight.extend(p);
         std::size_t axis = 0;
-        const auto extent = [&](std::size_t a) { return static_cast<double>(tight.max[a] - tight.min[a]) * info_.grid.scale[a]; };
+        const auto extent = [&](std::size_t a) {
+            return static_cast<double>(tight.max[a] - tight.min[a]) * info_.grid.scale[a];
+        };
         for (std::size_t a = 1; a < 3; ++a)
             if (extent(a) > extent(axis)) axis = a;
         const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
-        std::nth_element(chosen.begin(), middle, chosen.end(), [&](const Vec3i& p, const Vec3i& q) { return p[axis] < q[axis]; });
+        std::nth_element(chosen.begin(), middle, chosen.end(),
+                         [&](const Vec3i& p, const Vec3i& q) { return p[axis] < q[axis]; });
         std::int64_t last = (*middle)[axis];  // of the lower part
         if (last == tight.max[axis]) --last;
         if (last < tight.min[axis]) return false;
@@ -278,10 +293,11 @@ private:
         const double squared = measure.spacing * measure.spacing;
         const std::string name = "level " + std::to_string(level) + ": ";
         if (info_.sampling == Sampling::poisson && sums.least < squared)
-            faults.push_back(name + "two points are only " + std::to_string(measure.least_distance) + " of its spacing apart");
+            faults.push_back(name + "two points are only " + std::to_string(measure.least_distance) +
+                             " of its spacing apart");
         if (limit < infinity && sums.farthest >= limit * limit * squared)
-            faults.push_back(name + "a point has none within " + (limit > 1 ? "twice " : "") + "its spacing, the nearest is " +
-                             std::to_string(measure.coverage) + " of it away");
+            faults.push_back(name + "a point has none within " + (limit > 1 ? "twice " : "") +
+                             "its spacing, the nearest is " + std::to_string(measure.coverage) + " of it away");
         return measure;
     }
 

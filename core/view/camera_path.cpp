@@ -58,7 +58,8 @@ Vec3d vector_of(const Json& frame, const char* key)
 {
     const auto found = frame.find(key);
     const auto is_number = [](const Json& value) { return value.is_number(); };
-    if (found == frame.end() || !found->is_array() || found->size() != 3 || !std::all_of(found->begin(), found->end(), is_number))
+    if (found == frame.end() || !found->is_array() || found->size() != 3 ||
+        !std::all_of(found->begin(), found->end(), is_number))
         refuse(std::string("'") + key + "' is not three numbers");
     return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
 }
@@ -97,8 +98,10 @@ std::string text_of(const Json& json, const char* key)
 
 CameraPath path_of(const Json& json, const std::string& name, std::size_t& number)
 {
-    if (!json.is_object() || text_of(json, "format") != "pcm camera path") refuse("this is no camera path: 'format' is not \"pcm camera path\"");
-    if (!json.contains("version") || json["version"] != 1) refuse("this is not version 1 of the format, which alone is known here");
+    if (!json.is_object() || text_of(json, "format") != "pcm camera path")
+        refuse("this is no camera path: 'format' is not \"pcm camera path\"");
+    if (!json.contains("version") || json["version"] != 1)
+        refuse("this is not version 1 of the format, which alone is known here");
     CameraPath path;
     path.name = json.contains("name") ? text_of(json, "name") : name;
     const std::string coordinates = text_of(json, "coordinates");
@@ -126,7 +129,8 @@ void check(const CameraFrame& frame)
     }
     const Vec3d ahead = minus(frame.target, frame.eye);
     if (!(length(ahead) > 0)) refuse("'eye' is the 'target'");
-    if (!(length(frame.up) > 0) || !(length(cross(unit(ahead), unit(frame.up))) > 1e-9)) refuse("'up' is along the view");
+    if (!(length(frame.up) > 0) || !(length(cross(unit(ahead), unit(frame.up))) > 1e-9))
+        refuse("'up' is along the view");
 }
 
 CameraPath CameraPath::read(const std::filesystem::path& file)
@@ -142,7 +146,9 @@ CameraPath CameraPath::read(const std::filesystem::path& file)
     } catch (const Json::exception& error) {
         throw Error(ErrorCode::bad_format, file, std::string("the camera path is not JSON: ") + error.what());
     } catch (const Error& error) {
-        throw Error(ErrorCode::bad_format, file, "camera path" + (number ? ", frame " + std::to_string(number) : std::string()) + ": " + error.what());
+        throw Error(
+            ErrorCode::bad_format, file,
+            "camera path" + (number ? ", frame " + std::to_string(number) : std::string()) + ": " + error.what());
     }
 }
 
@@ -152,7 +158,8 @@ CameraPath CameraPath::placed(const Box3d& box) const
     if (box.empty()) refuse("a camera path in the coordinates of a box wants a cloud that has points");
     const double half = std::max({box.extent(0), box.extent(1), box.extent(2), 1e-9}) / 2;
     const auto place = [&](Vec3d& v) {
-        for (std::size_t a = 0; a < 2; ++a) v[a] = (box.min[a] + box.max[a]) / 2 + v[a] * std::max(box.extent(a) / 2, 1e-3 * half);
+        for (std::size_t a = 0; a < 2; ++a)
+            v[a] = (box.min[a] + box.max[a]) / 2 + v[a] * std::max(box.extent(a) / 2, 1e-3 * half);
         v[2] = box.min[2] + v[2] * half;
     };
     CameraPath path = *this;
@@ -197,7 +204,8 @@ View view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, in
         view.projection[11] = -1;
         view.projection[14] = 2 * far * near / (near - far);
     } else {
-        const double margin = 0.01 * std::max(farthest - nearest, 0.01 * frame.height), near = nearest - margin, far = farthest + margin;
+        const double margin = 0.01 * std::max(farthest - nearest, 0.01 * frame.height), near = nearest - margin,
+                     far = farthest + margin;
         view.projection[0] = 2 / (frame.height * aspect);
         view.projection[5] = 2 / frame.height;
         view.projection[10] = 2 / (near - far);
@@ -218,9 +226,11 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + size * back[a];
     const Axes axes = axes_of(frame);
     const double margin = 1.05, aspect = static_cast<double>(width) / height;
-    const double slope = angle ? std::tan(*angle / 2 * degree) / margin : 1;  // half of the picture's height over the distance, less the margin
-    // Along the picture's width and height. In perspective a corner p is seen when |p.axis - shift| <= (away - p.back) * slope: for both signs the
-    // largest p.back +- p.axis / slope bounds `away`, and the shift that makes both bounds alike makes it least. Parallel: no p.back.
+    const double slope = angle ? std::tan(*angle / 2 * degree) / margin
+                               : 1;  // half of the picture's height over the distance, less the margin
+    // Along the picture's width and height. In perspective a corner p is seen when |p.axis - shift| <= (away - p.back)
+    // * slope: for both signs the largest p.back +- p.axis / slope bounds `away`, and the shift that makes both bounds
+    // alike makes it least. Parallel: no p.back.
     Vec3d shift{0, 0, 0};
     double away = 0.01 * size, half_height = 0.01 * size;
     for (unsigned number = 0; number < 8; ++number)  // by a wide angle the nearest corner could be at the eye

@@ -4,10 +4,10 @@
 //      {"eye": [500010, 4800020, 131.5], "target": [500050, 4800050, 120], "up": [0, 0, 1], "angle": 60},
 //      {"eye": [500050, 4800050, 400], "target": [500050, 4800050, 0], "up": [0, 1, 0], "height": 250, "rest": true}]}
 //
-// `angle` is the angle of view from bottom to top, in degrees; `height` instead makes the frame orthographic, so many units high. `up`
-// may be left out when it is the z axis, `name` when it is the file's. At a frame with `rest` the camera stays until the picture is
-// complete. `"coordinates": "box"` makes a path that fits any cloud: x and y go from -1 to 1 across its box, z counts from the box's
-// bottom in halves of its longest side, as `height` does.
+// `angle` is the angle of view from bottom to top, in degrees; `height` instead makes the frame orthographic, so many
+// units high. `up` may be left out when it is the z axis, `name` when it is the file's. At a frame with `rest` the
+// camera stays until the picture is complete. `"coordinates": "box"` makes a path that fits any cloud: x and y go from
+// -1 to 1 across its box, z counts from the box's bottom in halves of its longest side, as `height` does.
 #pragma once
 
 #include "cloud/geometry.h"
@@ -27,8 +27,8 @@ struct CameraFrame {
     bool rest = false;                   // the camera stays until the picture is complete
 };
 
-// Throws Error(invalid_argument), saying what is wrong: numbers that are not finite, an angle that is not between 0 and 180 degrees, a
-// height that is not above 0, an eye that is the target, an `up` along the view.
+// Throws Error(invalid_argument), saying what is wrong: numbers that are not finite, an angle that is not between 0 and
+// 180 degrees, a height that is not above 0, an eye that is the target, an `up` along the view.
 void check(const CameraFrame& frame);
 
 struct CameraPath {
@@ -43,12 +43,13 @@ struct CameraPath {
     CameraPath placed(const Box3d& box) const;
 };
 
-// What a camera sees in a picture of width x height pixels, relative to `origin`. The near and the far plane enclose `box`, but the near
-// one is never nearer than 1/20000 of the far one: what is closer is cut off. `frame` is in source coordinates, and check() passes it.
+// What a camera sees in a picture of width x height pixels, relative to `origin`. The near and the far plane enclose
+// `box`, but the near one is never nearer than 1/20000 of the far one: what is closer is cut off. `frame` is in source
+// coordinates, and check() passes it.
 View view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height);
 
-// The whole box, seen obliquely from above, by an angle of view in degrees or, without one, orthographically; filling the
-// picture but for a margin of 5 %.
+// The whole box, seen obliquely from above, by an angle of view in degrees or, without one, orthographically; filling
+// the picture but for a margin of 5 %.
 CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, int width, int height);
 
 }  // namespace pcm

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Squares are rounded; of the least distance so much is taken off that it stays below the exact one, and added to the distance.
+// Squares are rounded; of the least distance so much is taken off that it stays below the exact one, and added to the
+// distance.
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 double square(double v) { return v * v; }
@@ -35,19 +36,21 @@ double farthest_nearest_of(const Box3d& box, const Vec3d& p)
         far_side[a] = std::max(to_min, to_max);
     }
     double best = infinity;
-    for (std::size_t a = 0; a < 3; ++a) best = std::min(best, near_face[a] + far_side[(a + 1) % 3] + far_side[(a + 2) % 3]);
+    for (std::size_t a = 0; a < 3; ++a)
+        best = std::min(best, near_face[a] + far_side[(a + 1) % 3] + far_side[(a + 2) % 3]);
     return best;
 }
 
-// Of the nearest point of a chunk. Positions are whole numbers relative to the chunk's origin, so the differences keep their digits at
-// map coordinates.
+// Of the nearest point of a chunk. Positions are whole numbers relative to the chunk's origin, so the differences keep
+// their digits at map coordinates.
 template <class Integer>
 double nearest_of(const std::array<PageVector<Integer>, 3>& positions, const Vec3d& origin_to_place, const Vec3d& scale)
 {
     double best = infinity;
     for (std::size_t i = 0; i < positions[0].size(); ++i) {
         double sum = 0;
-        for (std::size_t a = 0; a < 3; ++a) sum += square(static_cast<double>(positions[a][i]) * scale[a] - origin_to_place[a]);
+        for (std::size_t a = 0; a < 3; ++a)
+            sum += square(static_cast<double>(positions[a][i]) * scale[a] - origin_to_place[a]);
         best = std::min(best, sum);
     }
     return best;
@@ -57,7 +60,8 @@ double nearest_of(const ChunkPositions& positions, const Grid& grid, const Vec3d
 {
     Vec3d to_place;
     for (std::size_t a = 0; a < 3; ++a) to_place[a] = place[a] - grid.to_source(positions.origin[a], a);
-    return positions.wide ? nearest_of(positions.wide_xyz, to_place, grid.scale) : nearest_of(positions.narrow_xyz, to_place, grid.scale);
+    return positions.wide ? nearest_of(positions.wide_xyz, to_place, grid.scale)
+                          : nearest_of(positions.narrow_xyz, to_place, grid.scale);
 }
 
 }  // namespace
@@ -77,13 +81,14 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
     double coordinate_error = 0;
     const Box3d bounds = tree.info().bounds();
     for (std::size_t a = 0; a < 3; ++a)
-        coordinate_error = std::max({coordinate_error, std::fabs(bounds.min[a]), std::fabs(bounds.max[a]), std::fabs(place[a])});
+        coordinate_error =
+            std::max({coordinate_error, std::fabs(bounds.min[a]), std::fabs(bounds.max[a]), std::fabs(place[a])});
     coordinate_error *= rounding;
 
     using Open = std::pair<double, NodeId>;  // square of the distance to its box
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
-    double nearest = infinity;      // square: there is a point this near
-    double unknown = infinity;      // square: points that were not compared may be this near
+    double nearest = infinity;  // square: there is a point this near
+    double unknown = infinity;  // square: points that were not compared may be this near
     std::uint64_t compared = 0;
     std::size_t looked_at = 0;
     const auto ask = [&](NodeId id) {
@@ -100,8 +105,9 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
         ++looked_at;
         const Node& node = tree.node(id);
         if (node.points > 0) {
-            const L2Cache::Handle chunk =
-                compared + node.points <= limits.points ? cache.find(id, ColumnSet::only_positions()) : L2Cache::Handle();
+            const L2Cache::Handle chunk = compared + node.points <= limits.points
+                                              ? cache.find(id, ColumnSet::only_positions())
+                                              : L2Cache::Handle();
             if (chunk) {
                 compared += node.points;
                 nearest = std::min(nearest, nearest_of(*chunk->positions, grid, place));

@@ -13,7 +13,10 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double level_enough = 1e-4;  // radians: less than a tenth of a pixel across a screen
 
 double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3d cross(const Vec3d& a, const Vec3d& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
+Vec3d cross(const Vec3d& a, const Vec3d& b)
+{
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 Vec3d times(double s, const Vec3d& v) { return {s * v[0], s * v[1], s * v[2]}; }
 Vec3d plus(const Vec3d& a, const Vec3d& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
@@ -30,10 +33,12 @@ Horizon horizon_of(UpAxis axis)
 
 [[noreturn]] void refuse(const std::string& what)
 {
-    throw Error(ErrorCode::invalid_argument, {}, what, "Give a finite eye, right-handed unit axes and a focus above 0.");
+    throw Error(ErrorCode::invalid_argument, {}, what,
+                "Give a finite eye, right-handed unit axes and a focus above 0.");
 }
 
-// Right-handed and of unit length, next to what they were: Gram and Schmidt's way, beginning with the direction of view.
+// Right-handed and of unit length, next to what they were: Gram and Schmidt's way, beginning with the direction of
+// view.
 std::array<Vec3d, 3> orthonormal(const EyePose& pose)
 {
     for (const Vec3d* v : {&pose.eye, &pose.right, &pose.up, &pose.back})
@@ -48,7 +53,8 @@ std::array<Vec3d, 3> orthonormal(const EyePose& pose)
     if (std::fabs(length(up) - 1) > tolerance) refuse("a pose has axes that are not perpendicular");
     up = times(1 / length(up), up);
     const Vec3d right = cross(up, back);
-    if (length(plus(right, times(-1, pose.right))) > 2 * tolerance) refuse("a pose has axes that are not perpendicular and right-handed");
+    if (length(plus(right, times(-1, pose.right))) > 2 * tolerance)
+        refuse("a pose has axes that are not perpendicular and right-handed");
     return {right, up, back};
 }
 
@@ -77,13 +83,15 @@ void FirstPerson::take_axes(const std::array<Vec3d, 3>& axes)
 {
     const Horizon h = horizon_of(up_axis_);
     const auto& [right, up, back] = axes;
-    // back = (cos p sin y, -cos p cos y, -sin p) in the horizon's axes, as ahead = -sin y right + cos y ahead at pitch 0.
+    // back = (cos p sin y, -cos p cos y, -sin p) in the horizon's axes, as ahead = -sin y right + cos y ahead at pitch
+    // 0.
     const double sine = std::clamp(-dot(back, h.up), -1.0, 1.0);
     const double level = std::hypot(dot(back, h.right), dot(back, h.ahead));
     pitch_ = std::atan2(sine, level);
     // Straight up or down any yaw will do; the one that needs no roll is taken.
     constexpr double straight = 1e-6;
-    yaw_ = level > straight ? std::atan2(dot(back, h.right), -dot(back, h.ahead)) : std::atan2(dot(right, h.ahead), dot(right, h.right));
+    yaw_ = level > straight ? std::atan2(dot(back, h.right), -dot(back, h.ahead))
+                            : std::atan2(dot(right, h.ahead), dot(right, h.right));
     // Roll turns the level axes about the direction of view, counter-clockwise as the eye sees it.
     roll_ = 0;
     const auto flat = this->axes();
@@ -121,20 +129,25 @@ void FirstPerson::turn(double yaw, double pitch)
 
 void FirstPerson::change_speed(double notches)
 {
-    if (std::isfinite(notches)) factor_ = std::clamp(factor_ * std::pow(wheel_factor, notches), least_factor, most_factor);
+    if (std::isfinite(notches))
+        factor_ = std::clamp(factor_ * std::pow(wheel_factor, notches), least_factor, most_factor);
 }
 
 bool FirstPerson::moves(unsigned keys) const
 {
     const auto held = [&](unsigned key) { return (keys & key) != 0; };
-    return held(walk_forward) != held(walk_back) || held(walk_left) != held(walk_right) || held(walk_up) != held(walk_down) || levelling_;
+    return held(walk_forward) != held(walk_back) || held(walk_left) != held(walk_right) ||
+           held(walk_up) != held(walk_down) || levelling_;
 }
 
 bool FirstPerson::step(double seconds, unsigned keys, double reach)
 {
     if (!(seconds > 0) || !std::isfinite(seconds) || !moves(keys)) return false;
-    const auto towards = [&](unsigned plus_key, unsigned minus_key) { return ((keys & plus_key) != 0) - ((keys & minus_key) != 0); };
-    const int ahead = towards(walk_forward, walk_back), aside = towards(walk_right, walk_left), upwards = towards(walk_up, walk_down);
+    const auto towards = [&](unsigned plus_key, unsigned minus_key) {
+        return ((keys & plus_key) != 0) - ((keys & minus_key) != 0);
+    };
+    const int ahead = towards(walk_forward, walk_back), aside = towards(walk_right, walk_left),
+              upwards = towards(walk_up, walk_down);
     const double speed = factor_ * ((keys & walk_fast) != 0 ? fast_factor : 1);
 
     if (ahead != 0 || aside != 0 || upwards != 0) {
@@ -144,7 +157,8 @@ bool FirstPerson::step(double seconds, unsigned keys, double reach)
         const Vec3d level_right = plus(times(std::cos(roll_), now[0]), times(-std::sin(roll_), now[1]));
         const Vec3d up = horizon_of(up_axis_).up;
         if (orthographic_) {
-            // Moving across at speed v * focus while the focus falls as exp(-v t): the integral of v * exp(-v t) over the step.
+            // Moving across at speed v * focus while the focus falls as exp(-v t): the integral of v * exp(-v t) over
+            // the step.
             const double rate = speed * ahead / std::sqrt(double(ahead * ahead + aside * aside + upwards * upwards));
             const double across = ahead != 0 ? std::fabs(1 - std::exp(-rate * seconds)) : 0;
             const double each = speed / std::sqrt(double(ahead * ahead + aside * aside + upwards * upwards)) * seconds;

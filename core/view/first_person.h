@@ -1,10 +1,12 @@
 // An eye that walks through a scene: position, direction, speed. Pure arithmetic in double; no clock, no window.
 //
-// The horizon is kept level: turning is yaw about the scene's up axis and pitch above or below the horizontal plane. An eye that was
-// taken over from a camera with some roll keeps it until it is used, and loses it smoothly then, so that nothing jumps.
+// The horizon is kept level: turning is yaw about the scene's up axis and pitch above or below the horizontal plane. An
+// eye that was taken over from a camera with some roll keeps it until it is used, and loses it smoothly then, so that
+// nothing jumps.
 //
-// In a perspective view, moving moves the eye. In an orthographic view the distance of the eye from what it sees shows nothing: there
-// forward and back make the view smaller and larger about the centre of the picture, and turning turns about that centre.
+// In a perspective view, moving moves the eye. In an orthographic view the distance of the eye from what it sees shows
+// nothing: there forward and back make the view smaller and larger about the centre of the picture, and turning turns
+// about that centre.
 //
 // Not for several threads at once.
 #pragma once
@@ -22,8 +24,8 @@ enum class UpAxis : std::uint8_t { y, z };
 struct EyePose {
     Vec3d eye{};
     Vec3d right{1, 0, 0}, up{0, 1, 0}, back{0, 0, 1};  // back points from what is seen to the eye
-    // Distance from the eye to the point in the centre of the picture about which a host's orbiting camera turns; above 0. In an
-    // orthographic view what is seen is as high as a constant times this.
+    // Distance from the eye to the point in the centre of the picture about which a host's orbiting camera turns; above
+    // 0. In an orthographic view what is seen is as high as a constant times this.
     double focus = 1;
     bool orthographic = false;
     Vec3d centre() const { return {eye[0] - focus * back[0], eye[1] - focus * back[1], eye[2] - focus * back[2]}; }
@@ -46,8 +48,8 @@ public:
     static constexpr double least_factor = 1.0 / 64, most_factor = 64, fast_factor = 4, wheel_factor = 1.25;
     static constexpr double levelling_seconds = 0.15;  // in which roll falls to 1/e
 
-    // Axes that are not quite unit and perpendicular are made so. Throws Error(invalid_argument) for numbers that are not finite, axes
-    // that are far from it or left-handed, and a focus that is not above 0.
+    // Axes that are not quite unit and perpendicular are made so. Throws Error(invalid_argument) for numbers that are
+    // not finite, axes that are far from it or left-handed, and a focus that is not above 0.
     FirstPerson(const EyePose& pose, UpAxis up_axis);
 
     // The same eye and picture, another horizon.
@@ -63,16 +65,16 @@ public:
     void change_speed(double notches);
     double factor() const { return factor_; }
 
-    // Moves for `seconds` with `keys` held down. `reach` (source units, above 0) is how far it is to the nearest points: the eye moves
-    // factor() * reach a second, fast_factor times that with walk_fast, however many directions are held at once; opposite ones cancel.
-    // Many short steps end where one long step ends, as long as `reach` is the same (an orthographic view takes its focus for it and
-    // comes nearer by a constant ratio a second). Afterwards the focus is at `reach`, unless the view is orthographic.
-    // Returns whether anything changed.
+    // Moves for `seconds` with `keys` held down. `reach` (source units, above 0) is how far it is to the nearest
+    // points: the eye moves factor() * reach a second, fast_factor times that with walk_fast, however many directions
+    // are held at once; opposite ones cancel. Many short steps end where one long step ends, as long as `reach` is the
+    // same (an orthographic view takes its focus for it and comes nearer by a constant ratio a second). Afterwards the
+    // focus is at `reach`, unless the view is orthographic. Returns whether anything changed.
     bool step(double seconds, unsigned keys, double reach);
     // Whether step() would change something: there is a direction, or the horizon is being levelled.
     bool moves(unsigned keys) const;
 
-    double yaw() const { return yaw_; }    // radians; 0 looks along y with z up, and along -z with y up
+    double yaw() const { return yaw_; }      // radians; 0 looks along y with z up, and along -z with y up
     double pitch() const { return pitch_; }  // -pi/2..pi/2
     double roll() const { return roll_; }
 

@@ -1,4 +1,5 @@
-// What a view sees, as far as boxes go. No OpenGL here. All functions are pure: the same arguments give the same result on any thread.
+// What a view sees, as far as boxes go. No OpenGL here. All functions are pure: the same arguments give the same result
+// on any thread.
 #pragma once
 
 #include "cloud/geometry.h"

@@ -28,7 +28,9 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
     std::vector<std::optional<Frustum>> frusta(trees.size());
     // A node without points is never drawn: it is kept for what is below it.
     const auto gain = [&](std::uint32_t tree, NodeId node) {
-        return limits.kept && ((*trees[tree].nodes)[node].points == 0 || limits.kept(tree, node)) ? DetailLimits::kept_gain : 1.0;
+        return limits.kept && ((*trees[tree].nodes)[node].points == 0 || limits.kept(tree, node))
+                   ? DetailLimits::kept_gain
+                   : 1.0;
     };
     const auto consider = [&](std::uint32_t tree, NodeId id, std::uint32_t ancestor) {
         const std::vector<Node>& nodes = *trees[tree].nodes;
@@ -37,7 +39,8 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
         const Box3d box = trees[tree].grid->to_source(node.box);
         if (!frusta[tree]->intersects(box)) return;
         const double error = ancestor == no_ancestor ? infinity : frusta[tree]->pixels(nodes[node.parent].spacing, box);
-        const double rank = limits.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
+        const double rank =
+            limits.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
         queue.push({rank, tree, {id, ancestor, error}});
     };
 
@@ -83,7 +86,8 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
     return scene;
 }
 
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view, const DetailLimits& limits)
+DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
+                              const DetailLimits& limits)
 {
     return std::move(select_scene({{&nodes, &grid, view}}, limits).trees.front());
 }

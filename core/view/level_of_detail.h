@@ -29,8 +29,9 @@ struct DetailLimits {
     std::uint32_t page_points = 4096;
     std::uint64_t page_budget = ~std::uint64_t(0);
     DetailOrder order = DetailOrder::error;
-    // Hysteresis: a node for which `kept` says so counts as if its error were so many times larger, in the order and against the
-    // target, so that what was drawn in the last frame is not given up for what is hardly better. None when empty.
+    // Hysteresis: a node for which `kept` says so counts as if its error were so many times larger, in the order and
+    // against the target, so that what was drawn in the last frame is not given up for what is hardly better. None when
+    // empty.
     std::function<bool(std::uint32_t tree, NodeId node)> kept;
     static constexpr double kept_gain = 1.25;
 };
@@ -53,7 +54,8 @@ struct DetailSelection {
     double viewport_px = 0;       // the larger side of the viewport
 };
 
-// One tree of several that share a picture. `view` has the scene's projection and size, and a modelview and an origin of the tree's own.
+// One tree of several that share a picture. `view` has the scene's projection and size, and a modelview and an origin
+// of the tree's own.
 struct TreeInView {
     const std::vector<Node>* nodes = nullptr;
     const Grid* grid = nullptr;
@@ -71,10 +73,10 @@ struct SceneSelection {
     bool budget_reached = false;
 };
 
-// Best first over all trees, that is in the limits' order (ties: lower tree, lower node number first), children only after their parent,
-// until no error is above the target or the next best node does not fit the budget; nodes outside the view are left out. So what is
-// wanted under a budget is a beginning of what is wanted without. Nodes must have parents before children. O(n log n) in the
-// number of nodes that are visible and above the target.
+// Best first over all trees, that is in the limits' order (ties: lower tree, lower node number first), children only
+// after their parent, until no error is above the target or the next best node does not fit the budget; nodes outside
+// the view are left out. So what is wanted under a budget is a beginning of what is wanted without. Nodes must have
+// parents before children. O(n log n) in the number of nodes that are visible and above the target.
 SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
 
 // Of one tree.

@@ -1,11 +1,11 @@
 #include "view/motion.h"
 
-
 namespace pcm {
 std::optional<View> predict(const View& before, const View& now, unsigned frames)
 {
-    if (before.origin != now.origin || before.width != now.width || before.height != now.height || before.projection != now.projection ||
-        before.modelview == now.modelview || !is_affine(before.modelview) || !is_affine(now.modelview))
+    if (before.origin != now.origin || before.width != now.width || before.height != now.height ||
+        before.projection != now.projection || before.modelview == now.modelview || !is_affine(before.modelview) ||
+        !is_affine(now.modelview))
         return std::nullopt;
     Matrix4d from = before.modelview, to = now.modelview;
     const double from_scale = from[15], to_scale = to[15];

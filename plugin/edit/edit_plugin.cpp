@@ -10,7 +10,8 @@ PointCloudTools::PointCloudTools()
     first_person_ = new QAction(first_person_icon(), "First Person Navigation", this);
     first_person_->setCheckable(true);
     // MeshLab shows the text that an action has for a tip, and no description.
-    first_person_->setToolTip(QString("<b>%1</b><br>%2").arg(first_person_->text(), getEditToolDescription(first_person_)));
+    first_person_->setToolTip(
+        QString("<b>%1</b><br>%2").arg(first_person_->text(), getEditToolDescription(first_person_)));
     actions_ << first_person_;
 }
 
@@ -21,6 +22,7 @@ MeshEditInterface* PointCloudTools::getMeshEditInterface(QAction* action)
 
 QString PointCloudTools::getEditToolDescription(QAction*)
 {
-    return "Walk through the scene: W A S D and E Q move, with Shift faster, drag to look around, the wheel changes the speed. The speed is in "
+    return "Walk through the scene: W A S D and E Q move, with Shift faster, drag to look around, the wheel changes "
+           "the speed. The speed is in "
            "proportion to the distance of the nearest points.";
 }

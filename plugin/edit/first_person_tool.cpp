@@ -22,7 +22,7 @@ namespace {
 constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a frame that took longer the eye does not leap
 constexpr double pi = 3.14159265358979323846;
-constexpr int wheel_notch = 120;       // Qt's unit: eighths of a degree
+constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
 
 const char* const name = "First Person Navigation";
 
@@ -80,7 +80,8 @@ bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLS
         written_fov_ = 0;  // which no view has
         take_over();
     } catch (...) {
-        document.Log.Log(GLLogStream::WARNING, qPrintable(QString("%1: %2").arg(name, QString::fromStdString(current_error()))));
+        document.Log.Log(GLLogStream::WARNING,
+                         qPrintable(QString("%1: %2").arg(name, QString::fromStdString(current_error()))));
         view_ = nullptr;
         return false;
     }
@@ -91,13 +92,17 @@ bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLS
     view->installEventFilter(this);
     view->setFocus();
     view->setCursor(Qt::OpenHandCursor);
-    document.Log.Log(GLLogStream::SYSTEM,
-                     qPrintable(QString("%1: W A S D or the arrows walk, E and Q go up and down, with Shift faster; drag to look around; the "
-                                        "wheel changes the speed (now x %2); U changes the axis that is up (now %3); Esc gives the mouse to the "
-                                        "trackball and back. Speed is in proportion to the distance of the nearest points.")
-                                    .arg(name)
-                                    .arg(walk_->factor(), 0, 'g', 3)
-                                    .arg(name_of(walk_->up_axis()))));
+    document.Log.Log(
+        GLLogStream::SYSTEM,
+        qPrintable(
+            QString(
+                "%1: W A S D or the arrows walk, E and Q go up and down, with Shift faster; drag to look around; the "
+                "wheel changes the speed (now x %2); U changes the axis that is up (now %3); Esc gives the mouse to "
+                "the "
+                "trackball and back. Speed is in proportion to the distance of the nearest points.")
+                .arg(name)
+                .arg(walk_->factor(), 0, 'g', 3)
+                .arg(name_of(walk_->up_axis()))));
     // MeshLab is about to mark the current layer as changed, which it is not.
     if (MeshModel* layer = document.mm())
         QTimer::singleShot(0, &document, [document = &document, id = layer->id(), changed = layer->meshModified()] {
@@ -179,12 +184,14 @@ void FirstPersonTool::keep_going()
 void FirstPersonTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
 {
     if (view != view_) return;
-    if ((event->modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) != 0) return;  // others' shortcuts
+    if ((event->modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) != 0)
+        return;  // others' shortcuts
     if (event->key() == Qt::Key_U) {
         event->accept();
         if (event->isAutoRepeat()) return;
         walk_->set_up_axis(walk_->up_axis() == UpAxis::z ? UpAxis::y : UpAxis::z);
-        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2 is up").arg(name, name_of(walk_->up_axis()))));
+        view_->md()->Log.Log(GLLogStream::SYSTEM,
+                             qPrintable(QString("%1: %2 is up").arg(name, name_of(walk_->up_axis()))));
         view_->update();
         return;
     }
@@ -221,7 +228,8 @@ void FirstPersonTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* vie
     try {
         advance();
         take_over();
-        // What is in the middle of the picture goes by as fast as the mouse; an orthographic view turns by half a circle over its height.
+        // What is in the middle of the picture goes by as fast as the mouse; an orthographic view turns by half a
+        // circle over its height.
         const double angle = walk_->pose().orthographic ? pi : static_cast<double>(view_->fov) * pi / 180;
         const double each = angle / view_->height();
         walk_->turn(-moved.x() * each, -moved.y() * each);
@@ -261,14 +269,16 @@ void FirstPersonTool::Decorate(MeshModel&, GLArea* view, QPainter*)
     } else if (reach_ > 0) {
         const double speed = reach_ * walk_->factor() * ((keys_ & walk_fast) != 0 ? FirstPerson::fast_factor : 1);
         const QString from = number(reach_ - reach_error_), to = number(reach_);
-        text += QString(": %1 a second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
+        text +=
+            QString(": %1 a second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
     }
     view->md()->Log.RealTimeLog(name, "", text);
 }
 
 bool FirstPersonTool::eventFilter(QObject* receiver, QEvent* event)
 {
-    if (receiver == view_ && (event->type() == QEvent::FocusOut || event->type() == QEvent::WindowDeactivate || event->type() == QEvent::Hide)) {
+    if (receiver == view_ && (event->type() == QEvent::FocusOut || event->type() == QEvent::WindowDeactivate ||
+                              event->type() == QEvent::Hide)) {
         hold(0);
         looking_ = false;
     }

@@ -1,8 +1,9 @@
 // The first-person camera of one of MeshLab's views.
 //
-// All that it keeps of the camera is in MeshLab's own trackball: what it has written there last it goes on from, and when somebody else has
-// written there since (a stock view, the other projection, a linked view, the trackball while the tool is suspended), it goes on from
-// that. So neither going in nor going out moves the picture, and there is nothing to be restored.
+// All that it keeps of the camera is in MeshLab's own trackball: what it has written there last it goes on from, and
+// when somebody else has written there since (a stock view, the other projection, a linked view, the trackball while
+// the tool is suspended), it goes on from that. So neither going in nor going out moves the picture, and there is
+// nothing to be restored.
 #pragma once
 
 #include "view/first_person.h"

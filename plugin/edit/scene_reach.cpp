@@ -14,7 +14,8 @@ namespace pcm::host {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Shares of the document's diagonal. Nearer than the one, walking would come to a stop; beyond the other, nothing would ever come near.
+// Shares of the document's diagonal. Nearer than the one, walking would come to a stop; beyond the other, nothing would
+// ever come near.
 constexpr double least_share = 1.0 / 5000, most_share = 2;
 constexpr double inside_share = 1.0 / 20;  // of a mesh's diagonal, within its box
 
@@ -35,7 +36,8 @@ struct Placement {
     Vec3d apply(const Vec3d& p) const
     {
         Vec3d q;
-        for (std::size_t row = 0; row < 3; ++row) q[row] = m[row][0] * p[0] + m[row][1] * p[1] + m[row][2] * p[2] + m[row][3];
+        for (std::size_t row = 0; row < 3; ++row)
+            q[row] = m[row][0] * p[0] + m[row][1] * p[1] + m[row][2] * p[2] + m[row][3];
         return q;
     }
     // What is brought to `q`; by Cramer's rule.
@@ -76,7 +78,8 @@ SceneReach reach_of_mesh(const MeshModel& layer, const Placement& placement, con
         shown.extend(placement.apply({double(p[0]), double(p[1]), double(p[2])}));
     }
     double square = 0;
-    for (std::size_t a = 0; a < 3; ++a) square += std::pow(std::clamp(place[a], shown.min[a], shown.max[a]) - place[a], 2);
+    for (std::size_t a = 0; a < 3; ++a)
+        square += std::pow(std::clamp(place[a], shown.min[a], shown.max[a]) - place[a], 2);
     const double distance = std::max(std::sqrt(square), inside_share * shown.diagonal());
     return {distance, distance - std::sqrt(square)};
 }
@@ -94,7 +97,8 @@ SceneReach reach_from(GLArea& view, const Vec3d& place)
         if (!layer || !view.meshVisibilityMap.value(layer->id(), true)) continue;
         const auto tree = Registry::instance().find(*layer);
         const Placement placement(*layer);
-        const SceneReach reach = tree ? reach_of_tree(*tree, placement, place) : reach_of_mesh(*layer, placement, place);
+        const SceneReach reach =
+            tree ? reach_of_tree(*tree, placement, place) : reach_of_mesh(*layer, placement, place);
         if (reach.distance < nearest.distance) nearest = reach;
     }
     const double bounded = std::clamp(nearest.distance, least_share * diagonal, most_share * diagonal);
@@ -106,8 +110,9 @@ bool shows_clouds(GLArea& view)
     if (!view.md()) return false;
     const Registry& registry = Registry::instance();
     const auto& layers = view.md()->meshList;
-    return std::any_of(layers.begin(), layers.end(),
-                       [&](const MeshModel* layer) { return layer && (registry.find(*layer) || registry.source_of(*layer)); });
+    return std::any_of(layers.begin(), layers.end(), [&](const MeshModel* layer) {
+        return layer && (registry.find(*layer) || registry.source_of(*layer));
+    });
 }
 
 }  // namespace pcm::host

@@ -12,8 +12,9 @@ struct SceneReach {
     double error = 0;     // so much nearer the nearest may be
 };
 
-// Of the layers that the view shows, from a place in the document's coordinates. Trees: the points that memory has, else the boxes of nodes
-// (view/clearance.h). Meshes: their box, and inside of it a twentieth of its diagonal. Reads nothing and waits for nothing.
+// Of the layers that the view shows, from a place in the document's coordinates. Trees: the points that memory has,
+// else the boxes of nodes (view/clearance.h). Meshes: their box, and inside of it a twentieth of its diagonal. Reads
+// nothing and waits for nothing.
 SceneReach reach_from(GLArea& view, const Vec3d& place);
 
 // Whether the view's document shows clouds, whose heights are along z as a rule; meshes have y for it in MeshLab.

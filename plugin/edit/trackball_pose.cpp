@@ -35,7 +35,8 @@ std::array<double, 4> quaternion_of(const Rows& r)
 {
     const std::array<double, 4> four_squares{1 + r[0][0] + r[1][1] + r[2][2], 1 + r[0][0] - r[1][1] - r[2][2],
                                              1 - r[0][0] + r[1][1] - r[2][2], 1 - r[0][0] - r[1][1] + r[2][2]};
-    const auto largest = static_cast<std::size_t>(std::max_element(four_squares.begin(), four_squares.end()) - four_squares.begin());
+    const auto largest =
+        static_cast<std::size_t>(std::max_element(four_squares.begin(), four_squares.end()) - four_squares.begin());
     // 4 * q[i] * q[j]
     const double wx = r[2][1] - r[1][2], wy = r[0][2] - r[2][0], wz = r[1][0] - r[0][1];
     const double xy = r[0][1] + r[1][0], xz = r[0][2] + r[2][0], yz = r[1][2] + r[2][1];
@@ -74,7 +75,8 @@ vcg::Similarityf trackball_of(const EyePose& pose, float fov)
     track.sca = static_cast<float>(camera_distance(fov) / pose.focus);
     // With the scale as it was rounded, so that the eye is where it should be.
     const double focus = camera_distance(fov) / track.sca;
-    for (std::size_t a = 0; a < 3; ++a) track.tra[static_cast<int>(a)] = static_cast<float>(focus * pose.back[a] - pose.eye[a]);
+    for (std::size_t a = 0; a < 3; ++a)
+        track.tra[static_cast<int>(a)] = static_cast<float>(focus * pose.back[a] - pose.eye[a]);
     return track;
 }
 

@@ -62,16 +62,22 @@ QString PointCloudFilters::filterInfo(FilterIDType filter) const
                    "it.<br>"
                    "All points are kept, with all their attributes. The build works in bounded memory; Esc cancels it.";
         case append_filter:
-            return "Adds the points of one or more files to a <b>point cloud tree</b>, as a tree of its own that shares the old "
-                   "one's data, or in place. What is there is not rewritten, so it takes as long as the new points do; every level "
+            return "Adds the points of one or more files to a <b>point cloud tree</b>, as a tree of its own that "
+                   "shares the old "
+                   "one's data, or in place. What is there is not rewritten, so it takes as long as the new points do; "
+                   "every level "
                    "of detail stays as even as before. Esc cancels it.";
         case delete_filter:
-            return "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet conditions, in a tree "
-                   "of its own that shares the old one's data, or in place. Only chunks that lose points are written anew. "
+            return "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet "
+                   "conditions, in a tree "
+                   "of its own that shares the old one's data, or in place. Only chunks that lose points are written "
+                   "anew. "
                    "Esc cancels it.";
         case compact_filter:
-            return "Writes a <b>point cloud tree</b> anew, as if it were built of its points now: what was appended and what was "
-                   "there become one, the space of deleted points is given back, and levels are even again. It is the old tree "
+            return "Writes a <b>point cloud tree</b> anew, as if it were built of its points now: what was appended "
+                   "and what was "
+                   "there become one, the space of deleted points is given back, and levels are even again. It is the "
+                   "old tree "
                    "until the new one is whole. Esc cancels it.";
         case tree_information_filter:
             return "Writes to the log what a point cloud tree holds: points, bounds in source coordinates, attributes, "
@@ -101,10 +107,10 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichPar
             parameters.addParam(
                 RichInt("ChunkPoints", default_chunk_points, "Points per chunk",
                         "Most points of a chunk, the unit that is read and drawn, from 1000. Default 25000."));
-            parameters.addParam(
-                RichBool("Fast", false, "Fast levels",
-                         "Choose the points of each level by a grid: about twice as quick a build, and less even a picture from "
-                         "afar. All points are kept either way. Default off: every level is a Poisson-disk sample."));
+            parameters.addParam(RichBool(
+                "Fast", false, "Fast levels",
+                "Choose the points of each level by a grid: about twice as quick a build, and less even a picture from "
+                "afar. All points are kept either way. Default off: every level is a Poisson-disk sample."));
             parameters.addParam(
                 RichBool("Overwrite", false, "Overwrite",
                          "Replace an existing tree of this name. Nothing but a tree is ever replaced. Default off."));
@@ -201,5 +207,6 @@ void PointCloudFilters::build(MeshDocument& document, const RichParameterList& p
 void PointCloudFilters::information(MeshDocument& document, const RichParameterList& parameters)
 {
     const QString given = parameters.getString("Tree");
-    say(tree_information(given.trimmed().isEmpty() ? *shown_tree(document)->tree() : *Tree::open(absolute_path(given))));
+    say(tree_information(given.trimmed().isEmpty() ? *shown_tree(document)->tree()
+                                                   : *Tree::open(absolute_path(given))));
 }

@@ -79,8 +79,9 @@ std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters
 
 void add_tree_parameter(RichParameterList& parameters)
 {
-    parameters.addParam(RichString("Tree", "", "Tree folder",
-                                   "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
+    parameters.addParam(
+        RichString("Tree", "", "Tree folder",
+                   "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
 }
 
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document)

@@ -28,7 +28,8 @@ unsigned threads_of(const RichParameterList& parameters);
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning);
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters);  // at least one
 
-// "Tree": a folder; where it is empty, the tree of the current layer. Throws Error(invalid_argument) when there is neither.
+// "Tree": a folder; where it is empty, the tree of the current layer. Throws Error(invalid_argument) when there is
+// neither.
 void add_tree_parameter(RichParameterList& parameters);
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document);
 std::shared_ptr<PointCloud> shown_tree(MeshDocument& document);  // of the current layer; throws in the same way

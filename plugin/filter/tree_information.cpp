@@ -34,7 +34,8 @@ std::vector<std::string> tree_information(const Tree& tree)
                         "; parts: " + std::to_string(tree.part_roots().size()));
     if (!info.coverage_kept)
         lines.emplace_back("Coarse levels have gaps where points were deleted; Compact Point Cloud Tree closes them.");
-    lines.push_back(std::string("Levels chosen by: ") + (info.sampling == Sampling::grid ? "a grid (fast build)" : "Poisson disks"));
+    lines.push_back(std::string("Levels chosen by: ") +
+                    (info.sampling == Sampling::grid ? "a grid (fast build)" : "Poisson disks"));
     const std::vector<LevelSummary> levels = tree.level_summaries();
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];

@@ -31,7 +31,8 @@ void show_anew(MeshDocument& document, const fs::path& folder, Lines& lines)
         const auto cloud = Registry::instance().open(folder);
         if (cloud->info().points == 0) {
             clear_layer(*layer);
-            lines.push_back("The layer " + layer->label().toStdString() + " is empty: its tree has no points any more.");
+            lines.push_back("The layer " + layer->label().toStdString() +
+                            " is empty: its tree has no points any more.");
             continue;
         }
         show_tree(*layer, cloud);
@@ -72,8 +73,8 @@ public:
             lines.push_back("It has no points, so no layer shows it.");
             return;
         }
-        MeshModel* layer =
-            document.addNewMesh(QString::fromStdString(path_.string()), QString::fromStdString(path_.filename().string()));
+        MeshModel* layer = document.addNewMesh(QString::fromStdString(path_.string()),
+                                               QString::fromStdString(path_.filename().string()));
         try {
             for (std::string& line : show_tree(*layer, cloud)) lines.push_back(std::move(line));
         } catch (...) {
@@ -89,11 +90,13 @@ private:
 
 void add_target_parameters(RichParameterList& parameters)
 {
-    parameters.addParam(RichString("Output", "", "Output folder",
-                                   "The tree folder to write, NAME.pct; it shares what did not change with the old one, so it "
-                                   "takes little time and space. Not used when 'In place' is on. No default."));
-    parameters.addParam(RichBool("InPlace", false, "In place",
-                                 "Change the tree itself. It is the old one until all is done, then the new one. Default off."));
+    parameters.addParam(
+        RichString("Output", "", "Output folder",
+                   "The tree folder to write, NAME.pct; it shares what did not change with the old one, so it "
+                   "takes little time and space. Not used when 'In place' is on. No default."));
+    parameters.addParam(
+        RichBool("InPlace", false, "In place",
+                 "Change the tree itself. It is the old one until all is done, then the new one. Default off."));
 }
 
 }  // namespace
@@ -101,7 +104,9 @@ void add_target_parameters(RichParameterList& parameters)
 void add_append_parameters(RichParameterList& parameters)
 {
     add_tree_parameter(parameters);
-    add_inputs_parameter(parameters, "all their points are added. They must lie on the tree's grid and have no attribute that it has not.");
+    add_inputs_parameter(
+        parameters,
+        "all their points are added. They must lie on the tree's grid and have no attribute that it has not.");
     add_target_parameters(parameters);
     add_work_parameters(parameters);
 }
@@ -125,7 +130,8 @@ Lines append_to_tree(MeshDocument& document, const RichParameterList& parameters
                 brief(report.outcome.seconds) + " s; it has " + grouped(report.outcome.points_out) + " now, in " +
                 std::to_string(report.parts) + (report.parts == 1 ? " part." : " parts.")};
     lines.push_back("Largest position error: " + exact(report.outcome.error) + " source units.");
-    if (report.points_skipped) lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
+    if (report.points_skipped)
+        lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
     for (const std::string& note : report.notes) lines.push_back("Note: " + note);
     target.keep(document, lines);
     return lines;
@@ -134,12 +140,14 @@ Lines append_to_tree(MeshDocument& document, const RichParameterList& parameters
 void add_delete_parameters(RichParameterList& parameters)
 {
     add_tree_parameter(parameters);
-    parameters.addParam(RichString("Box", "", "Box",
-                                   "Delete only points inside: the smallest x y z and the largest x y z, six numbers between "
-                                   "blanks, in source coordinates and units, both ends included. Empty, the default: anywhere."));
-    parameters.addParam(RichString("Where", "", "Where",
-                                   "Delete only points that meet these conditions on attributes, separated by semicolons. "
-                                   "Example: classification = 7,18; intensity < 10. Empty, the default: any."));
+    parameters.addParam(
+        RichString("Box", "", "Box",
+                   "Delete only points inside: the smallest x y z and the largest x y z, six numbers between "
+                   "blanks, in source coordinates and units, both ends included. Empty, the default: anywhere."));
+    parameters.addParam(
+        RichString("Where", "", "Where",
+                   "Delete only points that meet these conditions on attributes, separated by semicolons. "
+                   "Example: classification = 7,18; intensity < 10. Empty, the default: any."));
     parameters.addParam(RichBool("CountOnly", false, "Count only",
                                  "Change nothing, only say how many points would be deleted. Default off."));
     add_target_parameters(parameters);
@@ -150,22 +158,24 @@ Lines delete_from_tree(MeshDocument& document, const RichParameterList& paramete
     const fs::path tree = tree_of(parameters, document);
     const Selection selection = parse_selection(parameters.getString("Box"), parameters.getString("Where"));
     if (!selection.chooses_points())
-        throw Error(ErrorCode::invalid_argument, {}, "nothing says which points are to be deleted", "give a box, conditions or both");
+        throw Error(ErrorCode::invalid_argument, {}, "nothing says which points are to be deleted",
+                    "give a box, conditions or both");
     EraseOptions options;
     options.count_only = parameters.getBool("CountOnly");
     Operation operation(callback);
     options.progress = operation.progress();
     if (options.count_only) {
         const EraseReport report = erase_points(tree, selection, options);
-        return {grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) + " points of " + tree.string() +
-                " would be deleted."};
+        return {grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) + " points of " +
+                tree.string() + " would be deleted."};
     }
     Target target(tree, parameters);
     const EraseReport report = erase_points(target.path(), selection, options);
-    Lines lines{"Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) + " points of " +
-                target.path().string() + " in " + brief(report.outcome.seconds) + " s."};
+    Lines lines{"Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) +
+                " points of " + target.path().string() + " in " + brief(report.outcome.seconds) + " s."};
     if (!report.coverage_kept)
-        lines.emplace_back("Coarse levels have gaps where points went; Compact Point Cloud Tree closes them and frees the space.");
+        lines.emplace_back(
+            "Coarse levels have gaps where points went; Compact Point Cloud Tree closes them and frees the space.");
     target.keep(document, lines);
     return lines;
 }

@@ -48,7 +48,8 @@ void Painter::give_back(std::shared_ptr<Painter>& painter)
     painter.reset();
 }
 
-std::shared_ptr<PaintedCloud> PaintedCloud::of(const std::shared_ptr<PointCloud>& cloud, int mesh_id, const std::shared_ptr<Painter>& painter)
+std::shared_ptr<PaintedCloud> PaintedCloud::of(const std::shared_ptr<PointCloud>& cloud, int mesh_id,
+                                               const std::shared_ptr<Painter>& painter)
 {
     drop_expired(painter->clouds_);
     auto& slot = painter->clouds_[{cloud.get(), mesh_id}];

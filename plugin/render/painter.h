@@ -1,7 +1,7 @@
 // What a GL share group draws point clouds with.
 //
-// The views of a MeshLab project share buffers and programs, so they share a renderer, an L1 and the clouds in it; two projects share
-// nothing. GUI thread only, except that loader threads wake the views.
+// The views of a MeshLab project share buffers and programs, so they share a renderer, an L1 and the clouds in it; two
+// projects share nothing. GUI thread only, except that loader threads wake the views.
 #pragma once
 
 #include "gl/renderer.h"
@@ -22,8 +22,8 @@ class PaintedCloud;
 // One a share group.
 class Painter {
 public:
-    // The painter of the current context's share group, with an L1 of this capacity: a new one when the capacity has changed, while those
-    // who hold the former one may go on drawing with it, or give it back.
+    // The painter of the current context's share group, with an L1 of this capacity: a new one when the capacity has
+    // changed, while those who hold the former one may go on drawing with it, or give it back.
     static std::shared_ptr<Painter> current(std::uint64_t l1_bytes);
     // A context of the share group is current. When nobody else holds the painter, its GL objects are freed.
     static void give_back(std::shared_ptr<Painter>& painter);
@@ -42,13 +42,14 @@ private:
     std::map<std::pair<const PointCloud*, int>, std::weak_ptr<PaintedCloud>> clouds_;
 };
 
-// A layer's cloud in a share group, for all views. Two layers may show the same tree, and a picture has a cloud once; so a layer, not a
-// tree, has one.
+// A layer's cloud in a share group, for all views. Two layers may show the same tree, and a picture has a cloud once;
+// so a layer, not a tree, has one.
 class PaintedCloud : public QObject {
     Q_OBJECT
 
 public:
-    static std::shared_ptr<PaintedCloud> of(const std::shared_ptr<PointCloud>& cloud, int mesh_id, const std::shared_ptr<Painter>& painter);
+    static std::shared_ptr<PaintedCloud> of(const std::shared_ptr<PointCloud>& cloud, int mesh_id,
+                                            const std::shared_ptr<Painter>& painter);
     ~PaintedCloud() override;
     // As Painter::give_back.
     static void give_back(std::shared_ptr<PaintedCloud>& cloud);

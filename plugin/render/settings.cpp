@@ -25,7 +25,8 @@ const char* const l1_size = "MeshLab::PointCloud::VideoMemory";
 const char* const l2_size = "MeshLab::PointCloud::Memory";
 
 // In the order of what they stand for, see splat_style.h.
-const QStringList splat_modes{"Squares of one size", "Squares as large as the radius", "Discs, affine", "Discs, perspective accurate"};
+const QStringList splat_modes{"Squares of one size", "Squares as large as the radius", "Discs, affine",
+                              "Discs, perspective accurate"};
 const QStringList colour_modes{"RGB", "Intensity", "Height", "Classification", "Level", "Error", "Uniform"};
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
 
@@ -40,54 +41,63 @@ void add_settings(RichParameterList& parameters)
 {
     const RenderOptions render;
     const CloudStyle style;
-    parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), splat_modes, "Splats",
-                                 "What a point is drawn as: a square of a fixed size in pixels; a square as large as the point's radius "
-                                 "appears; its disc (radius and normal), projected as if the view were parallel around its centre; or the "
-                                 "disc exactly, with its depth. A cloud without normals or radii is shown by the nearest of these that it "
-                                 "has the data for, and the log says so. Default: squares of one size."));
+    parameters.addParam(RichEnum(
+        splat_mode, static_cast<int>(style.splats), splat_modes, "Splats",
+        "What a point is drawn as: a square of a fixed size in pixels; a square as large as the point's radius "
+        "appears; its disc (radius and normal), projected as if the view were parallel around its centre; or the "
+        "disc exactly, with its depth. A cloud without normals or radii is shown by the nearest of these that it "
+        "has the data for, and the log says so. Default: squares of one size."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
     parameters.addParam(RichFloat(radius_scale, style.radius_scale, "Radius scale",
                                   "Factor on the points' radii, from 0.001 to 1000, for the other splats. Default 1."));
-    parameters.addParam(RichEnum(colour, static_cast<int>(style.colour), colour_modes, "Colour by",
-                                 "What the colour of a point shows: its own colour, its intensity, height (z, over the whole cloud), its "
-                                 "class, how coarse the level of detail of its chunk is, how far apart points are on the screen there, or "
-                                 "nothing. A cloud without colours shows its intensity, and one without that its height. Default RGB."));
+    parameters.addParam(RichEnum(
+        colour, static_cast<int>(style.colour), colour_modes, "Colour by",
+        "What the colour of a point shows: its own colour, its intensity, height (z, over the whole cloud), its "
+        "class, how coarse the level of detail of its chunk is, how far apart points are on the screen there, or "
+        "nothing. A cloud without colours shows its intensity, and one without that its height. Default RGB."));
     const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
     parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
                                   "Colour of all points when the colour shows nothing. Default light grey."));
     int default_samples = 0;
     for (int i = 0; i < sample_counts.size(); ++i)
         if ((1u << i) <= render.samples) default_samples = i;
-    parameters.addParam(RichEnum(samples, default_samples, sample_counts, "Samples a pixel",
-                                 "Multisampling of edges (MSAA), in samples a pixel; at most as many as the graphics card can. Default " +
-                                     sample_counts[default_samples] + "."));
-    parameters.addParam(RichFloat(eye_dome, render.eye_dome, "Eye-dome lighting",
-                                  QString("Strength with which points are darkened that lie behind their neighbours on the screen, from 0 "
-                                          "(off) to 10: it shows shapes in clouds without normals or colours. Default %1.")
-                                      .arg(static_cast<double>(render.eye_dome))));
-    parameters.addParam(
-        RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
-                  QString("While the view moves, detail is added until points are no farther apart than this on the screen, in pixels. Default %1.")
-                      .arg(render.target_spacing_px)));
-    parameters.addParam(RichFloat(frame_budget, static_cast<float>(render.frame_budget_ms), "Frame budget (ms)",
-                                  QString("Time that drawing a frame may take, in milliseconds. While the view moves, fewer points are drawn "
-                                          "when all would take longer; while it rests, the rest is added frame by frame until the picture is the "
-                                          "one of full resolution. Default %1.")
-                                      .arg(render.frame_budget_ms)));
-    parameters.addParam(RichFloat(point_budget, static_cast<float>(static_cast<double>(render.point_budget) / 1e6), "Point budget (millions)",
-                                  QString("Most points drawn in a frame, of all layers together, in millions. Default %1.")
-                                      .arg(static_cast<double>(render.point_budget) / 1e6)));
+    parameters.addParam(RichEnum(
+        samples, default_samples, sample_counts, "Samples a pixel",
+        "Multisampling of edges (MSAA), in samples a pixel; at most as many as the graphics card can. Default " +
+            sample_counts[default_samples] + "."));
+    parameters.addParam(RichFloat(
+        eye_dome, render.eye_dome, "Eye-dome lighting",
+        QString("Strength with which points are darkened that lie behind their neighbours on the screen, from 0 "
+                "(off) to 10: it shows shapes in clouds without normals or colours. Default %1.")
+            .arg(static_cast<double>(render.eye_dome))));
+    parameters.addParam(RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
+                                  QString("While the view moves, detail is added until points are no farther apart "
+                                          "than this on the screen, in pixels. Default %1.")
+                                      .arg(render.target_spacing_px)));
+    parameters.addParam(RichFloat(
+        frame_budget, static_cast<float>(render.frame_budget_ms), "Frame budget (ms)",
+        QString("Time that drawing a frame may take, in milliseconds. While the view moves, fewer points are drawn "
+                "when all would take longer; while it rests, the rest is added frame by frame until the picture is the "
+                "one of full resolution. Default %1.")
+            .arg(render.frame_budget_ms)));
+    parameters.addParam(RichFloat(
+        point_budget, static_cast<float>(static_cast<double>(render.point_budget) / 1e6), "Point budget (millions)",
+        QString("Most points drawn in a frame, of all layers together, in millions. Default %1.")
+            .arg(static_cast<double>(render.point_budget) / 1e6)));
     parameters.addParam(RichFloat(upload_budget, static_cast<float>(render.upload_budget_ms), "Upload budget (ms)",
-                                  QString("Time in each frame for bringing new points to the graphics card while the view moves, in milliseconds. Default %1.")
+                                  QString("Time in each frame for bringing new points to the graphics card while the "
+                                          "view moves, in milliseconds. Default %1.")
                                       .arg(render.upload_budget_ms)));
-    parameters.addParam(RichInt(l1_size, static_cast<int>(L1Options().capacity_bytes >> 20), "Video memory (MB)",
-                                QString("Memory on the graphics card for the points of all layers of a project, in megabytes. Default %1.")
-                                    .arg(L1Options().capacity_bytes >> 20)));
-    parameters.addParam(RichInt(l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
-                                QString("Main memory for the points of each cloud, in megabytes; what does not fit is read from disk "
-                                        "again. Default %1.")
-                                    .arg(L2Options().capacity_bytes >> 20)));
+    parameters.addParam(RichInt(
+        l1_size, static_cast<int>(L1Options().capacity_bytes >> 20), "Video memory (MB)",
+        QString("Memory on the graphics card for the points of all layers of a project, in megabytes. Default %1.")
+            .arg(L1Options().capacity_bytes >> 20)));
+    parameters.addParam(
+        RichInt(l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
+                QString("Main memory for the points of each cloud, in megabytes; what does not fit is read from disk "
+                        "again. Default %1.")
+                    .arg(L2Options().capacity_bytes >> 20)));
 }
 
 Settings read_settings(const RichParameterList& parameters)
@@ -96,14 +106,17 @@ Settings read_settings(const RichParameterList& parameters)
         return std::clamp(static_cast<double>(parameters.getFloat(name)), least, most);
     };
     Settings settings;
-    const auto choice = [&](const char* name, const QStringList& of) { return std::clamp(parameters.getEnum(name), 0, int(of.size()) - 1); };
+    const auto choice = [&](const char* name, const QStringList& of) {
+        return std::clamp(parameters.getEnum(name), 0, int(of.size()) - 1);
+    };
     CloudStyle& style = settings.style;
     style.splats = static_cast<SplatMode>(choice(splat_mode, splat_modes));
     style.colour = static_cast<ColourMode>(choice(colour, colour_modes));
     style.point_size_px = static_cast<float>(number(splat_size, 1, 256));
     style.radius_scale = static_cast<float>(number(radius_scale, 1e-3, 1e3));
     const QColor uniform = parameters.getColor(uniform_colour);
-    style.uniform_colour = {static_cast<float>(uniform.redF()), static_cast<float>(uniform.greenF()), static_cast<float>(uniform.blueF())};
+    style.uniform_colour = {static_cast<float>(uniform.redF()), static_cast<float>(uniform.greenF()),
+                            static_cast<float>(uniform.blueF())};
     RenderOptions& render = settings.render;
     render.samples = 1u << choice(samples, sample_counts);
     render.eye_dome = static_cast<float>(number(eye_dome, 0, 10));

@@ -39,19 +39,21 @@ pcm::View scene_view()
     return view;
 }
 
-// MeshLab computes the projection in another way for a snapshot, which rounds differently: it is the same view, and what has been drawn of it
-// is what the user saw. Otherwise `now`.
+// MeshLab computes the projection in another way for a snapshot, which rounds differently: it is the same view, and
+// what has been drawn of it is what the user saw. Otherwise `now`.
 const pcm::View& or_the_same(const pcm::View& now, const pcm::View& before)
 {
     constexpr double rounding = 1e-6;  // a few units of single precision, in which OpenGL keeps its matrices
     if (now.modelview != before.modelview || now.width != before.width || now.height != before.height) return now;
     for (std::size_t i = 0; i < 16; ++i)
-        if (!(std::fabs(now.projection[i] - before.projection[i]) <= rounding * std::max(1.0, std::fabs(before.projection[i])))) return now;
+        if (!(std::fabs(now.projection[i] - before.projection[i]) <=
+              rounding * std::max(1.0, std::fabs(before.projection[i]))))
+            return now;
     return before;
 }
 
-// A snapshot of several times the view's resolution is drawn in tiles, each a part of the view magnified to all of it (glarea.cpp: setView,
-// setTiledView; what is vertical there is told by the fov alone).
+// A snapshot of several times the view's resolution is drawn in tiles, each a part of the view magnified to all of it
+// (glarea.cpp: setView, setTiledView; what is vertical there is told by the fov alone).
 bool is_tile(const pcm::View& view, float fov)
 {
     const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * 3.14159265358979323846 / 360);
@@ -94,25 +96,30 @@ Matrix4d placement_of(const MeshModel& layer)
 std::string megabytes(std::uint64_t bytes) { return grouped((bytes + (1u << 19)) >> 20); }
 
 // How much of a cache is in use, and how often it had what was asked for.
-std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_t capacity, std::uint64_t hits, std::uint64_t misses)
+std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_t capacity, std::uint64_t hits,
+                       std::uint64_t misses)
 {
     const std::uint64_t asked = hits + misses;
-    return name + " " + megabytes(used) + " of " + megabytes(capacity) + " MB, " + (asked ? grouped(100 * hits / asked) : "0") + " % hits";
+    return name + " " + megabytes(used) + " of " + megabytes(capacity) + " MB, " +
+           (asked ? grouped(100 * hits / asked) : "0") + " % hits";
 }
 
 // Points of this layer, of all; what the picture is worth; time.
-QString status_text(const FrameReport& report, const CloudReport& cloud, std::uint64_t total, double target_px, const std::string& caches)
+QString status_text(const FrameReport& report, const CloudReport& cloud, std::uint64_t total, double target_px,
+                    const std::string& caches)
 {
     std::string points = grouped(cloud.points_drawn) + " of " + grouped(total) + " points";
     if (report.clouds.size() > 1) points += "; all layers: " + grouped(report.points_drawn);
     const std::string detail = report.full_resolution       ? std::string("full resolution")
-                               : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) + " px (target " + brief(target_px) + ")"
+                               : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
+                                                                  " px (target " + brief(target_px) + ")"
                                                             : std::string("all that is in view");
     const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame" +
                              (report.refining ? ", refining" : "") +
                              (report.samples > 1 ? ", " + std::to_string(report.samples) + " samples a pixel" : "");
     QString rows;
-    for (const std::string& row : {points, detail + ", " + time, cloud.notice, caches, cloud.error.empty() ? report.error : cloud.error})
+    for (const std::string& row :
+         {points, detail + ", " + time, cloud.notice, caches, cloud.error.empty() ? report.error : cloud.error})
         if (!row.empty()) rows += "<tr><td>" + QString::fromStdString(row).toHtmlEscaped() + "</td></tr>";
     return "<table>" + rows + "</table>";
 }
@@ -153,9 +160,12 @@ QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings
     const L1Statistics l1 = painter_->statistics();
     const L2Statistics l2 = tree.cloud->cache().statistics();
     const std::string caches =
-        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses) + "; " +
+        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits,
+                   l1.compulsory_misses + l1.capacity_misses) +
+        "; " +
         cache_text("RAM", l2.resident_bytes, settings.l2_bytes, l2.hits, l2.compulsory_misses + l2.capacity_misses);
-    return status_text(report_, report_.clouds[*entry.report], tree.cloud->info().points, settings.render.target_spacing_px, caches);
+    return status_text(report_, report_.clouds[*entry.report], tree.cloud->info().points,
+                       settings.render.target_spacing_px, caches);
 }
 
 void View::draw_scene(const Settings& settings)
@@ -169,7 +179,8 @@ void View::draw_scene(const Settings& settings)
     std::vector<SceneItem> items;
     std::vector<MeshModel*> drawn;
     for (MeshModel* layer : area_->md()->meshList) {
-        if (!layer || !area_->meshVisibilityMap.value(layer->id()) || !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
+        if (!layer || !area_->meshVisibilityMap.value(layer->id()) ||
+            !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
             continue;
         const auto tree = Registry::instance().find(*layer);
         if (!tree) continue;
@@ -212,7 +223,8 @@ void View::draw_scene(const Settings& settings)
     }
 }
 
-// MeshLab takes it as it is after this paint, so it is drawn aside until its detail is there; the view's own picture stays what it is.
+// MeshLab takes it as it is after this paint, so it is drawn aside until its detail is there; the view's own picture
+// stays what it is.
 FrameReport View::draw_tile(const pcm::View& view, const std::vector<SceneItem>& items, RenderOptions options)
 {
     if (!tile_) tile_ = std::make_unique<Picture>();
@@ -229,7 +241,9 @@ FrameReport View::draw_tile(const pcm::View& view, const std::vector<SceneItem>&
         } while (report.refining && taken.elapsed() < tile_patience_ms);
     }
     if (report.refining)
-        area_->md()->Log.Log(GLLogStream::WARNING, "Point Cloud: a part of the snapshot is less detailed than it should be, as loading took too long.");
+        area_->md()->Log.Log(
+            GLLogStream::WARNING,
+            "Point Cloud: a part of the snapshot is less detailed than it should be, as loading took too long.");
     report = painter_->renderer().draw(*tile_, view, items, options);
     report.refining = report.repaint = false;  // it is not asked for again
     return report;
@@ -240,7 +254,8 @@ void View::tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& 
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const std::string& notice = report_.clouds[i].notice;
         if (notice.empty() || !layers_[drawn[i]->id()].told.emplace(asked.splats, asked.colour).second) continue;
-        area_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
+        area_->md()->Log.Log(GLLogStream::SYSTEM,
+                             qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
     }
 }
 

@@ -1,7 +1,7 @@
 // What we draw in one of MeshLab's views, and what we have hidden there. Child of the view.
 //
-// MeshLab asks for one layer after the other; all of them are drawn when it asks for the first, so that they share one budget, by what
-// the eye sees.
+// MeshLab asks for one layer after the other; all of them are drawn when it asks for the first, so that they share one
+// budget, by what the eye sees.
 #pragma once
 
 #include "host/registry.h"
@@ -36,8 +36,8 @@ public:
 
     // From now on the layer's tree is drawn here, and MeshLab's own points of it are not.
     void begin(MeshModel& layer);
-    // Draws all layers that this view shows, unless it has in this paint; returns the text about this one for MeshLab's info pane.
-    // Throws what drawing throws.
+    // Draws all layers that this view shows, unless it has in this paint; returns the text about this one for MeshLab's
+    // info pane. Throws what drawing throws.
     QString draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings);
     // Undoes begin().
     void end(int mesh_id);
@@ -53,7 +53,7 @@ private:
     struct Layer {
         std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
-        std::optional<std::size_t> report;  // of it in report_, when it is in the picture
+        std::optional<std::size_t> report;                // of it in report_, when it is in the picture
         std::set<std::pair<SplatMode, ColourMode>> told;  // of which the log has what the cloud lacks for them
     };
 
@@ -74,8 +74,8 @@ private:
     Picture picture_;
     pcm::View shown_;                // in picture_
     std::unique_ptr<Picture> tile_;  // of a snapshot that is being taken
-    bool drawn_ = false;  // in the current paint event
-    FrameReport report_;  // of it
+    bool drawn_ = false;             // in the current paint event
+    FrameReport report_;             // of it
     bool look_again_ = false;
     int frame_ = 0;
 };

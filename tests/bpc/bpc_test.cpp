@@ -16,10 +16,11 @@ using pcm::test::TemporaryFolder;
 pcm::Schema every_type()
 {
     pcm::Schema schema;
-    for (const auto type : {pcm::ScalarType::i8, pcm::ScalarType::u8, pcm::ScalarType::i16, pcm::ScalarType::u16,
-                            pcm::ScalarType::i32, pcm::ScalarType::u32, pcm::ScalarType::i64, pcm::ScalarType::u64,
-                            pcm::ScalarType::f32, pcm::ScalarType::f64})
-        schema.add({std::string(pcm::name_of(type)) + "s", type, 1 + static_cast<std::uint32_t>(type) % 3, 0.5, 10, "d"});
+    for (const auto type :
+         {pcm::ScalarType::i8, pcm::ScalarType::u8, pcm::ScalarType::i16, pcm::ScalarType::u16, pcm::ScalarType::i32,
+          pcm::ScalarType::u32, pcm::ScalarType::i64, pcm::ScalarType::u64, pcm::ScalarType::f32, pcm::ScalarType::f64})
+        schema.add(
+            {std::string(pcm::name_of(type)) + "s", type, 1 + static_cast<std::uint32_t>(type) % 3, 0.5, 10, "d"});
     return schema;
 }
 
@@ -111,7 +112,9 @@ TEST(Bpc, OnlyWhatIsAskedForIsRead)
         for (std::size_t i = 0; i < schema.size(); ++i) columns.attributes.set(i, random() & 1);
         // Damage every column that is not asked for: nobody may notice.
         std::vector<std::byte> damaged = bytes;
-        const auto damage = [&](const pcm::BpcColumn& column) { damaged[column.offset + column.bytes / 2] ^= std::byte(1); };
+        const auto damage = [&](const pcm::BpcColumn& column) {
+            damaged[column.offset + column.bytes / 2] ^= std::byte(1);
+        };
         if (!columns.positions) damage(header.positions);
         for (std::size_t i = 0; i < schema.size(); ++i)
             if (!columns.attributes.test(i)) damage(header.attributes[i]);
@@ -146,7 +149,8 @@ TEST(Bpc, TruncationIsRefusedAtEveryLength)
     const pcm::Schema schema = every_type();
     const auto bytes = pcm::encode_chunk(random_chunk(schema, 20, true, random), schema, pcm::Grid());
     for (std::size_t length = 0; length < bytes.size(); ++length) {
-        const pcm::File file = written(folder / "chunk", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
+        const pcm::File file =
+            written(folder / "chunk", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
         EXPECT_THROW(pcm::read_chunk(file, 0, bytes.size(), 0, pcm::ColumnSet::all(schema)), pcm::Error);
         if (length) EXPECT_THROW(pcm::read_chunk(file, 0, length, 0, pcm::ColumnSet::all(schema)), pcm::Error);
     }

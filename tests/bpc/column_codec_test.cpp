@@ -38,13 +38,27 @@ std::vector<Word> sequence(std::mt19937_64& random, std::size_t count, int kind)
     for (Word& v : values) {
         const auto any = static_cast<Word>(random());
         switch (kind) {
-        case 0: v = walk; break;
-        case 1: v = any; break;
-        case 2: v = walk = static_cast<Word>(walk + (any >> (sizeof(Word) * 8 - width)) - (Word(1) << (width - 1))); break;
-        case 3: v = static_cast<Word>(any >> (sizeof(Word) * 8 - width)); break;
-        case 4: v = static_cast<Word>((any & 15) << shift); break;
-        case 5: v = any & 1 ? ~Word(0) : Word(0); break;
-        default: v = random() % 1000 ? walk : any; break;
+            case 0:
+                v = walk;
+                break;
+            case 1:
+                v = any;
+                break;
+            case 2:
+                v = walk = static_cast<Word>(walk + (any >> (sizeof(Word) * 8 - width)) - (Word(1) << (width - 1)));
+                break;
+            case 3:
+                v = static_cast<Word>(any >> (sizeof(Word) * 8 - width));
+                break;
+            case 4:
+                v = static_cast<Word>((any & 15) << shift);
+                break;
+            case 5:
+                v = any & 1 ? ~Word(0) : Word(0);
+                break;
+            default:
+                v = random() % 1000 ? walk : any;
+                break;
         }
     }
     return values;
@@ -75,10 +89,7 @@ TEST(ColumnCodec, BlockBoundaries)
     }
 }
 
-TEST(ColumnCodec, ConstantTakesSixteenBytes)
-{
-    EXPECT_EQ(packed(std::vector<std::uint32_t>(100000, 42)).size(), 16u);
-}
+TEST(ColumnCodec, ConstantTakesSixteenBytes) { EXPECT_EQ(packed(std::vector<std::uint32_t>(100000, 42)).size(), 16u); }
 
 TEST(ColumnCodec, RampPacksToAFewBitsAValue)
 {

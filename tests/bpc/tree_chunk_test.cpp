@@ -60,7 +60,8 @@ Chunk walk(const Schema& schema, std::uint32_t points, bool wide, std::mt19937_6
         auto column = std::make_shared<Column>(attribute);
         column->resize(points);
         for (std::size_t i = 0; i < column->bytes(); ++i)
-            column->data()[i] = static_cast<std::byte>(attribute.name == "same" ? i % column->point_bytes() : random() % 50);
+            column->data()[i] =
+                static_cast<std::byte>(attribute.name == "same" ? i % column->point_bytes() : random() % 50);
         chunk.attributes.push_back(column);
     }
     return chunk;
@@ -112,7 +113,8 @@ TEST(TreeChunk, ComesBackWithItsNode)
         }
 }
 
-// The rule of FORMAT.md, said another way: as few segments of a level as may be, all of nearly one size, none across levels.
+// The rule of FORMAT.md, said another way: as few segments of a level as may be, all of nearly one size, none across
+// levels.
 TEST(TreeChunk, SegmentsAreEvenAndTight)
 {
     std::mt19937_64 random(2);
@@ -214,8 +216,9 @@ TEST(TreeChunk, ASmallPartReadsLittle)
     const BpcHeader header = decode_header(bytes.data(), bytes.size(), {});
     EXPECT_LT(header.header_bytes * 1000, bytes.size() * 5);  // half a per cent
     const File file = written(folder / "chunk", bytes);
-    const auto positions_of_level_0 = read_chunk_part(file, 0, bytes.size(), header.header_bytes, ColumnSet::only_positions(),
-                                                      [](const Box3i&, std::uint16_t level) { return level == 0; });
+    const auto positions_of_level_0 =
+        read_chunk_part(file, 0, bytes.size(), header.header_bytes, ColumnSet::only_positions(),
+                        [](const Box3i&, std::uint16_t level) { return level == 0; });
     EXPECT_EQ(positions_of_level_0.chunk.points, 1000u);
     EXPECT_EQ(positions_of_level_0.bytes_read, header.header_bytes + header.positions.pieces[0].bytes);
     const auto nothing = read_chunk_part(file, 0, bytes.size(), header.header_bytes, ColumnSet::all(schema),
@@ -228,7 +231,8 @@ TEST(TreeChunk, ASmallPartReadsLittle)
     const File bad = written(folder / "bad", damaged);
     const auto level_0 = [](const Box3i&, std::uint16_t level) { return level == 0; };
     const auto level_1 = [](const Box3i&, std::uint16_t level) { return level == 1; };
-    EXPECT_EQ(read_chunk_part(bad, 0, bytes.size(), header.header_bytes, ColumnSet::all(schema), level_0).chunk.points, 1000u);
+    EXPECT_EQ(read_chunk_part(bad, 0, bytes.size(), header.header_bytes, ColumnSet::all(schema), level_0).chunk.points,
+              1000u);
     EXPECT_THROW(read_chunk_part(bad, 0, bytes.size(), header.header_bytes, ColumnSet::all(schema), level_1), Error);
 }
 
@@ -283,7 +287,8 @@ TEST(TreeChunk, AnyChangedOrMissingByteIsRefused)
     const Schema schema = some_attributes();
     for (const std::uint32_t points : {0u, 300u}) {
         const ChunkIdentity identity = points ? identity_of({100, 200}) : identity_of({});
-        const auto bytes = encode_chunk(points ? walk(schema, points, false, random) : Chunk(), schema, Grid(), identity);
+        const auto bytes =
+            encode_chunk(points ? walk(schema, points, false, random) : Chunk(), schema, Grid(), identity);
         const auto read = [&](const File& file, std::size_t length) {
             read_chunk(file, 0, length, 0, ColumnSet::all(schema));
         };
@@ -293,15 +298,16 @@ TEST(TreeChunk, AnyChangedOrMissingByteIsRefused)
             EXPECT_THROW(read(written(folder / "chunk", damaged), bytes.size()), Error) << at;
         }
         for (std::size_t length = 0; length < bytes.size(); length += points ? 7 : 1) {
-            const File file = written(folder / "chunk", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
+            const File file =
+                written(folder / "chunk", {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)});
             EXPECT_THROW(read(file, bytes.size()), Error) << length;
             EXPECT_THROW(read(file, length), Error) << length;
         }
     }
 }
 
-// A header whose checksum holds but whose bytes are not as written: an error, or a chunk that is whole; no crash, and no point outside
-// of its segment's box.
+// A header whose checksum holds but whose bytes are not as written: an error, or a chunk that is whole; no crash, and
+// no point outside of its segment's box.
 TEST(TreeChunk, AHeaderThatMakesNoSenseIsRefused)
 {
     const TemporaryFolder folder;

@@ -41,7 +41,10 @@ protected:
         try {
             call();
         } catch (const Error& error) {
-            return std::string(error.code() == ErrorCode::invalid_argument ? "invalid: " : error.code() == ErrorCode::exists ? "exists: " : "other: ") + error.what();
+            return std::string(error.code() == ErrorCode::invalid_argument ? "invalid: "
+                               : error.code() == ErrorCode::exists         ? "exists: "
+                                                                           : "other: ") +
+                   error.what();
         }
         return "";
     }
@@ -56,7 +59,9 @@ protected:
         for (PointView view; cursor.getNextData(view);)
             for (std::size_t i = 0; i < view.size(); ++i) {
                 const Vec3i q = view.grid_position(i);
-                all.insert({{q[0], q[1], q[2], static_cast<std::int64_t>(view.value(i, 1)), static_cast<std::int64_t>(view.value(i, 2))}, view.value(i, 0)});
+                all.insert({{q[0], q[1], q[2], static_cast<std::int64_t>(view.value(i, 1)),
+                             static_cast<std::int64_t>(view.value(i, 2))},
+                            view.value(i, 0)});
             }
         return all;
     }
@@ -95,7 +100,8 @@ TEST_F(EditCursorTest, ANewAttributeOfEveryPoint)
         auto reading = cloud->points(query);
         points = 0;
         for (PointView view; reading.getNextData(view); points += view.size())
-            for (std::size_t i = 0; i < view.size(); ++i) ASSERT_EQ(view.value(i, 0), (again ? 3 : 2) * view.position(i)[2]);
+            for (std::size_t i = 0; i < view.size(); ++i)
+                ASSERT_EQ(view.value(i, 0), (again ? 3 : 2) * view.position(i)[2]);
         EXPECT_EQ(points, 30000u);
     }
 }
@@ -112,7 +118,8 @@ TEST_F(EditCursorTest, RandomChangesAgainstAModel)
         query.attributes = {"intensity", "point_source_id", "user_data"};
         Box3d box;
         for (std::size_t a = 0; a < 3; ++a) {
-            const double from = std::uniform_real_distribution<double>(0, 0.8)(random), to = from + std::uniform_real_distribution<double>(0, 0.6)(random);
+            const double from = std::uniform_real_distribution<double>(0, 0.8)(random),
+                         to = from + std::uniform_real_distribution<double>(0, 0.6)(random);
             box.min[a] = all.min[a] + from * all.extent(a);
             box.max[a] = all.min[a] + to * all.extent(a);
         }
@@ -125,7 +132,8 @@ TEST_F(EditCursorTest, RandomChangesAgainstAModel)
             for (std::size_t i = 0; i < view.size(); ++i) {
                 const Vec3d p = view.position(i);
                 const Vec3i g = view.chunk().positions->grid(view.index(i));
-                const Key key{g[0], g[1], g[2], static_cast<std::int64_t>(view.value(i, 1)), static_cast<std::int64_t>(view.value(i, 2))};
+                const Key key{g[0], g[1], g[2], static_cast<std::int64_t>(view.value(i, 1)),
+                              static_cast<std::int64_t>(view.value(i, 2))};
                 if (query.box) EXPECT_TRUE(query.box->contains(p));
                 auto [first, last] = next.equal_range(key);
                 ASSERT_NE(first, last);
@@ -191,7 +199,8 @@ TEST_F(EditCursorTest, AnAttributeThatOnlySomeChunksHave)
         where.where.clear();
         auto every = reading->points(where);
         for (PointView view; every.getNextData(view); all += view.size())
-            for (std::size_t i = 0; i < view.size(); ++i) EXPECT_TRUE(view.value(i, 0, 0) == 0 && (view.value(i, 0, 1) == 0 || view.value(i, 0, 1) == 200));
+            for (std::size_t i = 0; i < view.size(); ++i)
+                EXPECT_TRUE(view.value(i, 0, 0) == 0 && (view.value(i, 0, 1) == 0 || view.value(i, 0, 1) == 200));
         EXPECT_EQ(found, marked);
         EXPECT_EQ(all, 30000u);
     };
@@ -231,7 +240,8 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
         ASSERT_TRUE(cursor.getNextData(view));
         view.set(0, 0, 1);
     }
-    EXPECT_NE(error_of([&] { cloud->flush(); }).find("mark_written"), std::string::npos);  // the cursor died with a change
+    EXPECT_NE(error_of([&] { cloud->flush(); }).find("mark_written"),
+              std::string::npos);  // the cursor died with a change
     cloud->flush();
     auto cursor = cloud->edit(query);
     ASSERT_TRUE(cursor.getNextData(view));
@@ -242,7 +252,8 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
     EXPECT_NE(error_of([&] { cloud->edit(query); }).find("closed"), std::string::npos);
     EXPECT_NE(error_of([&] {
                   auto points = cloud->points(query);
-                  for (PointView v; points.getNextData(v);) {}
+                  for (PointView v; points.getNextData(v);) {
+                  }
               }).find("closed"),
               std::string::npos);
     EXPECT_EQ(error_of([&] { open(Access::write); }), "");  // the lock is free
@@ -279,7 +290,8 @@ TEST_F(EditCursorTest, ATransformedCloud)
         double most = 0;
         auto points = of->points();
         for (PointView view; points.getNextData(view);)
-            for (std::size_t i = 0; i < view.size(); ++i) most = std::max(most, std::hypot(view.position(i)[0] - centre[0], view.position(i)[1] - centre[1]));
+            for (std::size_t i = 0; i < view.size(); ++i)
+                most = std::max(most, std::hypot(view.position(i)[0] - centre[0], view.position(i)[1] - centre[1]));
         if (of == &*cloud)
             farthest = most;
         else

@@ -84,9 +84,10 @@ struct L1Model {
     }
     void forget_orphans()
     {
-        entries.erase(std::remove_if(entries.begin(), entries.end(),
-                                     [&](const Entry& e) { return !e.written && e.pins == 0 && !latest.count(e.owner); }),
-                      entries.end());
+        entries.erase(
+            std::remove_if(entries.begin(), entries.end(),
+                           [&](const Entry& e) { return !e.written && e.pins == 0 && !latest.count(e.owner); }),
+            entries.end());
     }
 
     bool use(std::uint64_t owner, NodeId node)

@@ -36,7 +36,8 @@ struct Subject {
     }
     bool set_blocks(std::uint32_t most)
     {
-        if (table.pages() > most * pages_per_block && !table.retire_pages(most * pages_per_block, Hooks{*this})) return false;
+        if (table.pages() > most * pages_per_block && !table.retire_pages(most * pages_per_block, Hooks{*this}))
+            return false;
         max_blocks = most;
         return true;
     }

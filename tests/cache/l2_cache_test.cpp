@@ -106,71 +106,71 @@ TEST_F(L2CacheTest, RandomOperationsAgainstAModel)
         Model::Entry& entry = model.entries[node];
         const bool there = entry.resident && entry.columns.contains(columns);
         switch (random() % 8) {
-        case 0: {
-            const auto handle = cache.find(node, columns);
-            ASSERT_EQ(static_cast<bool>(handle), there);
-            if (there) {
-                ++model.hits;
+            case 0: {
+                const auto handle = cache.find(node, columns);
+                ASSERT_EQ(static_cast<bool>(handle), there);
+                if (there) {
+                    ++model.hits;
+                    model.pin(node);
+                    model.unpin(node);
+                }
+                break;
+            }
+            case 1:
+                if (!held.empty()) {
+                    const std::size_t k = random() % held.size();
+                    const NodeId freed = held[k].first;
+                    held.erase(held.begin() + static_cast<std::ptrdiff_t>(k));
+                    model.unpin(freed);
+                }
+                break;
+            case 2:
+                if (random() % 50 == 0) {
+                    cache.clear();
+                    while (!model.unpinned.empty()) {
+                        Model::Entry& e = model.entries[model.unpinned.front()];
+                        model.unpinned.pop_front();
+                        model.charged -= e.bytes;
+                        e.bytes = 0;
+                        e.resident = false;
+                        ++model.evictions;
+                    }
+                } else if (random() % 50 == 0) {
+                    model.capacity = 100000 + random() % 600000;
+                    cache.set_capacity(model.capacity);
+                    model.shrink();
+                }
+                break;
+            default: {
+                auto handle = cache.get(node, columns);
+                ASSERT_EQ(handle->points, tree_->node(node).points);
+                ASSERT_TRUE(handle->columns().contains(columns));
+                if (there) {
+                    ++model.hits;
+                } else {
+                    ++(entry.known && entry.ever.contains(columns) ? model.capacity_misses : model.compulsory);
+                    if (!entry.resident) {
+                        entry.columns = ColumnSet();
+                        entry.columns.positions = false;
+                    }
+                    entry.columns |= columns;
+                    if (!entry.known) entry.ever = entry.columns;
+                    entry.ever |= entry.columns;
+                    entry.known = true;
+                    entry.resident = true;
+                    model.charged -= entry.bytes;
+                    entry.bytes = bytes_of(node, entry.columns);
+                    model.charged += entry.bytes;
+                }
                 model.pin(node);
-                model.unpin(node);
-            }
-            break;
-        }
-        case 1:
-            if (!held.empty()) {
-                const std::size_t k = random() % held.size();
-                const NodeId freed = held[k].first;
-                held.erase(held.begin() + static_cast<std::ptrdiff_t>(k));
-                model.unpin(freed);
-            }
-            break;
-        case 2:
-            if (random() % 50 == 0) {
-                cache.clear();
-                while (!model.unpinned.empty()) {
-                    Model::Entry& e = model.entries[model.unpinned.front()];
-                    model.unpinned.pop_front();
-                    model.charged -= e.bytes;
-                    e.bytes = 0;
-                    e.resident = false;
-                    ++model.evictions;
-                }
-            } else if (random() % 50 == 0) {
-                model.capacity = 100000 + random() % 600000;
-                cache.set_capacity(model.capacity);
                 model.shrink();
-            }
-            break;
-        default: {
-            auto handle = cache.get(node, columns);
-            ASSERT_EQ(handle->points, tree_->node(node).points);
-            ASSERT_TRUE(handle->columns().contains(columns));
-            if (there) {
-                ++model.hits;
-            } else {
-                ++(entry.known && entry.ever.contains(columns) ? model.capacity_misses : model.compulsory);
-                if (!entry.resident) {
-                    entry.columns = ColumnSet();
-                    entry.columns.positions = false;
+                if (held.size() < 10 && random() % 3 == 0) {
+                    held.emplace_back(node, std::move(handle));
+                } else {
+                    handle = L2Cache::Handle();
+                    model.unpin(node);
                 }
-                entry.columns |= columns;
-                if (!entry.known) entry.ever = entry.columns;
-                entry.ever |= entry.columns;
-                entry.known = true;
-                entry.resident = true;
-                model.charged -= entry.bytes;
-                entry.bytes = bytes_of(node, entry.columns);
-                model.charged += entry.bytes;
             }
-            model.pin(node);
-            model.shrink();
-            if (held.size() < 10 && random() % 3 == 0) {
-                held.emplace_back(node, std::move(handle));
-            } else {
-                handle = L2Cache::Handle();
-                model.unpin(node);
-            }
-        }
         }
         if (i % 100 == 0) {
             const L2Statistics statistics = cache.statistics();
@@ -294,11 +294,14 @@ TEST_F(L2CacheTest, ErrorsReachWhoAsked)
     EXPECT_FALSE(cache.error_of(victim + 1));
     EXPECT_EQ(cache.statistics().failed_loads, 3u);
     // Other columns of the same chunk are whole and still to be had.
-    EXPECT_EQ(cache.get(victim, [&] {
-                   ColumnSet only = colour_;
-                   only.positions = false;
-                   return only;
-               }())->points,
+    EXPECT_EQ(cache
+                  .get(victim,
+                       [&] {
+                           ColumnSet only = colour_;
+                           only.positions = false;
+                           return only;
+                       }())
+                  ->points,
               tree_->node(victim).points);
     EXPECT_THROW(cache.get(static_cast<NodeId>(tree_->nodes().size()), positions_), Error);
 }

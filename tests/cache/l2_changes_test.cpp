@@ -1,5 +1,5 @@
-// Chunks that are changed: the cache against a naive model, one operation at a time, and many threads whose changes must all arrive; on a store
-// that now and then fails to read, to write or to commit.
+// Chunks that are changed: the cache against a naive model, one operation at a time, and many threads whose changes
+// must all arrive; on a store that now and then fails to read, to write or to commit.
 
 #include "cache/l2_cache.h"
 
@@ -24,14 +24,16 @@ using namespace pcm;
 using namespace pcm::test;
 
 using Value = std::uint16_t;
-constexpr std::size_t columns_used = 3;  // u16 attributes of one component, each with one value in all points of a chunk
+constexpr std::size_t columns_used =
+    3;  // u16 attributes of one component, each with one value in all points of a chunk
 
 // Keeps chunks in memory: positions of a real tree, and a value a column.
 class FakeStore final : public ChunkStore {
 public:
     explicit FakeStore(std::shared_ptr<const Tree> tree) : tree_(std::move(tree))
     {
-        for (NodeId id = 0; id < tree_->nodes().size(); ++id) chunks_.push_back(tree_->read_chunk(id, ColumnSet::all(tree_->info().schema)));
+        for (NodeId id = 0; id < tree_->nodes().size(); ++id)
+            chunks_.push_back(tree_->read_chunk(id, ColumnSet::all(tree_->info().schema)));
     }
     std::shared_ptr<const Tree> tree() const override { return tree_; }
     Chunk read(NodeId node, const ColumnSet& columns) const override
@@ -45,7 +47,11 @@ public:
             if (!columns.attributes.test(k)) chunk.attributes[k].reset();
         return chunk;
     }
-    ChunkPart read_part(NodeId, const ColumnSet&, const std::function<bool(const Box3i&, std::uint16_t)>&) const override { return {}; }
+    ChunkPart read_part(NodeId, const ColumnSet&,
+                        const std::function<bool(const Box3i&, std::uint16_t)>&) const override
+    {
+        return {};
+    }
     bool writable() const override { return true; }
     void write(NodeId node, const Chunk& chunk, const ColumnSet& changed) override
     {
@@ -56,7 +62,9 @@ public:
         // What is not told to have changed has not.
         for (std::size_t k = 0; k < chunk.attributes.size(); ++k)
             if (!changed.attributes.test(k)) {
-                EXPECT_EQ(std::memcmp(chunk.attributes[k]->data(), chunks_[node].attributes[k]->data(), chunk.attributes[k]->bytes()), 0);
+                EXPECT_EQ(std::memcmp(chunk.attributes[k]->data(), chunks_[node].attributes[k]->data(),
+                                      chunk.attributes[k]->bytes()),
+                          0);
             }
         chunks_[node] = chunk;
         ++writes;
@@ -67,7 +75,10 @@ public:
         const std::lock_guard lock(mutex_);
         committed_ = chunks_;
     }
-    Value committed(NodeId node, std::size_t column) const { return committed_[node].attributes[column]->as<Value>()[0]; }
+    Value committed(NodeId node, std::size_t column) const
+    {
+        return committed_[node].attributes[column]->as<Value>()[0];
+    }
 
     std::atomic<bool> fail_reads{false}, fail_writes{false}, fail_commits{false};
     mutable std::atomic<std::uint64_t> reads{0}, writes{0};
@@ -121,7 +132,8 @@ struct Model {
     std::map<NodeId, Entry> entries;
     std::list<NodeId> order;  // least recently used first
     std::map<std::pair<NodeId, int>, Value> stored;
-    std::uint64_t capacity = 0, hits = 0, compulsory = 0, capacity_misses = 0, forced = 0, evictions = 0, failed_loads = 0, failed_writes = 0, written = 0;
+    std::uint64_t capacity = 0, hits = 0, compulsory = 0, capacity_misses = 0, forced = 0, evictions = 0,
+                  failed_loads = 0, failed_writes = 0, written = 0;
     bool failure = false;
 
     std::uint64_t bytes_of(NodeId node, const std::set<int>& columns) const
@@ -188,7 +200,9 @@ struct Model {
     bool get(NodeId node, const std::set<int>& columns)
     {
         Entry& entry = entries[node];
-        const auto has = [](const std::set<int>& all, const std::set<int>& some) { return std::includes(all.begin(), all.end(), some.begin(), some.end()); };
+        const auto has = [](const std::set<int>& all, const std::set<int>& some) {
+            return std::includes(all.begin(), all.end(), some.begin(), some.end());
+        };
         if (!entry.columns.empty() && has(entry.columns, columns)) {
             ++hits;
         } else {
@@ -255,138 +269,164 @@ TEST_F(L2Changes, AMillionOperationsAgainstANaiveModel)
     for (std::uint64_t step = 0; step < 1000000 && !HasFatalFailure(); ++step, ++operations) {
         const NodeId node = nodes[below(nodes.size())];
         switch (below(40)) {
-        case 0: store_->fail_reads = below(6) == 0; break;
-        case 1: store_->fail_writes = below(3) == 0; break;
-        case 2:
-            model.capacity = 1000 * (1 + below(150));
-            model.make_room();
-            cache.set_capacity(model.capacity);
-            break;
-        case 3: {
-            if (below(20)) break;
-            for (auto id = model.order.begin(); id != model.order.end();) {
-                const NodeId clean = *id++;
-                if (model.entries[clean].dirty.empty()) model.drop(clean);
-            }
-            cache.clear();
-            break;
-        }
-        case 4: {  // flush
-            if (below(4)) break;
-            store_->fail_commits = below(4) == 0;
-            bool fine = !unmarked;
-            const bool was_unmarked = unmarked;
-            unmarked = false;
-            if (fine) {
-                for (auto& [id, entry] : model.entries)
-                    if (fine && !entry.dirty.empty()) fine = model.write_back(id);
-                if (fine) model.failure = false;
-                fine = fine && !store_->fail_commits;
-            }
-            if (fine) {
-                cache.flush();
-                ++commits;
-                for (const auto& [place, value] : model.stored)
-                    ASSERT_EQ(store_->committed(place.first, slots_[static_cast<std::size_t>(place.second - 1)]), value);
-            } else {
-                try {
-                    cache.flush();
-                    FAIL() << "it should have failed";
-                } catch (const Error& error) {
-                    ASSERT_EQ(error.code() == ErrorCode::invalid_argument, was_unmarked);
-                }
-            }
-            break;
-        }
-        case 5: case 6: case 7: case 8: case 9: case 10: case 11: case 12: {  // change
-            std::set<int> names;
-            const ColumnSet asked = pick(names);
-            if (model.failure && model.charged() > model.capacity) {
-                ASSERT_THROW(cache.edit(node, asked), Error);
-                ++refused;
+            case 0:
+                store_->fail_reads = below(6) == 0;
                 break;
-            }
-            if (!model.get(node, names)) {
-                ASSERT_THROW(cache.edit(node, asked), Error);
-                break;
-            }
-            L2Cache::Edit edit = cache.edit(node, asked);
-            std::map<int, Value> pending;
-            const auto mark = [&] {
-                edit.mark_written();
-                for (const auto& [c, value] : pending) {
-                    model.entries[node].values[c] = value;
-                    model.entries[node].dirty.insert(c);
-                }
-                if (!pending.empty()) model.make_room();
-                pending.clear();
-            };
-            for (int c = 1; c <= 2; ++c) {
-                if (!names.count(c) || below(3) == 0) continue;
-                Column& column = edit.column(slots_[static_cast<std::size_t>(c - 1)]);
-                ASSERT_EQ(column.as<Value>()[column.size() - 1], model.entries[node].values[c]);
-                std::fill_n(column.as<Value>(), column.size(), next);
-                pending[c] = next++;
-                if (below(3) == 0) mark();
-            }
-            switch (below(20)) {
-            case 0: break;
             case 1:
-                edit.discard();
-                pending.clear();
+                store_->fail_writes = below(3) == 0;
                 break;
-            default: mark();
-            }
-            const bool changed = !pending.empty();
-            ASSERT_EQ(edit.changed(), changed);
-            unmarked = unmarked || changed;
-            {
-                const L2Cache::Edit gone = std::move(edit);
-            }
-            model.release(node);
-            break;
-        }
-        case 13: case 14: case 15: case 16: case 17: case 18: case 19: case 20: case 21: case 22: {  // hold
-            if (held.size() > 5) break;
-            std::set<int> names;
-            const ColumnSet asked = pick(names);
-            if (!model.get(node, names)) {
-                ASSERT_THROW(cache.get(node, asked), Error);
+            case 2:
+                model.capacity = 1000 * (1 + below(150));
+                model.make_room();
+                cache.set_capacity(model.capacity);
                 break;
-            }
-            held.emplace_back(node, cache.get(node, asked));
-            seen.push_back(model.entries[node].values);
-            break;
-        }
-        case 23: case 24: case 25: {  // find
-            std::set<int> names;
-            const ColumnSet asked = pick(names);
-            Model::Entry& entry = model.entries[node];
-            const bool there = !entry.columns.empty() && std::includes(entry.columns.begin(), entry.columns.end(), names.begin(), names.end());
-            {
-                const L2Cache::Handle handle = cache.find(node, asked);
-                ASSERT_EQ(static_cast<bool>(handle), there);
-                if (there) check_values(*handle, entry.values);
-                if (there) {
-                    ++model.hits;
-                    ++entry.pins;
-                    model.touch(node);
+            case 3: {
+                if (below(20)) break;
+                for (auto id = model.order.begin(); id != model.order.end();) {
+                    const NodeId clean = *id++;
+                    if (model.entries[clean].dirty.empty()) model.drop(clean);
                 }
+                cache.clear();
+                break;
             }
-            if (there) model.release(node);
-            break;
-        }
-        default: {  // let go
-            if (held.empty()) break;
-            const std::size_t which = below(held.size());
-            check_values(*held[which].second, seen[which]);  // as it was when it was asked for
-            const NodeId id = held[which].first;
-            held[which] = std::move(held.back());
-            held.pop_back();
-            seen[which] = std::move(seen.back());
-            seen.pop_back();
-            model.release(id);
-        }
+            case 4: {  // flush
+                if (below(4)) break;
+                store_->fail_commits = below(4) == 0;
+                bool fine = !unmarked;
+                const bool was_unmarked = unmarked;
+                unmarked = false;
+                if (fine) {
+                    for (auto& [id, entry] : model.entries)
+                        if (fine && !entry.dirty.empty()) fine = model.write_back(id);
+                    if (fine) model.failure = false;
+                    fine = fine && !store_->fail_commits;
+                }
+                if (fine) {
+                    cache.flush();
+                    ++commits;
+                    for (const auto& [place, value] : model.stored)
+                        ASSERT_EQ(store_->committed(place.first, slots_[static_cast<std::size_t>(place.second - 1)]),
+                                  value);
+                } else {
+                    try {
+                        cache.flush();
+                        FAIL() << "it should have failed";
+                    } catch (const Error& error) {
+                        ASSERT_EQ(error.code() == ErrorCode::invalid_argument, was_unmarked);
+                    }
+                }
+                break;
+            }
+            case 5:
+            case 6:
+            case 7:
+            case 8:
+            case 9:
+            case 10:
+            case 11:
+            case 12: {  // change
+                std::set<int> names;
+                const ColumnSet asked = pick(names);
+                if (model.failure && model.charged() > model.capacity) {
+                    ASSERT_THROW(cache.edit(node, asked), Error);
+                    ++refused;
+                    break;
+                }
+                if (!model.get(node, names)) {
+                    ASSERT_THROW(cache.edit(node, asked), Error);
+                    break;
+                }
+                L2Cache::Edit edit = cache.edit(node, asked);
+                std::map<int, Value> pending;
+                const auto mark = [&] {
+                    edit.mark_written();
+                    for (const auto& [c, value] : pending) {
+                        model.entries[node].values[c] = value;
+                        model.entries[node].dirty.insert(c);
+                    }
+                    if (!pending.empty()) model.make_room();
+                    pending.clear();
+                };
+                for (int c = 1; c <= 2; ++c) {
+                    if (!names.count(c) || below(3) == 0) continue;
+                    Column& column = edit.column(slots_[static_cast<std::size_t>(c - 1)]);
+                    ASSERT_EQ(column.as<Value>()[column.size() - 1], model.entries[node].values[c]);
+                    std::fill_n(column.as<Value>(), column.size(), next);
+                    pending[c] = next++;
+                    if (below(3) == 0) mark();
+                }
+                switch (below(20)) {
+                    case 0:
+                        break;
+                    case 1:
+                        edit.discard();
+                        pending.clear();
+                        break;
+                    default:
+                        mark();
+                }
+                const bool changed = !pending.empty();
+                ASSERT_EQ(edit.changed(), changed);
+                unmarked = unmarked || changed;
+                {
+                    const L2Cache::Edit gone = std::move(edit);
+                }
+                model.release(node);
+                break;
+            }
+            case 13:
+            case 14:
+            case 15:
+            case 16:
+            case 17:
+            case 18:
+            case 19:
+            case 20:
+            case 21:
+            case 22: {  // hold
+                if (held.size() > 5) break;
+                std::set<int> names;
+                const ColumnSet asked = pick(names);
+                if (!model.get(node, names)) {
+                    ASSERT_THROW(cache.get(node, asked), Error);
+                    break;
+                }
+                held.emplace_back(node, cache.get(node, asked));
+                seen.push_back(model.entries[node].values);
+                break;
+            }
+            case 23:
+            case 24:
+            case 25: {  // find
+                std::set<int> names;
+                const ColumnSet asked = pick(names);
+                Model::Entry& entry = model.entries[node];
+                const bool there = !entry.columns.empty() && std::includes(entry.columns.begin(), entry.columns.end(),
+                                                                           names.begin(), names.end());
+                {
+                    const L2Cache::Handle handle = cache.find(node, asked);
+                    ASSERT_EQ(static_cast<bool>(handle), there);
+                    if (there) check_values(*handle, entry.values);
+                    if (there) {
+                        ++model.hits;
+                        ++entry.pins;
+                        model.touch(node);
+                    }
+                }
+                if (there) model.release(node);
+                break;
+            }
+            default: {  // let go
+                if (held.empty()) break;
+                const std::size_t which = below(held.size());
+                check_values(*held[which].second, seen[which]);  // as it was when it was asked for
+                const NodeId id = held[which].first;
+                held[which] = std::move(held.back());
+                held.pop_back();
+                seen[which] = std::move(seen.back());
+                seen.pop_back();
+                model.release(id);
+            }
         }
         cache.wait_idle();
         const L2Statistics found = cache.statistics();
@@ -453,7 +493,8 @@ TEST_F(L2Changes, ChangesOfManyThreadsAllArrive)
                         const L2Cache::Handle handle = cache.get(node, wanted);
                         for (const auto& column : handle->attributes)
                             if (column && column == handle->attributes[slots_[0]])
-                                for (std::size_t p = 1; p < column->size(); ++p) ASSERT_EQ(column->as<Value>()[p], column->as<Value>()[0]);
+                                for (std::size_t p = 1; p < column->size(); ++p)
+                                    ASSERT_EQ(column->as<Value>()[p], column->as<Value>()[0]);
                         if (random() % 4 == 0) cache.prefetch({static_cast<NodeId>(random() % nodes), wanted});
                     }
                 } catch (const Error& error) {

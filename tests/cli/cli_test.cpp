@@ -71,22 +71,26 @@ TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
     const auto points = records(Shape::volume, 5000, 1);
     write_las(folder_ / "in.las", points, {{0.01, 0.01, 0.01}, {0, 0, 0}});
     ASSERT_EQ(pcm("build --chunk-points 1000 " + path("in.las")).code, 0);
-    for (const std::string region : {"--sphere 10 20 -30 300", "--region 'sphere 10,20,-30 300'", "--oriented-box 0 0 0 300 100 400 30",
-                                     "--cone -500 0 0 1 0 0 20", "--ray -600 -600 -600 1 1 1 150 900",
-                                     "--frustum 0 -900 0 0 0 0 40 1.5 10 1000", "--planes 0 0 0 1 1 0 5 -1 0 1 7"}) {
+    for (const std::string region :
+         {"--sphere 10 20 -30 300", "--region 'sphere 10,20,-30 300'", "--oriented-box 0 0 0 300 100 400 30",
+          "--cone -500 0 0 1 0 0 20", "--ray -600 -600 -600 1 1 1 150 900", "--frustum 0 -900 0 0 0 0 40 1.5 10 1000",
+          "--planes 0 0 0 1 1 0 5 -1 0 1 7"}) {
         std::size_t expected = 0;
         const std::size_t quote = region.find('\'');
-        const std::string words = quote == std::string::npos ? region.substr(2) : region.substr(quote + 1, region.size() - quote - 2);
+        const std::string words =
+            quote == std::string::npos ? region.substr(2) : region.substr(quote + 1, region.size() - quote - 2);
         const ::pcm::Region chosen = ::pcm::parse_region(words);
         for (const LasRecord& p : points) expected += chosen.contains({p.x * 0.01, p.y * 0.01, p.z * 0.01});
         EXPECT_GT(expected, 20u) << region;
         for (const char* input : {"in.las", "in.pct"}) {
-            const Result result = pcm("convert --json --overwrite " + path(input) + " " + path("part.ply") + " " + region);
+            const Result result =
+                pcm("convert --json --overwrite " + path(input) + " " + path("part.ply") + " " + region);
             ASSERT_EQ(result.code, 0) << result.err;
             EXPECT_EQ(Json::parse(result.out)["points"], expected) << region << " of " << input;
         }
     }
-    const Result two = pcm("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 1 --region 'sphere 0 0 0 1'");
+    const Result two =
+        pcm("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 1 --region 'sphere 0 0 0 1'");
     EXPECT_EQ(two.code, 1);
     EXPECT_NE(two.err.find("one region"), std::string::npos) << two.err;
     const Result bad = pcm("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 -1");
@@ -124,7 +128,8 @@ TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
     ASSERT_EQ(info["attributes"].size(), 2u);
     EXPECT_EQ(info["attributes"][0]["name"], "intensity");
 
-    const Result text = pcm("convert --overwrite --where classification=1,2 " + path("in.pct") + " " + path("part.ply"));
+    const Result text =
+        pcm("convert --overwrite --where classification=1,2 " + path("in.pct") + " " + path("part.ply"));
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_NE(text.out.find("part.ply: "), std::string::npos) << text.out;
     EXPECT_NE(text.out.find("largest position error 0"), std::string::npos) << text.out;

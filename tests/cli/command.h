@@ -32,7 +32,8 @@ protected:
         Result result;
         FILE* pipe = popen(command.c_str(), "r");
         std::array<char, 4096> buffer;
-        for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) result.out.append(buffer.data(), n);
+        for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+            result.out.append(buffer.data(), n);
         result.code = WEXITSTATUS(pclose(pipe));
         std::ifstream file(err);
         result.err.assign(std::istreambuf_iterator<char>(file), {});

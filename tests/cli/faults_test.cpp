@@ -1,7 +1,7 @@
 // The fault injection itself: that calls are counted and that each kind of fault does what it says.
 
-#include "clouds.h"
 #include "faults.h"
+#include "clouds.h"
 
 namespace {
 
@@ -12,7 +12,8 @@ class Faults : public testing::Test {
 protected:
     Faults()
     {
-        const Faulty made = run_with_fault({PCM_CLI, "generate", "-n", "2000", (folder_ / "scene.las").string()}, folder_ / "none", "count");
+        const Faulty made = run_with_fault({PCM_CLI, "generate", "-n", "2000", (folder_ / "scene.las").string()},
+                                           folder_ / "none", "count");
         EXPECT_EQ(made.code, 0) << made.err;
         fs::create_directory(folder_ / "out");
     }

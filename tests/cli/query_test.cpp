@@ -28,16 +28,17 @@ protected:
     std::size_t expected(const std::string& region) const
     {
         const ::pcm::Region chosen = ::pcm::parse_region(region);
-        return static_cast<std::size_t>(
-            std::count_if(points_.begin(), points_.end(), [&](const LasRecord& p) { return chosen.contains(position(p)); }));
+        return static_cast<std::size_t>(std::count_if(
+            points_.begin(), points_.end(), [&](const LasRecord& p) { return chosen.contains(position(p)); }));
     }
     std::vector<LasRecord> points_;
 };
 
 TEST_F(QueryCommand, CountsAndEstimatesRegions)
 {
-    for (const std::string region : {"sphere 500 300 90 60", "oriented-box 500 300 100 200 20 60 30", "cone 0 0 0 1 0.5 0.2 10",
-                                     "ray 0 300 70 1 0 0.1 30 800", "frustum 500 300 400 500 300 0 30 1 1 1000 0 1 0"}) {
+    for (const std::string region :
+         {"sphere 500 300 90 60", "oriented-box 500 300 100 200 20 60 30", "cone 0 0 0 1 0.5 0.2 10",
+          "ray 0 300 70 1 0 0.1 30 800", "frustum 500 300 400 500 300 0 30 1 1 1000 0 1 0"}) {
         const std::size_t wanted = expected(region);
         EXPECT_GT(wanted, 0u) << region;
         const Json counted = ask("--" + region);
@@ -61,7 +62,8 @@ TEST_F(QueryCommand, CountsAndEstimatesRegions)
     EXPECT_LT(level["points"], 20000);
     EXPECT_GT(level["spacing"], 0);
     const Result text = pcm("query " + path("in.pct") + " --sphere 500 300 90 60");
-    EXPECT_NE(text.out.find(std::to_string(expected("sphere 500 300 90 60")) + " points"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find(std::to_string(expected("sphere 500 300 90 60")) + " points"), std::string::npos)
+        << text.out;
     EXPECT_NE(text.out.find("exact"), std::string::npos);
     EXPECT_NE(pcm("query " + path("in.pct") + " --estimate").out.find("from 20,000 to 20,000"), std::string::npos);
 }
@@ -77,13 +79,15 @@ TEST_F(QueryCommand, FindsNeighboursAndHits)
     std::sort(distances.begin(), distances.end());
     const Json found = ask("--nearest 512.3 301.7 88 -k 8");
     ASSERT_EQ(found["neighbours"].size(), 8u);
-    for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(found["neighbours"][i]["distance"].get<double>(), distances[i], 1e-9);
+    for (std::size_t i = 0; i < 8; ++i)
+        EXPECT_NEAR(found["neighbours"][i]["distance"].get<double>(), distances[i], 1e-9);
     EXPECT_EQ(found["error"], 0);
     const Json coarse = ask("--nearest 512.3 301.7 88 --level 0");
     EXPECT_GE(coarse["neighbours"][0]["distance"].get<double>(), distances[0] - 1e-9);
     EXPECT_LE(coarse["neighbours"][0]["distance"].get<double>() - distances[0], coarse["error"].get<double>() + 1e-9);
-    EXPECT_EQ(ask("--nearest 512.3 301.7 88 -k 99 --max-distance 5")["neighbours"].size(),
-              static_cast<std::size_t>(std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 5; })));
+    EXPECT_EQ(
+        ask("--nearest 512.3 301.7 88 -k 99 --max-distance 5")["neighbours"].size(),
+        static_cast<std::size_t>(std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 5; })));
 
     const ::pcm::Region beam = ::pcm::parse_region("cone 500 300 900 0 0 -1 1");
     double first = 1e9;

@@ -33,7 +33,8 @@ TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
 {
     const std::string program = bytes_of(PCM_CLI);
-    for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"}) EXPECT_EQ(program.find(library), std::string::npos) << library;
+    for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"})
+        EXPECT_EQ(program.find(library), std::string::npos) << library;
 }
 
 }  // namespace
@@ -92,7 +93,8 @@ TEST_F(Render, TheWholeCloudInFull)
     EXPECT_EQ(image.pixel(0, 0)[3], 0);  // the background is transparent
 
     // The same again, whatever the budgets and the memory are: full resolution is every point.
-    for (const char* budget : {"", " --point-budget 900", " --frame-budget 1", " --l1 1M", " --target-px 50 --threads 1"}) {
+    for (const char* budget :
+         {"", " --point-budget 900", " --frame-budget 1", " --l1 1M", " --target-px 50 --threads 1"}) {
         const Json again = render(path("in.pct") + " --overwrite -o " + path("b.png") + budget);
         EXPECT_EQ(again["pictures"][0]["full_resolution"], true) << budget;
         EXPECT_EQ(again["pictures"][0]["points_drawn"], 20000) << budget;
@@ -104,7 +106,8 @@ TEST_F(Render, TheWholeCloudInFull)
 
 TEST_F(Render, UntilTheTargetWithinABudget)
 {
-    const Json few = render(path("in.pct") + " -o " + path("few.png") + " --until target --target-px 0.01 --point-budget 3000");
+    const Json few =
+        render(path("in.pct") + " -o " + path("few.png") + " --until target --target-px 0.01 --point-budget 3000");
     EXPECT_LE(few["pictures"][0]["points_drawn"], 3000);
     EXPECT_GT(few["pictures"][0]["points_drawn"], 0);
     EXPECT_EQ(few["pictures"][0]["full_resolution"], false);
@@ -131,7 +134,8 @@ TEST_F(Render, TheBackgroundAndTheColourAreThoseAskedFor)
     }
     EXPECT_GT(orange, 1000u);
     // With several samples a pixel, those at edges are between; without a background they keep their colour.
-    render(path("in.pct") + " --overwrite -o " + path("a.png") + " --samples 4 --point-size 3.5 --uniform-colour 255,128,0");
+    render(path("in.pct") + " --overwrite -o " + path("a.png") +
+           " --samples 4 --point-size 3.5 --uniform-colour 255,128,0");
     image = picture("a.png");
     std::size_t partly = 0;
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -159,30 +163,40 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
     write_las(folder_ / "two.las", {point, other}, {{0.01, 0.01, 0.01}, {0, 0, 0}});
     ASSERT_EQ(pcm("build " + path("two.las")).code, 0);
     // Ten units from bottom to top are 100 pixels.
-    render(path("two.pct") + " -o " + path("a.png") + " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10 --point-size 4", "100x100");
+    render(path("two.pct") + " -o " + path("a.png") +
+               " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10 --point-size 4",
+           "100x100");
     const Image image = picture("a.png");
     EXPECT_EQ(covered(image), 2u * 16);
     EXPECT_EQ(image.pixel(50, 50)[0], 255);
     EXPECT_EQ(image.pixel(80, 50)[2], 255);
     EXPECT_EQ(image.pixel(20, 50)[3], 0);
     // In perspective, 90 degrees, 5 units away: the same ten units.
-    render(path("two.pct") + " -o " + path("b.png") + " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90 --point-size 4", "100x100");
+    render(path("two.pct") + " -o " + path("b.png") +
+               " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90 --point-size 4",
+           "100x100");
     EXPECT_EQ(picture("b.png"), image);
     // The whole of it without a camera.
-    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + " --point-size 4"), picture("c.png"))), 2u * 16);
-    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("d.png") + " --point-size 4 --orthographic"), picture("d.png"))), 2u * 16);
+    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + " --point-size 4"), picture("c.png"))),
+              2u * 16);
+    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("d.png") + " --point-size 4 --orthographic"),
+                       picture("d.png"))),
+              2u * 16);
 }
 
 TEST_F(Render, APathIsAPictureAFrame)
 {
-    std::ofstream(folder_ / "way.json") << R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
+    std::ofstream(folder_ / "way.json")
+        << R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
         {"eye": [0, -3, 2], "target": [0, 0, 0], "angle": 45}, {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "height": 2.5, "rest": true}]})";
     const Json json = render(path("in.pct") + " --path " + path("way.json") + " -o " + path("out/deep"));
     ASSERT_EQ(json["pictures"].size(), 2u);
-    for (const char* name : {"out/deep/0001.png", "out/deep/0002.png"}) EXPECT_GT(covered(picture(name)), 1000u) << name;
+    for (const char* name : {"out/deep/0001.png", "out/deep/0002.png"})
+        EXPECT_GT(covered(picture(name)), 1000u) << name;
     for (const Json& drawn : json["pictures"]) EXPECT_EQ(drawn["full_resolution"], true);
     EXPECT_FALSE(picture("out/deep/0001.png") == picture("out/deep/0002.png"));
-    const Result text = pcm("render --size 160x120 " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w%02d.png"));
+    const Result text =
+        pcm("render --size 160x120 " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w%02d.png"));
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_NE(text.out.find("2 pictures"), std::string::npos) << text.out;
     EXPECT_EQ(bytes_of(folder_ / "w02.png"), bytes_of(folder_ / "out/deep/0002.png"));

@@ -60,16 +60,36 @@ TEST(Column, ValuesOfEveryType)
             column.as<T>()[3] = static_cast<T>(100);
         };
         switch (column.type()) {
-        case ScalarType::i8: fill(std::int8_t()); break;
-        case ScalarType::u8: fill(std::uint8_t()); break;
-        case ScalarType::i16: fill(std::int16_t()); break;
-        case ScalarType::u16: fill(std::uint16_t()); break;
-        case ScalarType::i32: fill(std::int32_t()); break;
-        case ScalarType::u32: fill(std::uint32_t()); break;
-        case ScalarType::i64: fill(std::int64_t()); break;
-        case ScalarType::u64: fill(std::uint64_t()); break;
-        case ScalarType::f32: fill(float()); break;
-        case ScalarType::f64: fill(double()); break;
+            case ScalarType::i8:
+                fill(std::int8_t());
+                break;
+            case ScalarType::u8:
+                fill(std::uint8_t());
+                break;
+            case ScalarType::i16:
+                fill(std::int16_t());
+                break;
+            case ScalarType::u16:
+                fill(std::uint16_t());
+                break;
+            case ScalarType::i32:
+                fill(std::int32_t());
+                break;
+            case ScalarType::u32:
+                fill(std::uint32_t());
+                break;
+            case ScalarType::i64:
+                fill(std::int64_t());
+                break;
+            case ScalarType::u64:
+                fill(std::uint64_t());
+                break;
+            case ScalarType::f32:
+                fill(float());
+                break;
+            case ScalarType::f64:
+                fill(double());
+                break;
         }
         EXPECT_EQ(column.value(1, 1), 100);
         EXPECT_EQ(column.value(0, 0), 0);

@@ -48,42 +48,48 @@ Region random_region(Numbers& numbers, const Vec3d& centre, double size)
     const double flat = numbers.below(4) ? 1 : 0;
     const auto length = [&] { return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt; };
     switch (numbers.below(7)) {
-    case 0: {
-        Box3d box;
-        for (int k = 0; k < 2; ++k) {
-            const Vec3d d = numbers.vector(size);
-            box.extend(Vec3d{centre[0] + d[0], centre[1] + d[1], centre[2] + d[2]});
+        case 0: {
+            Box3d box;
+            for (int k = 0; k < 2; ++k) {
+                const Vec3d d = numbers.vector(size);
+                box.extend(Vec3d{centre[0] + d[0], centre[1] + d[1], centre[2] + d[2]});
+            }
+            return Region::box(box);
         }
-        return Region::box(box);
-    }
-    case 1: {
-        const Vec3d u = numbers.direction(), other = numbers.direction();
-        Vec3d v = {u[1] * other[2] - u[2] * other[1], u[2] * other[0] - u[0] * other[2], u[0] * other[1] - u[1] * other[0]};
-        if (std::hypot(v[0], v[1], v[2]) < 1e-3) v = u[0] * u[0] < 0.5 ? Vec3d{0, u[2], -u[1]} : Vec3d{u[1], -u[0], 0};
-        const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        return Region::oriented_box(centre, {u, v, w}, {size * numbers.unit(), size * numbers.unit(), size * numbers.unit() * flat});
-    }
-    case 2: return Region::sphere(centre, size * numbers.unit() * flat);
-    case 3: {
-        std::vector<Region::Plane> planes;
-        for (std::size_t n = 1 + numbers.below(12); n > 0; --n) planes.push_back({numbers.direction(), size * numbers.between(0, 1)});
-        return Region::convex(centre, planes);
-    }
-    case 4: {
-        Vec3d target = numbers.direction();
-        for (std::size_t a = 0; a < 3; ++a) target[a] = centre[a] + size * target[a];
-        const double near = size * numbers.between(0.001, 1);
-        return Region::frustum(centre, target, {0.01, 0.02, 1}, numbers.between(1, 170), numbers.between(0.2, 5), near,
-                               near * numbers.between(1.01, 10));
-    }
-    case 5: return Region::ray(centre, numbers.direction(), size * numbers.unit() * flat, length());
-    default: {
-        const std::size_t edge = numbers.below(6);
-        const double angle = edge == 0 ? std::pow(10, numbers.between(-12, 0))
-                             : edge == 1 ? 90 - std::pow(10, numbers.between(-12, 0))
-                                         : numbers.between(1, 89);
-        return Region::cone(centre, numbers.direction(), angle, length());
-    }
+        case 1: {
+            const Vec3d u = numbers.direction(), other = numbers.direction();
+            Vec3d v = {u[1] * other[2] - u[2] * other[1], u[2] * other[0] - u[0] * other[2],
+                       u[0] * other[1] - u[1] * other[0]};
+            if (std::hypot(v[0], v[1], v[2]) < 1e-3)
+                v = u[0] * u[0] < 0.5 ? Vec3d{0, u[2], -u[1]} : Vec3d{u[1], -u[0], 0};
+            const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+            return Region::oriented_box(centre, {u, v, w},
+                                        {size * numbers.unit(), size * numbers.unit(), size * numbers.unit() * flat});
+        }
+        case 2:
+            return Region::sphere(centre, size * numbers.unit() * flat);
+        case 3: {
+            std::vector<Region::Plane> planes;
+            for (std::size_t n = 1 + numbers.below(12); n > 0; --n)
+                planes.push_back({numbers.direction(), size * numbers.between(0, 1)});
+            return Region::convex(centre, planes);
+        }
+        case 4: {
+            Vec3d target = numbers.direction();
+            for (std::size_t a = 0; a < 3; ++a) target[a] = centre[a] + size * target[a];
+            const double near = size * numbers.between(0.001, 1);
+            return Region::frustum(centre, target, {0.01, 0.02, 1}, numbers.between(1, 170), numbers.between(0.2, 5),
+                                   near, near * numbers.between(1.01, 10));
+        }
+        case 5:
+            return Region::ray(centre, numbers.direction(), size * numbers.unit() * flat, length());
+        default: {
+            const std::size_t edge = numbers.below(6);
+            const double angle = edge == 0   ? std::pow(10, numbers.between(-12, 0))
+                                 : edge == 1 ? 90 - std::pow(10, numbers.between(-12, 0))
+                                             : numbers.between(1, 89);
+            return Region::cone(centre, numbers.direction(), angle, length());
+        }
     }
 }
 
@@ -115,7 +121,9 @@ Vec3d point_in(Numbers& numbers, const Box3d& box)
     Vec3d p;
     for (std::size_t a = 0; a < 3; ++a) {
         const std::size_t where = numbers.below(3);
-        p[a] = where == 0 ? box.min[a] : where == 1 ? box.max[a] : std::clamp(numbers.between(box.min[a], box.max[a]), box.min[a], box.max[a]);
+        p[a] = where == 0   ? box.min[a]
+               : where == 1 ? box.max[a]
+                            : std::clamp(numbers.between(box.min[a], box.max[a]), box.min[a], box.max[a]);
     }
     return p;
 }
@@ -150,11 +158,14 @@ TEST(Region, RelationIsNeverWrong)
     EXPECT_LT(static_cast<double>(crosses), 1.3 * static_cast<double>(both_kinds));
 }
 
-// The formulas of the header in 64 bits of mantissa: no double that lies clearly on one side is called to be on the other.
+// The formulas of the header in 64 bits of mantissa: no double that lies clearly on one side is called to be on the
+// other.
 TEST(Region, ContainsWhatTheFormulasSay)
 {
     Numbers numbers(2);
-    const auto dot = [](const Vec3d& a, const std::array<Long, 3>& d) { return a[0] * d[0] + a[1] * d[1] + a[2] * d[2]; };
+    const auto dot = [](const Vec3d& a, const std::array<Long, 3>& d) {
+        return a[0] * d[0] + a[1] * d[1] + a[2] * d[2];
+    };
     std::size_t told = 0;
     for (int round = 0; round < 40000; ++round) {
         const double size = numbers.size();
@@ -179,7 +190,8 @@ TEST(Region, ContainsWhatTheFormulasSay)
         check(Region::ray(centre, u, radius), std::max(-t, across - radius));
         check(Region::ray(centre, u, radius, size), std::max({-t, t - size, across - radius}));
         check(Region::cone(centre, u, angle), std::max(-t, across * std::cos(radians) - t * std::sin(radians)));
-        check(Region::cone(centre, u, angle, size), std::max({-t, t - size, across * std::cos(radians) - t * std::sin(radians)}));
+        check(Region::cone(centre, u, angle, size),
+              std::max({-t, t - size, across * std::cos(radians) - t * std::sin(radians)}));
         check(Region::convex(centre, {{u, radius}}), -(dot(u, d) + radius) / length);
     }
     EXPECT_GT(told, 200000u);
@@ -189,11 +201,13 @@ TEST(Region, AnOrientedBoxIsTheBoxTurned)
 {
     Numbers numbers(3);
     for (int round = 0; round < 3000; ++round) {
-        const double turn = numbers.between(-200, 200), c = std::cos(turn / 180 * M_PI), s = std::sin(turn / 180 * M_PI);
+        const double turn = numbers.between(-200, 200), c = std::cos(turn / 180 * M_PI),
+                     s = std::sin(turn / 180 * M_PI);
         const Vec3d centre = numbers.vector(1e6), half = {numbers.unit(), numbers.unit() * 5, numbers.unit() * 2};
-        const Region region = parse_region("oriented-box " + std::to_string(centre[0]) + " " + std::to_string(centre[1]) + " " +
-                                           std::to_string(centre[2]) + " " + std::to_string(half[0]) + "," + std::to_string(half[1]) +
-                                           " " + std::to_string(half[2]) + " " + std::to_string(turn));
+        const Region region =
+            parse_region("oriented-box " + std::to_string(centre[0]) + " " + std::to_string(centre[1]) + " " +
+                         std::to_string(centre[2]) + " " + std::to_string(half[0]) + "," + std::to_string(half[1]) +
+                         " " + std::to_string(half[2]) + " " + std::to_string(turn));
         const Vec3d q = numbers.vector(6);
         const Vec3d p = {centre[0] + c * q[0] - s * q[1], centre[1] + s * q[0] + c * q[1], centre[2] + q[2]};
         double excess = -1e9;
@@ -210,7 +224,8 @@ TEST(Region, AFrustumIsWhatItsMatricesShow)
     for (int round = 0; round < 2000; ++round) {
         // A turned, scaled view, perspective or orthographic, far from the origin of the source.
         const Vec3d origin = numbers.vector(1e7), eye = numbers.vector(50);
-        const double angle = numbers.between(0, 6), c = std::cos(angle), s = std::sin(angle), zoom = std::pow(10, numbers.between(-3, 3));
+        const double angle = numbers.between(0, 6), c = std::cos(angle), s = std::sin(angle),
+                     zoom = std::pow(10, numbers.between(-3, 3));
         std::array<double, 16> modelview{}, projection{};
         const double rows[3][3] = {{c * zoom, s * zoom, 0}, {0, 0, zoom}, {s * zoom, -c * zoom, 0}};
         for (std::size_t r = 0; r < 3; ++r)
@@ -222,7 +237,8 @@ TEST(Region, AFrustumIsWhatItsMatricesShow)
         const double near = 0.1 * zoom, far = 100 * zoom;
         if (round % 2) {
             projection[0] = 1.3, projection[5] = 1.9, projection[8] = 0.1;
-            projection[10] = (far + near) / (near - far), projection[14] = 2 * far * near / (near - far), projection[11] = -1;
+            projection[10] = (far + near) / (near - far), projection[14] = 2 * far * near / (near - far),
+            projection[11] = -1;
         } else {
             projection[0] = 0.03 / zoom, projection[5] = 0.05 / zoom, projection[12] = 0.2;
             projection[10] = -2 / (far - near), projection[14] = -(far + near) / (far - near), projection[15] = 1;
@@ -240,7 +256,8 @@ TEST(Region, AFrustumIsWhatItsMatricesShow)
                 e[r] = static_cast<Long>(modelview[r]) * local[0] + static_cast<Long>(modelview[4 + r]) * local[1] +
                        static_cast<Long>(modelview[8 + r]) * local[2] + modelview[12 + r];
             for (std::size_t r = 0; r < 4; ++r)
-                clip[r] = projection[r] * e[0] + projection[4 + r] * e[1] + projection[8 + r] * e[2] + projection[12 + r] * e[3];
+                clip[r] = projection[r] * e[0] + projection[4 + r] * e[1] + projection[8 + r] * e[2] +
+                          projection[12 + r] * e[3];
             Long excess = -clip[3] * 2;
             for (std::size_t r = 0; r < 3; ++r) excess = std::max(excess, std::fabs(clip[r]) - clip[3]);
             if (std::fabs(excess) < 1e-8L * (1 + std::fabs(clip[3]) + std::fabs(clip[2]))) continue;
@@ -267,7 +284,8 @@ TEST(Region, TheWholeLineOfWordsComesBack)
         const Region region = random_region(numbers, numbers.vector(1e6), size), again = parse_region(region.text());
         const Box3d box = random_box(numbers, region, size);
         if (region.kind() == Kind::oriented_box) {
-            for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(region.bounds().min[a], again.bounds().min[a], 1e-9 * size + 1e-8);
+            for (std::size_t a = 0; a < 3; ++a)
+                EXPECT_NEAR(region.bounds().min[a], again.bounds().min[a], 1e-9 * size + 1e-8);
             continue;
         }
         EXPECT_EQ(region.relation(box), again.relation(box)) << region.text();
@@ -300,7 +318,9 @@ TEST(Region, RefusesWhatIsNoRegion)
     expect("centre is not finite", [&] { Region::sphere({0, inf, 0}, 1); });
     expect("not a number", [&] { Region::box({{0, nan, 0}, {1, 1, 1}}); });
     expect("axis has no length", [&] { Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{}, axes[2]}, {1, 1, 1}); });
-    expect("not perpendicular", [&] { Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{1, 1, 0}, axes[2]}, {1, 1, 1}); });
+    expect("not perpendicular", [&] {
+        Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{1, 1, 0}, axes[2]}, {1, 1, 1});
+    });
     expect("not perpendicular", [&] { Region::oriented_box({0, 0, 0}, {axes[0], axes[0], axes[2]}, {1, 1, 1}); });
     expect("half size", [&] { Region::oriented_box({0, 0, 0}, axes, {1, -1, 1}); });
     expect("0 planes", [] { Region::convex({0, 0, 0}, {}); });
@@ -308,7 +328,8 @@ TEST(Region, RefusesWhatIsNoRegion)
     expect("direction has no length", [] { Region::ray({0, 0, 0}, {0, 0, 0}, 1); });
     expect("direction is not finite", [&] { Region::ray({0, 0, 0}, {0, nan, 0}, 1); });
     expect("length is -2", [] { Region::ray({0, 0, 0}, {0, 1, 0}, 1, -2.0); });
-    for (const double angle : {0.0, -3.0, 90.0, 400.0, nan}) expect("half angle", [&] { Region::cone({0, 0, 0}, {1, 0, 0}, angle); });
+    for (const double angle : {0.0, -3.0, 90.0, 400.0, nan})
+        expect("half angle", [&] { Region::cone({0, 0, 0}, {1, 0, 0}, angle); });
     std::array<double, 16> singular{}, identity{};
     for (std::size_t k = 0; k < 4; ++k) identity[k * 5] = 1;
     singular[15] = 1;
@@ -319,9 +340,10 @@ TEST(Region, RefusesWhatIsNoRegion)
     expect("0 < near < far", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 50, 1, 2, 1); });
     expect("angle of view", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 180, 1, 1, 2); });
 
-    for (const char* text : {"", "  ", "ball 1 2 3 4", "sphere", "sphere 1 2 3", "sphere 1 2 3 4 5", "sphere 1 2 3 x", "sphere 1 2 3 4m",
-                             "box 1 2 3 4 5", "planes 0 0 0", "planes 0 0 0 1 0 0", "cone 0 0 0 1 0 0 95", "ray 0 0 0 0 0 0 1",
-                             "sphere 1 2 3 nan", "sphere 1 2 3 1e999", "frustum 0 0 0 0 0 1 60 1 1 2"})
+    for (const char* text :
+         {"", "  ", "ball 1 2 3 4", "sphere", "sphere 1 2 3", "sphere 1 2 3 4 5", "sphere 1 2 3 x", "sphere 1 2 3 4m",
+          "box 1 2 3 4 5", "planes 0 0 0", "planes 0 0 0 1 0 0", "cone 0 0 0 1 0 0 95", "ray 0 0 0 0 0 0 1",
+          "sphere 1 2 3 nan", "sphere 1 2 3 1e999", "frustum 0 0 0 0 0 1 60 1 1 2"})
         EXPECT_NE(message_of([&] { parse_region(text); }), "accepted") << text;
 }
 

@@ -60,7 +60,8 @@ bool is_readable(const std::string& extension)
 
 bool mentions(const std::vector<std::string>& notes, const std::string& word)
 {
-    return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) { return note.find(word) != std::string::npos; });
+    return std::any_of(notes.begin(), notes.end(),
+                       [&](const std::string& note) { return note.find(word) != std::string::npos; });
 }
 
 double user_value(const MemoryCloud& cloud, std::size_t k, std::size_t i, std::uint32_t component)
@@ -121,7 +122,8 @@ INSTANTIATE_TEST_SUITE_P(Convert, EveryFormat,
                                           testing::Values(Positions::gridded, Positions::doubles, Positions::floats)),
                          name_of_format);
 
-// Tree, to the format, and read again: positions bit for bit, attributes equal or named in the notes, in the same order.
+// Tree, to the format, and read again: positions bit for bit, attributes equal or named in the notes, in the same
+// order.
 TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
 {
     const auto& [extension, positions] = GetParam();
@@ -136,7 +138,8 @@ TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
     schema.add({"height", ScalarType::i16, 1, 0.25, 100, ""});
     schema.add({"weight", ScalarType::f64, 2, 1, 0, ""});
     const Grid grid{{0.01, 0.01, 0.001}, {500000, 4800000, 0}};
-    MemoryCloud cloud = random_cloud(schema, positions == Positions::gridded ? std::optional<Grid>(grid) : std::nullopt, 3000, 4, 900);
+    MemoryCloud cloud =
+        random_cloud(schema, positions == Positions::gridded ? std::optional<Grid>(grid) : std::nullopt, 3000, 4, 900);
     if (positions == Positions::doubles)  // as surveys print them
         for (auto& axis : cloud.points.xyz)
             for (double& c : axis) c = std::round(c * 1000 + 4.8e9) / 1000;
@@ -158,7 +161,8 @@ TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
     ASSERT_EQ(after.points.size, 3000u);
     double error = 0;
     for (std::size_t i = 0; i < before.points.size; ++i) {
-        const Vec3d p = position_of(before.points, before.info.grid, i), q = position_of(after.points, after.info.grid, i);
+        const Vec3d p = position_of(before.points, before.info.grid, i),
+                    q = position_of(after.points, after.info.grid, i);
         for (std::size_t a = 0; a < 3; ++a) error = std::max(error, std::fabs(p[a] - q[a]));
     }
     EXPECT_EQ(error, report.outcome.error);
@@ -283,7 +287,8 @@ protected:
                 ASSERT_TRUE(part.info.grid == grid_);
                 std::vector<std::array<std::int32_t, 3>> found;
                 for (std::size_t i = 0; i < part.points.size; ++i)
-                    found.push_back({part.points.grid_xyz[0][i], part.points.grid_xyz[1][i], part.points.grid_xyz[2][i]});
+                    found.push_back(
+                        {part.points.grid_xyz[0][i], part.points.grid_xyz[1][i], part.points.grid_xyz[2][i]});
                 std::sort(found.begin(), found.end());
                 EXPECT_TRUE(found == expected) << input << " to " << output;
             }
@@ -324,9 +329,11 @@ TEST_F(FromATree, ALevelAndANumberOfPoints)
     EXPECT_LE(points, 5000u);
     options.cloud.max_points.reset();
     options.cloud.level = std::uint16_t(99);
-    EXPECT_NE(refusal(ErrorCode::invalid_argument, [&] { convert({folder_ / "in.pct"}, folder_ / "n.bpc", options); }).find("levels 0 to"),
+    EXPECT_NE(refusal(ErrorCode::invalid_argument, [&] { convert({folder_ / "in.pct"}, folder_ / "n.bpc", options); })
+                  .find("levels 0 to"),
               std::string::npos);
-    EXPECT_NE(refusal(ErrorCode::invalid_argument, [&] { convert({folder_ / "in.las"}, folder_ / "n.bpc", options); }).find("in.las"),
+    EXPECT_NE(refusal(ErrorCode::invalid_argument, [&] { convert({folder_ / "in.las"}, folder_ / "n.bpc", options); })
+                  .find("in.las"),
               std::string::npos);
 }
 
@@ -349,7 +356,8 @@ TEST_F(FromATree, TreesAndFilesTogetherAreOneCloud)
     fs::create_directory(folder_ / "tiles");
     write_las(folder_ / "tiles" / "a.las", records(Shape::volume, 500, 4), grid_);
     write_las(folder_ / "tiles" / "b.las", records(Shape::volume, 300, 5), grid_);
-    const ConvertReport report = convert({folder_ / "in.pct", folder_ / "more.las", folder_ / "tiles"}, folder_ / "all.pct", small());
+    const ConvertReport report =
+        convert({folder_ / "in.pct", folder_ / "more.las", folder_ / "tiles"}, folder_ / "all.pct", small());
     EXPECT_EQ(report.outcome.points_out, 21800u);
     const auto tree = Tree::open(folder_ / "all.pct");
     EXPECT_EQ(tree->info().sources, (std::vector<std::string>{"in.pct", "more.las", "a.las", "b.las"}));
@@ -372,9 +380,13 @@ TEST_F(FromATree, NeverOverwritesWhatItReads)
     fs::create_directory_symlink(folder_ / "in.pct", folder_ / "link.pct");
     ConvertOptions options = small();
     options.overwrite = true;
-    for (const auto& [input, output] : std::vector<std::pair<std::string, std::string>>{
-             {"in.las", "other.bpc"}, {"in.pct", "in.pct"}, {"in.pct", "link.pct"}, {"in.pct/index.pct", "in.pct"}, {"in.pct", "in.pct/"}})
-        EXPECT_NE(refusal(ErrorCode::invalid_argument, [&, i = input, o = output] { convert({folder_ / i}, folder_ / o, options); })
+    for (const auto& [input, output] : std::vector<std::pair<std::string, std::string>>{{"in.las", "other.bpc"},
+                                                                                        {"in.pct", "in.pct"},
+                                                                                        {"in.pct", "link.pct"},
+                                                                                        {"in.pct/index.pct", "in.pct"},
+                                                                                        {"in.pct", "in.pct/"}})
+        EXPECT_NE(refusal(ErrorCode::invalid_argument,
+                          [&, i = input, o = output] { convert({folder_ / i}, folder_ / o, options); })
                       .find("the input"),
                   std::string::npos);
     EXPECT_EQ(Tree::open(folder_ / "in.pct")->info().points, 20000u);
@@ -402,15 +414,18 @@ TEST_F(FromATree, OptionsThatWouldDoNothingAreRefused)
     ascii.write.ascii = true;
     box.cloud.selection.box = Box3d{{0, 9, 0}, {1, 8, 1}};
     const auto what = [&](const ConvertOptions& options) {
-        return refusal(ErrorCode::invalid_argument, [&] { convert({folder_ / "in.las"}, folder_ / "out.bpc", options); });
+        return refusal(ErrorCode::invalid_argument,
+                       [&] { convert({folder_ / "in.las"}, folder_ / "out.bpc", options); });
     };
     EXPECT_NE(what(grid).find("grid"), std::string::npos);
     EXPECT_NE(what(decimals).find("decimals"), std::string::npos);
     EXPECT_NE(what(ascii).find("ascii"), std::string::npos);
     EXPECT_NE(what(box).find("along y"), std::string::npos);
-    EXPECT_NE(refusal(ErrorCode::unsupported, [&] { convert({folder_ / "in.las"}, folder_ / "out.stl", small()); }).find("writable are"),
+    EXPECT_NE(refusal(ErrorCode::unsupported, [&] { convert({folder_ / "in.las"}, folder_ / "out.stl", small()); })
+                  .find("writable are"),
               std::string::npos);
-    EXPECT_NE(refusal(ErrorCode::unsupported, [&] { convert({folder_ / "in.las"}, folder_ / "out", small()); }).find("no extension"),
+    EXPECT_NE(refusal(ErrorCode::unsupported, [&] { convert({folder_ / "in.las"}, folder_ / "out", small()); })
+                  .find("no extension"),
               std::string::npos);
 }
 

@@ -1,5 +1,6 @@
-// How two pictures differ: compare_pictures A B [BORDER] prints the share of pixels that differ by more than 8 of 255 in some
-// channel, as one line of JSON; so many pixels along the edges are left out. Pictures of different sizes differ altogether.
+// How two pictures differ: compare_pictures A B [BORDER] prints the share of pixels that differ by more than 8 of 255
+// in some channel, as one line of JSON; so many pixels along the edges are left out. Pictures of different sizes differ
+// altogether.
 #include <QImage>
 
 #include <algorithm>

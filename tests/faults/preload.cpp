@@ -1,12 +1,13 @@
-// Loaded before a program (LD_PRELOAD), it lets one of the program's file-changing system calls fail, or kills it there.
+// Loaded before a program (LD_PRELOAD), it lets one of the program's file-changing system calls fail, or kills it
+// there.
 //
 //   PCM_FAULT_UNDER   only calls on paths below this folder count (an absolute path)
 //   PCM_FAULT         count | kill | torn | full | eio
 //   PCM_FAULT_AT      the number of the call, from 1
 //   PCM_FAULT_COUNT   a file that gets the number of calls made, when the program ends by itself
 //
-// kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call on, what
-// needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO.
+// kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call
+// on, what needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -43,7 +44,11 @@ struct Plan {
         const struct {
             const char* name;
             Kind kind;
-        } kinds[] = {{"count", Kind::count}, {"kill", Kind::kill}, {"torn", Kind::torn}, {"full", Kind::full}, {"eio", Kind::eio}};
+        } kinds[] = {{"count", Kind::count},
+                     {"kill", Kind::kill},
+                     {"torn", Kind::torn},
+                     {"full", Kind::full},
+                     {"eio", Kind::eio}};
         for (const auto& k : kinds)
             if (std::strcmp(what, k.name) == 0) kind = k.kind;
         if (kind == Kind::none) std::abort();
@@ -79,7 +84,8 @@ bool counts(const char* path)
     if (path[0] != '/') {
         char here[PATH_MAX];
         if (!getcwd(here, sizeof here)) return false;
-        if (std::snprintf(absolute, sizeof absolute, "%s/%s", here, path) >= static_cast<int>(sizeof absolute)) return false;
+        if (std::snprintf(absolute, sizeof absolute, "%s/%s", here, path) >= static_cast<int>(sizeof absolute))
+            return false;
         path = absolute;
     }
     return std::strncmp(path, plan().under, plan().under_length) == 0;
@@ -111,21 +117,22 @@ bool fails(bool counted, Needs needs, TornWrite torn_write)
     const long number = ++calls;
     const Plan& p = plan();
     switch (p.kind) {
-    case Kind::kill:
-    case Kind::torn:
-        if (number != p.at) return false;
-        if (p.kind == Kind::torn) torn_write();
-        raise(SIGKILL);
-        return true;
-    case Kind::full:
-        if (number < p.at || needs != Needs::space) return false;
-        errno = ENOSPC;
-        return true;
-    case Kind::eio:
-        if (number != p.at) return false;
-        errno = EIO;
-        return true;
-    default: return false;
+        case Kind::kill:
+        case Kind::torn:
+            if (number != p.at) return false;
+            if (p.kind == Kind::torn) torn_write();
+            raise(SIGKILL);
+            return true;
+        case Kind::full:
+            if (number < p.at || needs != Needs::space) return false;
+            errno = ENOSPC;
+            return true;
+        case Kind::eio:
+            if (number != p.at) return false;
+            errno = EIO;
+            return true;
+        default:
+            return false;
     }
 }
 bool fails(bool counted, Needs needs)
@@ -137,7 +144,8 @@ struct AtEnd {
     ~AtEnd()
     {
         if (!plan().count_file[0]) return;
-        const int file = next<int (*)(const char*, int, ...)>("open")(plan().count_file, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+        const int file =
+            next<int (*)(const char*, int, ...)>("open")(plan().count_file, O_WRONLY | O_CREAT | O_TRUNC, 0666);
         if (file < 0) return;
         dprintf(file, "%ld\n", calls.load());
         close(file);
@@ -150,38 +158,38 @@ bool creates(int flags) { return flags & (O_CREAT | O_TRUNC); }
 
 extern "C" {
 
-#define PCM_OPEN(name)                                                                          \
-    int name(const char* path, int flags, ...)                                                  \
-    {                                                                                           \
-        va_list list;                                                                           \
-        va_start(list, flags);                                                                  \
-        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0;   \
-        va_end(list);                                                                           \
-        if (creates(flags) && fails(counts(path), Needs::space)) return -1;                     \
-        return next<int (*)(const char*, int, ...)>(#name)(path, flags, mode);                  \
+#define PCM_OPEN(name)                                                                        \
+    int name(const char* path, int flags, ...)                                                \
+    {                                                                                         \
+        va_list list;                                                                         \
+        va_start(list, flags);                                                                \
+        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0; \
+        va_end(list);                                                                         \
+        if (creates(flags) && fails(counts(path), Needs::space)) return -1;                   \
+        return next<int (*)(const char*, int, ...)>(#name)(path, flags, mode);                \
     }
-#define PCM_OPENAT(name)                                                                        \
-    int name(int folder, const char* path, int flags, ...)                                      \
-    {                                                                                           \
-        va_list list;                                                                           \
-        va_start(list, flags);                                                                  \
-        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0;   \
-        va_end(list);                                                                           \
-        if (creates(flags) && fails(counts(folder, path), Needs::space)) return -1;             \
-        return next<int (*)(int, const char*, int, ...)>(#name)(folder, path, flags, mode);     \
+#define PCM_OPENAT(name)                                                                      \
+    int name(int folder, const char* path, int flags, ...)                                    \
+    {                                                                                         \
+        va_list list;                                                                         \
+        va_start(list, flags);                                                                \
+        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0; \
+        va_end(list);                                                                         \
+        if (creates(flags) && fails(counts(folder, path), Needs::space)) return -1;           \
+        return next<int (*)(int, const char*, int, ...)>(#name)(folder, path, flags, mode);   \
     }
-#define PCM_PWRITE(name)                                                                        \
-    ssize_t name(int file, const void* from, size_t bytes, off_t offset)                        \
-    {                                                                                           \
-        const auto real = next<ssize_t (*)(int, const void*, size_t, off_t)>(#name);            \
+#define PCM_PWRITE(name)                                                                                \
+    ssize_t name(int file, const void* from, size_t bytes, off_t offset)                                \
+    {                                                                                                   \
+        const auto real = next<ssize_t (*)(int, const void*, size_t, off_t)>(#name);                    \
         if (fails(counts(file), Needs::space, [&] { real(file, from, bytes / 2, offset); })) return -1; \
-        return real(file, from, bytes, offset);                                                 \
+        return real(file, from, bytes, offset);                                                         \
     }
-#define PCM_CALL(result, name, needs, counted, parameters, arguments)  \
-    result name parameters                                             \
-    {                                                                  \
-        if (fails(counted, Needs::needs)) return -1;                   \
-        return next<result(*) parameters>(#name) arguments;            \
+#define PCM_CALL(result, name, needs, counted, parameters, arguments) \
+    result name parameters                                            \
+    {                                                                 \
+        if (fails(counted, Needs::needs)) return -1;                  \
+        return next<result(*) parameters>(#name) arguments;           \
     }
 
 PCM_OPEN(open)
@@ -204,20 +212,24 @@ PCM_CALL(int, fdatasync, nothing, counts(file), (int file), (file))
 PCM_CALL(int, ftruncate, nothing, counts(file), (int file, off_t length) noexcept, (file, length))
 PCM_CALL(int, ftruncate64, nothing, counts(file), (int file, off_t length) noexcept, (file, length))
 PCM_CALL(int, mkdir, space, counts(path), (const char* path, mode_t mode) noexcept, (path, mode))
-PCM_CALL(int, mkdirat, space, counts(folder, path), (int folder, const char* path, mode_t mode) noexcept, (folder, path, mode))
+PCM_CALL(int, mkdirat, space, counts(folder, path), (int folder, const char* path, mode_t mode) noexcept,
+         (folder, path, mode))
 PCM_CALL(int, rename, nothing, counts(from) || counts(to), (const char* from, const char* to) noexcept, (from, to))
-PCM_CALL(int, renameat, nothing, counts(f, from) || counts(t, to), (int f, const char* from, int t, const char* to) noexcept,
-         (f, from, t, to))
+PCM_CALL(int, renameat, nothing, counts(f, from) || counts(t, to),
+         (int f, const char* from, int t, const char* to) noexcept, (f, from, t, to))
 PCM_CALL(int, renameat2, nothing, counts(f, from) || counts(t, to),
          (int f, const char* from, int t, const char* to, unsigned flags) noexcept, (f, from, t, to, flags))
 PCM_CALL(int, link, space, counts(to), (const char* from, const char* to) noexcept, (from, to))
 PCM_CALL(int, unlink, nothing, counts(path), (const char* path) noexcept, (path))
-PCM_CALL(int, unlinkat, nothing, counts(folder, path), (int folder, const char* path, int flags) noexcept, (folder, path, flags))
+PCM_CALL(int, unlinkat, nothing, counts(folder, path), (int folder, const char* path, int flags) noexcept,
+         (folder, path, flags))
 PCM_CALL(int, remove, nothing, counts(path), (const char* path) noexcept, (path))
 PCM_CALL(int, rmdir, nothing, counts(path), (const char* path) noexcept, (path))
 
 // Freeing space needs none; a program must do without either.
-PCM_CALL(int, fallocate, nothing, counts(file), (int file, int mode, off_t offset, off_t length), (file, mode, offset, length))
-PCM_CALL(int, fallocate64, nothing, counts(file), (int file, int mode, off_t offset, off_t length), (file, mode, offset, length))
+PCM_CALL(int, fallocate, nothing, counts(file), (int file, int mode, off_t offset, off_t length),
+         (file, mode, offset, length))
+PCM_CALL(int, fallocate64, nothing, counts(file), (int file, int mode, off_t offset, off_t length),
+         (file, mode, offset, length))
 
 }  // extern "C"

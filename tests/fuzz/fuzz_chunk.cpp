@@ -21,7 +21,8 @@ void require(bool holds)
     if (!holds) std::abort();
 }
 
-void check_part(const File& file, std::uint64_t offset, const BpcHeader& header, const DecodedChunk& whole, unsigned pick)
+void check_part(const File& file, std::uint64_t offset, const BpcHeader& header, const DecodedChunk& whole,
+                unsigned pick)
 {
     const ColumnSet all = ColumnSet::all(header.schema);
     std::uint32_t asked = 0;
@@ -55,8 +56,8 @@ std::uint64_t check_record(const File& file, std::uint64_t offset, std::uint64_t
     }
     const BpcHeader header = read_header(file, offset, available);
     if (decoded_bytes(header) > 16 << 20) return header.total_bytes;
-    const DecodedChunk whole =
-        read_chunk(file, offset, header.total_bytes, 0, ColumnSet::all(header.schema), ChunkPositionsMayBe::on_grid_or_doubles);
+    const DecodedChunk whole = read_chunk(file, offset, header.total_bytes, 0, ColumnSet::all(header.schema),
+                                          ChunkPositionsMayBe::on_grid_or_doubles);
     require(whole.chunk.points == header.points);
     if (header.identity) {
         for (const unsigned pick : {1u, 2u}) check_part(file, offset, header, whole, pick);
@@ -67,7 +68,8 @@ std::uint64_t check_record(const File& file, std::uint64_t offset, std::uint64_t
             if (box == header.box) {
                 const auto again = encode_chunk(whole.chunk, header.schema, header.grid, *header.identity);
                 const BpcHeader back = decode_header(again.data(), again.size(), {});
-                require(*back.identity == *header.identity && back.box == box && back.schema.size() == header.schema.size());
+                require(*back.identity == *header.identity && back.box == box &&
+                        back.schema.size() == header.schema.size());
             }
         }
     }

@@ -17,7 +17,8 @@ inline void put_sum(std::vector<std::uint8_t>& bytes, std::size_t from, std::siz
     std::memcpy(&bytes[at], &sum, 8);
 }
 
-// A chunk of version 3 or a commit record at `at`, of which 44 bytes are there. Returns its length; 0 when it makes no sense.
+// A chunk of version 3 or a commit record at `at`, of which 44 bytes are there. Returns its length; 0 when it makes no
+// sense.
 inline std::uint64_t seal_record_of_tree(std::vector<std::uint8_t>& bytes, std::size_t at)
 {
     const auto number = [&](std::size_t from, auto kind) {
@@ -39,11 +40,13 @@ inline std::uint64_t seal_record_of_tree(std::vector<std::uint8_t>& bytes, std::
         // What can be decoded lies where the layout says.
         const BpcHeader header = decode_header(reinterpret_cast<const std::byte*>(&bytes[at]), left, {});
         if (!header.identity) return 0;
-        std::size_t place = 164 + 4 * header.identity->level_points.size() + header.segments.size() * (header.wide ? 48 : 24);
+        std::size_t place =
+            164 + 4 * header.identity->level_points.size() + header.segments.size() * (header.wide ? 48 : 24);
         const auto seal_pieces = [&](const BpcColumn& column) {
             for (const BpcPiece& piece : column.pieces) {
                 if (piece.offset <= left && piece.bytes <= left - piece.offset)
-                    put_sum(bytes, at + static_cast<std::size_t>(piece.offset), static_cast<std::size_t>(piece.bytes), at + place + 4);
+                    put_sum(bytes, at + static_cast<std::size_t>(piece.offset), static_cast<std::size_t>(piece.bytes),
+                            at + place + 4);
                 place += 12;
             }
         };

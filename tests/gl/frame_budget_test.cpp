@@ -11,12 +11,16 @@ using namespace pcm;
 
 namespace {
 
-FrameWork work(std::uint64_t points) { return {points, points, static_cast<double>(points), 4 * static_cast<double>(points)}; }
+FrameWork work(std::uint64_t points)
+{
+    return {points, points, static_cast<double>(points), 4 * static_cast<double>(points)};
+}
 
-// A frame as the renderer makes it, of a view with `visible` points on a device for which `cost` is what work takes: what is chosen by the
-// points that are allowed, cut to what there is time for, drawn and learnt from. Gives its time.
+// A frame as the renderer makes it, of a view with `visible` points on a device for which `cost` is what work takes:
+// what is chosen by the points that are allowed, cut to what there is time for, drawn and learnt from. Gives its time.
 template <class Cost>
-double frame(FrameBudget& budget, const Cost& cost, double budget_ms, std::uint64_t visible, std::uint64_t ceiling = 1'000'000'000)
+double frame(FrameBudget& budget, const Cost& cost, double budget_ms, std::uint64_t visible,
+             std::uint64_t ceiling = 1'000'000'000)
 {
     std::uint64_t points = std::min(budget.points(0, ceiling), visible);
     const double available = budget.available(budget_ms);
@@ -92,7 +96,8 @@ TEST(FrameBudget, TellsWhatAnotherViewCosts)
 {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> share(0.02, 1), size(1, 60), noise(0.95, 1.05);
-    for (const auto& [vertex, splat, pixel] : {std::array<double, 3>{1e-5, 2e-4, 3e-6}, {5e-4, 1e-5, 1e-6}, {1e-6, 1e-6, 2e-5}, {1e-8, 2e-8, 1e-8}}) {
+    for (const auto& [vertex, splat, pixel] :
+         {std::array<double, 3>{1e-5, 2e-4, 3e-6}, {5e-4, 1e-5, 1e-6}, {1e-6, 1e-6, 2e-5}, {1e-8, 2e-8, 1e-8}}) {
         FrameBudget budget;
         const auto next = [&] {
             const auto points = static_cast<std::uint64_t>(2e4 + 5e5 * share(random));
@@ -185,6 +190,7 @@ TEST(FrameBudget, KeepsItsBounds)
     }
     EXPECT_EQ(before, 50'000'000u);
     EXPECT_FALSE(budget.can_grow(50'000'000));
-    frame(budget, cost_of_points(1e-9), std::numeric_limits<double>::infinity(), 1'000'000'000);  // no time limit at all
+    frame(budget, cost_of_points(1e-9), std::numeric_limits<double>::infinity(),
+          1'000'000'000);  // no time limit at all
     EXPECT_EQ(budget.points(0, 60'000'000), 60'000'000u);
 }

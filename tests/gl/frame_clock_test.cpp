@@ -23,7 +23,8 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
             if (frame == 50) std::this_thread::sleep_for(std::chrono::milliseconds(30));
             clock.end({frame, frame, 0});
             if (frame % 10 == 0) glFinish();
-            while (const auto measure = clock.take()) {  // the device may finish another one meanwhile, but no frame comes twice
+            while (const auto measure =
+                       clock.take()) {  // the device may finish another one meanwhile, but no frame comes twice
                 ++known;
                 EXPECT_GT(measure->work.points, last);
                 EXPECT_LE(measure->work.points, frame);

@@ -108,12 +108,14 @@ std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std:
     return PointCloud::open(folder / (name + ".pct"));
 }
 
-Drawing::Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1) : Drawing(std::move(cloud), std::make_shared<L1Cache>(l1))
+Drawing::Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1)
+    : Drawing(std::move(cloud), std::make_shared<L1Cache>(l1))
 {
     l1_is_own_ = true;
 }
 
-Drawing::Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1) : drawn(std::move(cloud), l1), renderer(l1)
+Drawing::Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
+    : drawn(std::move(cloud), l1), renderer(l1)
 {
     style.colour = ColourMode::uniform;
     style.uniform_colour = {1, 1, 1};
@@ -167,8 +169,8 @@ RenderOptions everything()
     return options;
 }
 
-FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin, const RenderOptions& options,
-                            int most)
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin,
+                            const RenderOptions& options, int most)
 {
     FrameReport report;
     for (int frame = 0; frame < most; ++frame) {

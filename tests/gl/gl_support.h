@@ -77,7 +77,8 @@ private:
     bool l1_is_own_ = false;
 };
 
-// What most scenes are made of: a cube of random points at map coordinates, a view of it from above and in front, and no budgets.
+// What most scenes are made of: a cube of random points at map coordinates, a view of it from above and in front, and
+// no budgets.
 inline constexpr Vec3d map_offset{500000, 5000000, 100};
 std::vector<LasPoint> random_points(std::size_t count, std::int32_t extent, std::uint64_t seed);
 inline Grid grid_at(const Vec3d& offset, double scale = 0.001) { return {{scale, scale, scale}, offset}; }
@@ -85,8 +86,8 @@ Matrix overview(double extent);  // of the cube of this side at the local origin
 RenderOptions everything();
 
 // Draws until nothing more will come; the last report. Fails the test after `most` frames.
-FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin, const RenderOptions& options,
-                            int most = 5000);
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin,
+                            const RenderOptions& options, int most = 5000);
 
 }  // namespace pcm::test
 

@@ -146,8 +146,8 @@ GLuint compute_program(const char* source)
     return program;
 }
 
-// Attribute 0 becomes the squared distance to the chunk's origin in grid steps, modulo 2^32, plus `add`: integers, so that every
-// machine agrees bit for bit.
+// Attribute 0 becomes the squared distance to the chunk's origin in grid steps, modulo 2^32, plus `add`: integers, so
+// that every machine agrees bit for bit.
 const char* const distances = R"(#version 430
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Positions { uint position[]; };
@@ -198,18 +198,19 @@ std::size_t count_wrong(PointCloud& cloud, const std::string& name, std::uint32_
     for (PointView view; cursor.getNextData(view); points += view.size()) {
         const auto chunk = cloud.cache().get(view.node(), ColumnSet::only_positions());
         for (std::size_t i = 0; i < view.size(); ++i)
-            wrong += view.value(i, 0) != static_cast<double>(distance(view.grid_position(i), chunk->positions->origin, add));
+            wrong +=
+                view.value(i, 0) != static_cast<double>(distance(view.grid_position(i), chunk->positions->origin, add));
     }
     EXPECT_EQ(points, cloud.info().points);
     return wrong;
 }
 
-#define PCM_REQUIRE_COMPUTE                                                     \
-    PCM_REQUIRE_GL(context, Profile::core);                                     \
-    try {                                                                       \
-        require_compute_shaders();                                              \
-    } catch (const Error& error) {                                              \
-        GTEST_SKIP() << error.what();                                           \
+#define PCM_REQUIRE_COMPUTE                 \
+    PCM_REQUIRE_GL(context, Profile::core); \
+    try {                                   \
+        require_compute_shaders();          \
+    } catch (const Error& error) {          \
+        GTEST_SKIP() << error.what();       \
     }
 
 }  // namespace

@@ -128,9 +128,12 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
             const std::size_t chunk = random() % 1000 < 3 ? 8 : node % 8;
             const VertexFormat format{static_cast<VertexColour>(random() % 4), random() % 2 == 1, random() % 2 == 1};
             const std::uint32_t per_page = L1Cache::points_per_page(format);
-            const bool done = model.insert(owner, node, (sizes[chunk] + per_page - 1) / per_page,
-                                           format.number(), false);
-            ASSERT_EQ(cache.upload(owner, node, chunks[chunk], {1, 1, 1}, format, {rgba.data(), floats.data(), floats.data()}), done) << "step " << step;
+            const bool done =
+                model.insert(owner, node, (sizes[chunk] + per_page - 1) / per_page, format.number(), false);
+            ASSERT_EQ(cache.upload(owner, node, chunks[chunk], {1, 1, 1}, format,
+                                   {rgba.data(), floats.data(), floats.data()}),
+                      done)
+                << "step " << step;
             if (!done) continue;
             model.find(owner, node)->content = format.number();
             uploaded_bytes += sizes[chunk] * format.stride();
@@ -211,7 +214,8 @@ std::vector<ColumnSource> sources_of(const Columns& columns)
 {
     std::vector<ColumnSource> sources;
     for (std::size_t k = 0; k < columns.size(); ++k)
-        sources.push_back({strides[k], [&bytes = columns[k], stride = strides[k]](std::byte* to, std::size_t first, std::size_t count) {
+        sources.push_back({strides[k], [&bytes = columns[k], stride = strides[k]](std::byte* to, std::size_t first,
+                                                                                  std::size_t count) {
                                std::copy_n(bytes.data() + first * stride, count * stride, to);
                            }});
     return sources;
@@ -239,7 +243,8 @@ struct FaultyStore final : L1WriteBack {
         for (const std::size_t k : changed.columns()) {
             read[k].resize(std::size_t(changed.points()) * strides[k]);
             changed.read(k, read[k].data());
-            if (broken && broken->count(node)) throw Error(ErrorCode::no_space, "/cloud", "node " + std::to_string(node));
+            if (broken && broken->count(node))
+                throw Error(ErrorCode::no_space, "/cloud", "node " + std::to_string(node));
         }
         for (auto& [k, column] : read) {
             bytes += column.size();
@@ -290,7 +295,9 @@ TEST_P(L1CacheWith, RandomChangesOfColumnsComeBackByteForByte)
             for (const std::uint32_t stride : strides) pages += L1Cache::pages_of(stride, points);
             Columns columns = random_columns(points, step);
             const bool done = model.insert(owner, node, pages, 0, step % 2 != 0);
-            ASSERT_EQ(cache.upload_columns(owner, node, points, {1, 2, 3}, sources_of(columns), step % 2 != 0) != nullptr, done)
+            ASSERT_EQ(
+                cache.upload_columns(owner, node, points, {1, 2, 3}, sources_of(columns), step % 2 != 0) != nullptr,
+                done)
                 << "step " << step;
             if (done) shadow[{owner, node}] = std::move(columns);
             if (!done && cache.write_back_error()) ++refused_by_store;
@@ -469,13 +476,15 @@ TEST(L1Cache, RequestsEndWhenTheTimeIsSpentAndWithoutATimeWhenAllIsThere)
     EXPECT_EQ(uploaded, (std::vector<NodeId>{4}));
     EXPECT_EQ(served.uploaded, 1u);
     EXPECT_TRUE(served.out_of_time);
-    served = cache.request(nodes, 0.0, [](NodeId node) { return node == 4 ? Supply::ready : Supply::absent; }, upload);
+    served = cache.request(
+        nodes, 0.0, [](NodeId node) { return node == 4 ? Supply::ready : Supply::absent; }, upload);
     EXPECT_FALSE(served.out_of_time);  // nothing that is ready is left
     uploaded.clear();
     served = cache.request(nodes, std::nullopt, ready, upload);
     EXPECT_EQ(uploaded, (std::vector<NodeId>{4, 6, 7}));
     EXPECT_FALSE(served.out_of_time || served.refused);
-    served = cache.request(nodes, 1e9, [](NodeId node) { return node == 6 ? Supply::stop : Supply::ready; }, upload);
+    served = cache.request(
+        nodes, 1e9, [](NodeId node) { return node == 6 ? Supply::stop : Supply::ready; }, upload);
     EXPECT_EQ(served.uploaded, 2u);
     served = cache.request(nodes, 1e9, ready, [](NodeId node) { return node == 4; });
     EXPECT_EQ(served.uploaded, 1u);
@@ -495,14 +504,16 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
     for (const bool wide : {false, true})
         for (const std::uint32_t points : {1u, 3840u, 5121u, 200000u})
             for (unsigned form = 0; form < 8; ++form) {
-                const VertexFormat format{form & 1 ? VertexColour::rgb : VertexColour::none, (form & 2) != 0, (form & 4) != 0};
+                const VertexFormat format{form & 1 ? VertexColour::rgb : VertexColour::none, (form & 2) != 0,
+                                          (form & 4) != 0};
                 const ChunkPositions positions = chunk_of(points, wide, points);
                 std::vector<std::uint8_t> rgba(4 * points);
                 for (std::size_t i = 0; i < rgba.size(); ++i) rgba[i] = static_cast<std::uint8_t>(i * 7);
                 std::vector<float> radii(points), normals(3 * points);
                 for (std::size_t i = 0; i < points; ++i) radii[i] = static_cast<float>((i * 7919) % 10007) * 0.01f;
                 for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = static_cast<float>(i % 1000) * 0.001f;
-                ASSERT_TRUE(cache.upload(owner, points, positions, scale, format, {rgba.data(), radii.data(), normals.data()}));
+                ASSERT_TRUE(
+                    cache.upload(owner, points, positions, scale, format, {rgba.data(), radii.data(), normals.data()}));
                 const VertexEntry* entry = cache.find(owner, points);
                 ASSERT_TRUE(entry);
                 EXPECT_EQ(entry->origin, positions.origin);

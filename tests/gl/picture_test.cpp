@@ -46,8 +46,8 @@ double mean_brightness(const std::vector<Pixel>& pixels)
 
 }  // namespace
 
-// Whatever the budgets and the caches are, a view that rests comes to the picture of all points, pixel for pixel; and that is the one a
-// z-buffer in double gives.
+// Whatever the budgets and the caches are, a view that rests comes to the picture of all points, pixel for pixel; and
+// that is the one a z-buffer in double gives.
 TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -150,8 +150,8 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
             if (!at.point)
                 wrong += p.a != 0;
             else
-                wrong += p.a != 255 || std::abs(p.r - byte(at.point->red)) > 1 || std::abs(p.g - byte(at.point->green)) > 1 ||
-                         std::abs(p.b - byte(at.point->blue)) > 1;
+                wrong += p.a != 255 || std::abs(p.r - byte(at.point->red)) > 1 ||
+                         std::abs(p.g - byte(at.point->green)) > 1 || std::abs(p.b - byte(at.point->blue)) > 1;
         }
         EXPECT_GT(compared, 5000u);
         EXPECT_EQ(wrong, 0u);
@@ -249,13 +249,15 @@ TEST(Picture, SeveralSamplesSmoothEdges)
     }
 }
 
-// A plane seen face on stays as it is, a step gets a shadow on its lower side, whatever the unit of length and the projection.
+// A plane seen face on stays as it is, a step gets a shadow on its lower side, whatever the unit of length and the
+// projection.
 TEST(Picture, EyeDomeLightingShowsSteps)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const auto flat = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
-    const auto step = make_cloud(folder, "step", grid_at({0, 0, 0}), sheet(101, [](std::int32_t x) { return x < 50 ? 0 : 1500; }), 2000);
+    const auto step = make_cloud(folder, "step", grid_at({0, 0, 0}),
+                                 sheet(101, [](std::int32_t x) { return x < 50 ? 0 : 1500; }), 2000);
     const Framebuffer framebuffer(100, 100);
     double darkest = 1e9;
     for (const bool parallel : {false, true})
@@ -263,8 +265,8 @@ TEST(Picture, EyeDomeLightingShowsSteps)
             for (const unsigned samples : {1u, 4u}) {
                 Matrix scaled = translation(-5 * unit, -5 * unit, -12 * unit);
                 for (const std::size_t k : {0u, 5u, 10u}) scaled[k] = unit;
-                const Matrix projection =
-                    parallel ? orthographic(4 * unit, 4 * unit, unit, 100 * unit) : perspective(0.7, 1, 0.1 * unit, 100 * unit);
+                const Matrix projection = parallel ? orthographic(4 * unit, 4 * unit, unit, 100 * unit)
+                                                   : perspective(0.7, 1, 0.1 * unit, 100 * unit);
                 const View view = view_of(scaled, projection, 100, 100);
                 const auto brightness = [&](const std::shared_ptr<PointCloud>& cloud, float strength) {
                     Drawing drawing(cloud);
@@ -300,14 +302,16 @@ TEST(Picture, EyeDomeLightingShowsSteps)
     EXPECT_GE(darkest, 0);
 }
 
-// The limit of uploads is there so that a moving view does not falter: one that rests uploads as long as its frames may take.
+// The limit of uploads is there so that a moving view does not falter: one that rests uploads as long as its frames may
+// take.
 TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(60000, 10000, 22), 1500);
     const auto& all = cloud->tree()->nodes();
-    const auto nodes = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [](const Node& node) { return node.points > 0; }));
+    const auto nodes = static_cast<std::size_t>(
+        std::count_if(all.begin(), all.end(), [](const Node& node) { return node.points > 0; }));
     ASSERT_GT(nodes, 40u);
     const Framebuffer framebuffer(160, 120);
     const View view = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
@@ -434,7 +438,8 @@ TEST(Picture, ACloudMayBeShownTwice)
     }
     const auto& nodes = cloud->tree()->nodes();
     EXPECT_EQ(l1->statistics().compulsory_misses,
-              static_cast<std::uint64_t>(std::count_if(nodes.begin(), nodes.end(), [](const Node& node) { return node.points > 0; })));
+              static_cast<std::uint64_t>(
+                  std::count_if(nodes.begin(), nodes.end(), [](const Node& node) { return node.points > 0; })));
     const auto pixels = framebuffer.read();
     std::size_t lit[2] = {};
     for (int y = 0; y < 100; ++y)
@@ -473,7 +478,8 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     options.point_budget = 25000;
     for (int frame = 0; frame < 120; ++frame) {
         const double along = 4 + 0.5 * (frame < 60 ? frame : 119 - frame);  // there and back
-        const View view = view_of(product(rotation_x(-0.6), translation(-along, -12, -6)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
+        const View view = view_of(product(rotation_x(-0.6), translation(-along, -12, -6)),
+                                  perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
         framebuffer.clear();
         const FrameReport report = drawing.draw(view, map_offset, options);
         ASSERT_EQ(report.error, "");
@@ -496,7 +502,8 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
                     const double c = std::cos(0.6), s = std::sin(0.6);  // back by rotation_x(0.6)
                     const double world[3] = {d[0], c * d[1] - s * d[2], s * d[1] + c * d[2]};
                     const double t = -6 / world[2];
-                    inside = inside && t > 0 && along + t * world[0] > 1 && along + t * world[0] < 38.5 && 12 + t * world[1] > 1 && 12 + t * world[1] < 38.5;
+                    inside = inside && t > 0 && along + t * world[0] > 1 && along + t * world[0] < 38.5 &&
+                             12 + t * world[1] > 1 && 12 + t * world[1] < 38.5;
                 }
                 if (!inside) continue;
                 ++tiles;
@@ -512,15 +519,17 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     drawing.release();
 }
 
-// A coarse picture has no holes where the full one has none: splats are as large as what is missing between them. At rest they shrink, and
-// no frame in between shows less of the surface.
+// A coarse picture has no holes where the full one has none: splats are as large as what is missing between them. At
+// rest they shrink, and no frame in between shows less of the surface.
 TEST(Picture, CoarsePicturesHaveNoHoles)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
-    const auto cloud = make_cloud(folder, "sheet", grid_at(map_offset), sheet(400, [](std::int32_t) { return 0; }), 2000);
+    const auto cloud =
+        make_cloud(folder, "sheet", grid_at(map_offset), sheet(400, [](std::int32_t) { return 0; }), 2000);
     const Framebuffer framebuffer(160, 120);
-    const View view = view_of(product(rotation_x(-0.5), translation(-20, -15, -10)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
+    const View view =
+        view_of(product(rotation_x(-0.5), translation(-20, -15, -10)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
     const auto holes = [&](const std::vector<Pixel>& picture, const std::vector<Pixel>& full) {
         std::size_t covered = 0, missing = 0;
         for (std::size_t i = 0; i < full.size(); ++i) {

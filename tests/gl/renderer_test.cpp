@@ -33,8 +33,8 @@ Window project(const View& camera, const Vec3d& local)
     for (std::size_t r = 0; r < 4; ++r)
         for (std::size_t c = 0; c < 4; ++c) clip[r] += camera.projection[c * 4 + r] * eye[c];
     const bool inside = std::abs(clip[0]) <= clip[3] && std::abs(clip[1]) <= clip[3] && std::abs(clip[2]) <= clip[3];
-    return {(clip[0] / clip[3] + 1) / 2 * camera.width, (clip[1] / clip[3] + 1) / 2 * camera.height,
-            clip[2] / clip[3], inside};
+    return {(clip[0] / clip[3] + 1) / 2 * camera.width, (clip[1] / clip[3] + 1) / 2 * camera.height, clip[2] / clip[3],
+            inside};
 }
 
 std::size_t count_lit(const std::vector<Pixel>& pixels)
@@ -62,7 +62,8 @@ TEST_P(RendererIn, AMovingViewLoadsAhead)
         RenderOptions options = everything();
         options.prefetch_frames = ahead ? 8 : 0;
         const auto camera_at = [&](double x) {
-            return view_of(product(translation(-x, -50, -160), translation(0, 0, 0)), perspective(0.25, 4.0 / 3, 0.1, 1000), 320, 240);
+            return view_of(product(translation(-x, -50, -160), translation(0, 0, 0)),
+                           perspective(0.25, 4.0 / 3, 0.1, 1000), 320, 240);
         };
         draw_until_done(renderer, framebuffer, camera_at(20), map_offset, options);
         for (double x = 21; x <= 24; ++x) {
@@ -523,7 +524,8 @@ TEST(Renderer, LivesWithLittleVideoMemory)
     for (const bool converge : {false, true}) {
         options.converge = converge;
         for (int step = 0; step < 6; ++step) {
-            const View view = view_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
+            const View view =
+                view_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
             const FrameReport report = draw_until_done(renderer, framebuffer, view, map_offset, options);
             EXPECT_GT(report.points_drawn, 20000u);
             EXPECT_EQ(report.nodes_missing, 0u);

@@ -53,7 +53,8 @@ TEST(ShaderProgram, AnErrorNamesFilePermutationAndTheDriversReason)
         for (const ShaderSource& file : shader_sources())
             if (file.file == "splat.vert") source = file.text;
         const std::string_view before = source.substr(0, source.find("in vec3 position;"));
-        EXPECT_NE(text.find(std::to_string(std::count(before.begin(), before.end(), '\n') + 1)), std::string::npos) << text;
+        EXPECT_NE(text.find(std::to_string(std::count(before.begin(), before.end(), '\n') + 1)), std::string::npos)
+            << text;
     }
     try {
         ShaderProgram program("teapot.vert", "splat.frag");

@@ -30,12 +30,15 @@ std::vector<Disc> random_discs(std::size_t count, double unit, std::uint64_t see
     std::vector<Disc> discs;
     for (std::size_t d = 0; d < count; ++d) {
         const double depth = (6 + 4 * even(random)) * unit;
-        discs.push_back({{0.8 * depth * even(random), 0.6 * depth * even(random), -depth}, random_direction(random), (0.5 + 0.45 * even(random)) * unit});
+        discs.push_back({{0.8 * depth * even(random), 0.6 * depth * even(random), -depth},
+                         random_direction(random),
+                         (0.5 + 0.45 * even(random)) * unit});
     }
     return discs;
 }
 
-// A disc that is seen at so small an angle to its plane, its centre in the direction of (x, y, -1); `turn` is about the ray.
+// A disc that is seen at so small an angle to its plane, its centre in the direction of (x, y, -1); `turn` is about the
+// ray.
 Disc grazing_disc(double x, double y, double depth, double radius, double degrees, double turn)
 {
     const Vec3d ray{x, y, -1};
@@ -65,7 +68,8 @@ void expect_exact(const Agreement& a, std::size_t least_covered, bool doubles, d
     EXPECT_EQ(a.wrong_disc, 0u);
     EXPECT_EQ(a.not_numbers, 0u);
     EXPECT_LE(a.worst_depth, tolerance);
-    if (std::getenv("PCM_TEST_FIGURES")) std::printf("    covered %zu, worst depth %.2e radii\n", a.covered, a.worst_depth);
+    if (std::getenv("PCM_TEST_FIGURES"))
+        std::printf("    covered %zu, worst depth %.2e radii\n", a.covered, a.worst_depth);
 }
 
 Grid fine_grid(double step, const Vec3d& offset = {0, 0, 0}) { return {{step, step, step}, offset}; }
@@ -73,7 +77,8 @@ Grid fine_grid(double step, const Vec3d& offset = {0, 0, 0}) { return {{step, st
 }  // namespace
 
 class SplatDisc : public testing::TestWithParam<bool> {};  // with doubles or without
-INSTANTIATE_TEST_SUITE_P(Precision, SplatDisc, testing::Bool(), [](const auto& p) { return p.param ? "doubles" : "floats"; });
+INSTANTIATE_TEST_SUITE_P(Precision, SplatDisc, testing::Bool(),
+                         [](const auto& p) { return p.param ? "doubles" : "floats"; });
 
 TEST_P(SplatDisc, AFieldOfDiscs)
 {
@@ -94,10 +99,16 @@ TEST_P(SplatDisc, OrthographicViews)
     PCM_REQUIRE_GL(context, Profile::core);
     const SplatScene scene(fine_grid(1e-6), random_discs(60, 1, 2));
     for (const bool reversed : {true, false}) {
-        expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 0.1, 20), width, height), reversed, GetParam()), 3000, GetParam());
+        expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 0.1, 20), width, height), reversed,
+                             GetParam()),
+                     3000, GetParam());
         // The near plane cuts some, and may lie behind the eye.
-        expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 5, 20), width, height), reversed, GetParam()), 1000, GetParam());
-        expect_exact(compare(scene, view_of(translation(0, 0, 15), orthographic(5, 5 / aspect, -20, 20), width, height), reversed, GetParam()), 3000, GetParam());
+        expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 5, 20), width, height), reversed,
+                             GetParam()),
+                     1000, GetParam());
+        expect_exact(compare(scene, view_of(translation(0, 0, 15), orthographic(5, 5 / aspect, -20, 20), width, height),
+                             reversed, GetParam()),
+                     3000, GetParam());
     }
 }
 
@@ -117,9 +128,11 @@ TEST_P(SplatDisc, OffAxisTurnedAndStretched)
     // A placement that shrinks the cloud; and one that stretches it, under which discs become ellipses.
     Matrix placement = identity();
     placement[0] = placement[5] = placement[10] = 1e-3;
-    expect_exact(compare(scene, view_of(placement, perspective(1, aspect, 1e-4, 0.1), width, height), true, GetParam()), 4000, GetParam());
+    expect_exact(compare(scene, view_of(placement, perspective(1, aspect, 1e-4, 0.1), width, height), true, GetParam()),
+                 4000, GetParam());
     placement[0] = 1.5e-3;
-    expect_exact(compare(scene, view_of(placement, perspective(1, aspect, 1e-4, 0.1), width, height), true, GetParam()), 3000, GetParam());
+    expect_exact(compare(scene, view_of(placement, perspective(1, aspect, 1e-4, 0.1), width, height), true, GetParam()),
+                 3000, GetParam());
 }
 
 TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
@@ -129,10 +142,12 @@ TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
     const View view = view_of(identity(), perspective(0.6, aspect, 0.01, 100), width, height);
     std::size_t covered = 0;
     for (const double degrees : {0.1, 0.3, 1.0, 5.0})
-        for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{0.2, 0.1}, std::pair{-0.1, 0.22}, std::pair{0.35, 0.0}})
+        for (const auto& [x, y] :
+             {std::pair{0.0, 0.0}, std::pair{0.2, 0.1}, std::pair{-0.1, 0.22}, std::pair{0.35, 0.0}})
             for (const double radius : {1.0, 4.0, 9.5, 40.0})
                 for (const double turn : {0.0, 0.4, 1.3, 2.9}) {
-                    SCOPED_TRACE(testing::Message() << degrees << " degrees at " << x << ", " << y << ", radius " << radius << ", turned by " << turn);
+                    SCOPED_TRACE(testing::Message() << degrees << " degrees at " << x << ", " << y << ", radius "
+                                                    << radius << ", turned by " << turn);
                     const SplatScene scene(fine_grid(1e-6), {grazing_disc(x, y, 10, radius, degrees, turn)});
                     const Agreement a = compare(scene, view, true, GetParam());
                     expect_exact(a, 0, GetParam());
@@ -149,11 +164,16 @@ TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
     std::uniform_real_distribution<double> even(-1, 1);
     for (int round = 0; round < 12; ++round) {
         std::vector<Disc> discs;
-        for (int d = 0; d < 12; ++d) discs.push_back({{2 * even(random), 2 * even(random), 2 * even(random)}, random_direction(random), 1 + 0.9 * even(random)});
+        for (int d = 0; d < 12; ++d)
+            discs.push_back({{2 * even(random), 2 * even(random), 2 * even(random)},
+                             random_direction(random),
+                             1 + 0.9 * even(random)});
         const SplatScene scene(fine_grid(1e-7), discs);
         for (const double near : {0.5, 0.01, 1e-5}) {
             SCOPED_TRACE(testing::Message() << "round " << round << ", near " << near);
-            expect_exact(compare(scene, view_of(identity(), perspective(1.2, aspect, near, 10), width, height), true, GetParam()), 500, GetParam());
+            expect_exact(compare(scene, view_of(identity(), perspective(1.2, aspect, near, 10), width, height), true,
+                                 GetParam()),
+                         500, GetParam());
         }
     }
 }
@@ -161,29 +181,40 @@ TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
 TEST_P(SplatDisc, SmallAndLargeInOneView)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Radii from 1e-6 to 1e6, each at the depth where it is of some pixels, and on a floor of radius 1e6; near / far is 1e-12.
+    // Radii from 1e-6 to 1e6, each at the depth where it is of some pixels, and on a floor of radius 1e6; near / far is
+    // 1e-12.
     for (int e = -6; e <= 6; ++e) {
         const double unit = std::pow(10.0, e);
         SCOPED_TRACE(testing::Message() << "radii of 1e" << e);
         const SplatScene scene(fine_grid(1e-6 * unit), random_discs(40, unit, 5));
-        expect_exact(compare(scene, view_of(identity(), perspective(1, aspect, 1e-6, 2e7), width, height), true, GetParam()), 3000, GetParam());
+        expect_exact(
+            compare(scene, view_of(identity(), perspective(1, aspect, 1e-6, 2e7), width, height), true, GetParam()),
+            3000, GetParam());
     }
     // One chunk with both: the small ones stand before the large.
     std::vector<Disc> both = random_discs(20, 1e-6, 6);
     const double step = 1e-12;
     for (const Disc& disc : random_discs(20, 1, 7)) both.push_back(disc);
     const SplatScene scene(fine_grid(step), both);
-    expect_exact(compare(scene, view_of(identity(), perspective(1, aspect, 1e-6, 1), width, height), true, GetParam()), 1000, GetParam());
-    expect_exact(compare(scene, view_of(identity(), perspective(1, aspect, 1e-3, 1e3), width, height), true, GetParam()), 3000, GetParam());
-    const SplatScene floor(fine_grid(1e-3), {{{3e5, -1.7, -2e5}, {0, 1, 0}, 1e6}, {{-4e5, 900, 3e5}, {0.001, 1, 0.002}, 1e6}});
-    expect_exact(compare(floor, view_of(identity(), perspective(1, aspect, 1e-3, 1e3), width, height), true, GetParam()), 4000, GetParam());
-    expect_exact(compare(floor, view_of(identity(), perspective(1, aspect, 1, 1e6), width, height), true, GetParam()), 5000, GetParam());
+    expect_exact(compare(scene, view_of(identity(), perspective(1, aspect, 1e-6, 1), width, height), true, GetParam()),
+                 1000, GetParam());
+    expect_exact(
+        compare(scene, view_of(identity(), perspective(1, aspect, 1e-3, 1e3), width, height), true, GetParam()), 3000,
+        GetParam());
+    const SplatScene floor(fine_grid(1e-3),
+                           {{{3e5, -1.7, -2e5}, {0, 1, 0}, 1e6}, {{-4e5, 900, 3e5}, {0.001, 1, 0.002}, 1e6}});
+    expect_exact(
+        compare(floor, view_of(identity(), perspective(1, aspect, 1e-3, 1e3), width, height), true, GetParam()), 4000,
+        GetParam());
+    expect_exact(compare(floor, view_of(identity(), perspective(1, aspect, 1, 1e6), width, height), true, GetParam()),
+                 5000, GetParam());
 }
 
 TEST_P(SplatDisc, AtMapCoordinates)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Discs of a centimetre, five million metres from the origin, in a chunk of two kilometres, with an eye half a metre away.
+    // Discs of a centimetre, five million metres from the origin, in a chunk of two kilometres, with an eye half a
+    // metre away.
     const Vec3d eye{5e6 + 987.6543, 4.8e6 + 1234.5678, 321.0987};
     std::vector<Disc> discs = random_discs(60, 0.02, 8);
     for (Disc& disc : discs)
@@ -192,13 +223,15 @@ TEST_P(SplatDisc, AtMapCoordinates)
     discs.push_back({{5e6 + 2000, 4.8e6 + 2000, 500}, {0, 0, 1}, 0.01});
     const Grid grid = fine_grid(1e-4, {5e6, 4.8e6, 0});
     const SplatScene scene(grid, discs);
-    // The local origin beside the cloud; and at 0, as where a host does not shift: then the modelview is as large as the coordinates.
+    // The local origin beside the cloud; and at 0, as where a host does not shift: then the modelview is as large as
+    // the coordinates.
     const Vec3d origin{5e6 + 1000, 4.8e6 + 1000, 0};
     const Matrix shifted = translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]);
     const Matrix far = perspective(1, aspect, 1e-3, 1e3);
     expect_exact(compare(scene, view_of(shifted, far, width, height, origin), true, GetParam()), 4000, GetParam());
     // There doubles leave 1e-9 m, a ten-millionth of the radius.
-    expect_exact(compare(scene, view_of(translation(-eye[0], -eye[1], -eye[2]), far, width, height), true, GetParam()), 4000, GetParam());
+    expect_exact(compare(scene, view_of(translation(-eye[0], -eye[1], -eye[2]), far, width, height), true, GetParam()),
+                 4000, GetParam());
 }
 
 TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
@@ -210,7 +243,8 @@ TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
     const int wide = std::min(4 * static_cast<int>(range[1]), 1200);
     const View view = view_of(identity(), perspective(0.4, wide / 40.0, 0.1, 100), wide, 40);
     std::vector<Disc> discs;
-    for (int d = 0; d < 9; ++d) discs.push_back({{-8.0 + 2 * d, 0.3 * d - 1, -4 - 0.5 * d}, {0.1 * d - 0.5, 0.4, 1}, 0.4 + 0.4 * d});
+    for (int d = 0; d < 9; ++d)
+        discs.push_back({{-8.0 + 2 * d, 0.3 * d - 1, -4 - 0.5 * d}, {0.1 * d - 0.5, 0.4, 1}, 0.4 + 0.4 * d});
     const SplatScene scene(fine_grid(1e-6), discs);
     const Agreement a = compare(scene, view, true, GetParam());
     EXPECT_GT(a.covered, 8000u);
@@ -229,9 +263,12 @@ TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
     }
     const SplatScene around(fine_grid(1e-6), border);
     for (const bool reversed : {true, false}) {
-        const Agreement b = compare(around, view_of(identity(), perspective(1, aspect, 0.1, 10), width, height), reversed, GetParam());
+        const Agreement b =
+            compare(around, view_of(identity(), perspective(1, aspect, 0.1, 10), width, height), reversed, GetParam());
         EXPECT_GT(b.covered, 100u);
         EXPECT_EQ(b.wrong_coverage + b.wrong_disc, 0u);
-        expect_exact(compare(around, view_of(identity(), orthographic(2.7 * aspect, 2.7, 0.1, 10), width, height), reversed, GetParam()), 100, GetParam());
+        expect_exact(compare(around, view_of(identity(), orthographic(2.7 * aspect, 2.7, 0.1, 10), width, height),
+                             reversed, GetParam()),
+                     100, GetParam());
     }
 }

@@ -78,12 +78,16 @@ Splat square(const View& view, const Disc& disc, double side)
 Splat constant_splat(const View& view, const Disc& disc, double side)
 {
     const Eye eye = eye_of(view, disc);
-    if (!(eye.window[0] >= 0 && eye.window[0] <= view.width && eye.window[1] >= 0 && eye.window[1] <= view.height)) return [](double, double) { return infinity; };
+    if (!(eye.window[0] >= 0 && eye.window[0] <= view.width && eye.window[1] >= 0 && eye.window[1] <= view.height))
+        return [](double, double) { return infinity; };
     return square(view, disc, side);
 }
 
 // Equation 7.1 with r as a radius: 2 r n h / (|pz| (t - b)), which is 2 r times the pixels of an eye unit.
-Splat dynamic_splat(const View& view, const Disc& disc) { return square(view, disc, std::max(1.0, 2 * disc.radius * eye_of(view, disc).focal[1])); }
+Splat dynamic_splat(const View& view, const Disc& disc)
+{
+    return square(view, disc, std::max(1.0, 2 * disc.radius * eye_of(view, disc).focal[1]));
+}
 
 // Equations 7.2 to 7.4.
 Splat affine_splat(const View& view, const Disc& disc)
@@ -120,7 +124,8 @@ std::vector<DiscHit> picture_of(const View& view, const std::vector<Splat>& spla
             for (std::size_t s = 0; s < splats.size(); ++s) {
                 const double depth = splats[s](column + 0.5, row + 0.5);
                 for (int k = 0; k < 9 && margin > 0; ++k)
-                    if ((splats[s](column + 0.5 + margin * (k % 3 - 1), row + 0.5 + margin * (k / 3 - 1)) < infinity) != (depth < infinity))
+                    if ((splats[s](column + 0.5 + margin * (k % 3 - 1), row + 0.5 + margin * (k / 3 - 1)) < infinity) !=
+                        (depth < infinity))
                         best.certain = false;
                 if (!(depth < best.runner_up)) continue;
                 best.runner_up = depth;
@@ -139,7 +144,8 @@ struct Drawn {
     std::vector<float> depths;
 };
 
-Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, bool reversed = true, const ChunkLook& look = {})
+Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, bool reversed = true,
+           const ChunkLook& look = {})
 {
     SplatPass pass;
     const DepthFramebuffer framebuffer(view.width, view.height);
@@ -150,7 +156,8 @@ Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, b
     return picture;
 }
 
-void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const View& view, bool reversed, std::size_t least_covered)
+void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const View& view, bool reversed,
+                 std::size_t least_covered)
 {
     std::size_t covered = 0, wrong = 0;
     double worst = 0;
@@ -158,7 +165,8 @@ void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const 
         if (!truth[i].certain) continue;
         const int seen = SplatScene::disc_of(picture.colours[i]);
         if (seen != truth[i].disc) {
-            const bool tie = seen >= 0 && truth[i].disc >= 0 && truth[i].runner_up - truth[i].depth < 1e-4 * truth[i].depth;
+            const bool tie =
+                seen >= 0 && truth[i].disc >= 0 && truth[i].runner_up - truth[i].depth < 1e-4 * truth[i].depth;
             wrong += !tie;
             continue;
         }
@@ -187,7 +195,9 @@ std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness =
         const double depth = 6 + 4 * even(random);
         Vec3d normal = direction(random);
         normal[2] += normal[2] < 0 ? -1 : 1;  // seen neither from the side nor, in the affine mode, as if
-        discs.push_back({{wideness * depth * even(random), wideness * 0.75 * depth * even(random), -depth}, normal, (0.5 + 0.45 * even(random)) * size});
+        discs.push_back({{wideness * depth * even(random), wideness * 0.75 * depth * even(random), -depth},
+                         normal,
+                         (0.5 + 0.45 * even(random)) * size});
     }
     return discs;
 }
@@ -207,8 +217,10 @@ TEST(SplatMode, EachAgreesWithItsFormula)
         for (const View& view : {perspective_view(), parallel_view()})
             for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine})
                 for (const bool reversed : {true, false}) {
-                    if (!reversed && view.projection[11] != 0) continue;  // floats near 1 tell less; splat_disc_test.cpp has that
-                    SCOPED_TRACE(testing::Message() << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
+                    if (!reversed && view.projection[11] != 0)
+                        continue;  // floats near 1 tell less; splat_disc_test.cpp has that
+                    SCOPED_TRACE(testing::Message()
+                                 << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
                     CloudStyle style = style_of(mode);
                     style.point_size_px = 5;
                     const auto truth = picture_of(view, splats_of(mode, view, scene.discs(view), 5), 0.02);
@@ -228,12 +240,14 @@ TEST(SplatMode, DynamicSquaresOfAnySizeAtTheBorder)
             expect_same(draw(scene, view, style_of(SplatMode::dynamic)), truth, view, true, 500);
         }
     }
-    // No point vanishes: of a radius of 0 or far away, one pixel is left. (An exact pixel's centre: of a square of 1 pixel there is one.)
+    // No point vanishes: of a radius of 0 or far away, one pixel is left. (An exact pixel's centre: of a square of 1
+    // pixel there is one.)
     std::vector<Disc> tiny;
     for (int d = 0; d < 50; ++d) tiny.push_back({{-4 + 0.16 * d, 0.013 * d, -9}, {0, 0, 1}, d % 2 ? 0.0 : 1e-9});
     const SplatScene scene(fine_grid(), tiny);
     const Drawn picture = draw(scene, perspective_view(), style_of(SplatMode::dynamic));
-    EXPECT_EQ(std::count_if(picture.colours.begin(), picture.colours.end(), [](const Pixel& p) { return p.a == 255; }), 50);
+    EXPECT_EQ(std::count_if(picture.colours.begin(), picture.colours.end(), [](const Pixel& p) { return p.a == 255; }),
+              50);
 }
 
 TEST(SplatMode, ErrorsAreOrdered)
@@ -271,8 +285,9 @@ TEST(SplatMode, TwoFramesAreTheSameBitForBit)
 TEST(SplatMode, AFixedPointStaysUnderASlowPanAtMapCoordinates)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // A chunk of two kilometres; the eye is half a metre from what it looks at and turns by a twentieth of a pixel a frame. Every edge is
-    // within 0.025 px of where it should be in each frame, so between two it moves by what it should to 0.05 px.
+    // A chunk of two kilometres; the eye is half a metre from what it looks at and turns by a twentieth of a pixel a
+    // frame. Every edge is within 0.025 px of where it should be in each frame, so between two it moves by what it
+    // should to 0.05 px.
     const Vec3d eye{5e6 + 987.6543, 4.8e6 + 1234.5678, 321.0987};
     std::vector<Disc> discs = field(12, 5, 0.5);
     for (Disc& disc : discs) {
@@ -288,13 +303,18 @@ TEST(SplatMode, AFixedPointStaysUnderASlowPanAtMapCoordinates)
     const double pixel = 2 * std::tan(0.3) / side;
     for (int frame = 0; frame < 24; ++frame) {
         const Matrix turn = rotation_x(0.05 * pixel * frame);
-        const View view = view_of(product(turn, translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2])), projection, side, side, origin);
-        for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
+        const View view =
+            view_of(product(turn, translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2])), projection,
+                    side, side, origin);
+        for (const SplatMode mode :
+             {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
             SCOPED_TRACE(testing::Message() << name_of(mode) << ", frame " << frame);
             CloudStyle style = style_of(mode);
             style.point_size_px = 7;
             const std::vector<Disc> known = scene.discs(view);
-            const auto truth = mode == SplatMode::perspective ? DiscOracle(view).picture(known, 0.025) : picture_of(view, splats_of(mode, view, known, 7), 0.025);
+            const auto truth = mode == SplatMode::perspective
+                                   ? DiscOracle(view).picture(known, 0.025)
+                                   : picture_of(view, splats_of(mode, view, known, 7), 0.025);
             expect_same(draw(scene, view, style), truth, view, true, 100);
         }
     }
@@ -310,7 +330,8 @@ TEST(SplatMode, DiscsAreAntialiasedSampleBySample)
         for (unsigned s = 0; s < samples; ++s) glGetMultisamplefv(GL_SAMPLE_POSITION, s, places[s].data());
         for (const View& view : {perspective_view(), parallel_view()})
             for (const SplatMode mode : {SplatMode::affine, SplatMode::perspective, SplatMode::dynamic}) {
-                SCOPED_TRACE(testing::Message() << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
+                SCOPED_TRACE(testing::Message()
+                             << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
                 const SplatScene scene(fine_grid(), field(12, 6));
                 framebuffer.clear(true);
                 SplatPass pass;
@@ -334,10 +355,13 @@ TEST(SplatMode, DiscsAreAntialiasedSampleBySample)
                                 certain = certain && hit.certain;
                             } else {
                                 const auto any = [&](double dx, double dy) {
-                                    return std::any_of(splats.begin(), splats.end(), [&](const Splat& splat) { return splat(sx + dx, sy + dy) < infinity; });
+                                    return std::any_of(splats.begin(), splats.end(), [&](const Splat& splat) {
+                                        return splat(sx + dx, sy + dy) < infinity;
+                                    });
                                 };
                                 covered += any(0, 0);
-                                for (int k = 0; k < 9; ++k) certain = certain && any(0.02 * (k % 3 - 1), 0.02 * (k / 3 - 1)) == any(0, 0);
+                                for (int k = 0; k < 9; ++k)
+                                    certain = certain && any(0.02 * (k % 3 - 1), 0.02 * (k / 3 - 1)) == any(0, 0);
                             }
                         }
                         if (!certain) continue;
@@ -361,7 +385,8 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     const SplatScene bare(fine_grid(), discs, {VertexColour::rgb, false, false});
     const SplatScene no_colours(fine_grid(), discs, {VertexColour::none, true, true});
     const auto same = [](const Drawn& a, const Drawn& b) { return a.colours == b.colours && a.depths == b.depths; };
-    EXPECT_TRUE(same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::dynamic))));
+    EXPECT_TRUE(
+        same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::dynamic))));
     EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::affine)), draw(all, view, style_of(SplatMode::constant))));
     EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::dynamic)), draw(all, view, style_of(SplatMode::constant))));
     const Drawn uncoloured = draw(no_colours, view, style_of(SplatMode::perspective));
@@ -370,7 +395,10 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     for (const Pixel& p : uncoloured.colours) EXPECT_TRUE(p.a == 0 || (p.r == 191 && p.g == 191 && p.b == 191));
 
     // A normal of zero faces the eye; a radius of zero, or one that is no number, draws nothing.
-    std::vector<Disc> odd{{{0, 0, -5}, {0, 0, 0}, 1}, {{1.5, 1, -5}, {std::nan(""), 0, 1}, 0.5}, {{-1.5, 1, -5}, {0, 0, 1}, std::nan("")}, {{-1, -1, -5}, {0, 0, 1}, -2}};
+    std::vector<Disc> odd{{{0, 0, -5}, {0, 0, 0}, 1},
+                          {{1.5, 1, -5}, {std::nan(""), 0, 1}, 0.5},
+                          {{-1.5, 1, -5}, {0, 0, 1}, std::nan("")},
+                          {{-1, -1, -5}, {0, 0, 1}, -2}};
     const SplatScene scene(fine_grid(), odd);
     odd.resize(2);
     for (Disc& disc : odd) disc.normal = disc.centre;
@@ -390,7 +418,9 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     look.least_px = 100;
     const Drawn c = draw(scene, view, style_of(SplatMode::perspective), true, look);
     for (int d = 0; d < 4; ++d)
-        EXPECT_TRUE(std::any_of(c.colours.begin(), c.colours.end(), [&](const Pixel& p) { return SplatScene::disc_of(p) == d; })) << d;
+        EXPECT_TRUE(std::any_of(c.colours.begin(), c.colours.end(), [&](const Pixel& p) {
+            return SplatScene::disc_of(p) == d;
+        })) << d;
 }
 
 // Small splats become as large as is asked for, in every mode and place; larger ones stay as they are.
@@ -399,10 +429,12 @@ TEST(SplatMode, GapsAreFilled)
     PCM_REQUIRE_GL(context, Profile::core);
     constexpr double pi = 3.14159265358979323846;
     for (const View& view : {perspective_view(), parallel_view()})
-        for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})
+        for (const SplatMode mode :
+             {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})
             for (const double depth : {3.0, 9.0}) {
                 // Facing the view, so that discs are as large as squares.
-                const SplatScene scene(fine_grid(), {{{-0.4 * depth, 0, -depth}, {0, 0, 1}, 1e-4}, {{0.3 * depth, 0.2 * depth, -depth}, {0, 0, 1}, 1e-4}});
+                const SplatScene scene(fine_grid(), {{{-0.4 * depth, 0, -depth}, {0, 0, 1}, 1e-4},
+                                                     {{0.3 * depth, 0.2 * depth, -depth}, {0, 0, 1}, 1e-4}});
                 const auto covered = [&](const SplatScene& of, float least_px, float least_radius = 1e6f) {
                     ChunkLook look;
                     look.least_radius = least_radius;
@@ -414,13 +446,16 @@ TEST(SplatMode, GapsAreFilled)
                 for (const float size : {6.0f, 13.0f, 20.0f}) {
                     const bool square = mode == SplatMode::constant || mode == SplatMode::dynamic;
                     const double one = static_cast<double>(size * size) * (square ? 1 : pi / 4);
-                    EXPECT_NEAR(covered(scene, size), 2 * one, 0.12 * 2 * one + 4) << name_of(mode) << " at " << depth << ", " << size << " px";
+                    EXPECT_NEAR(covered(scene, size), 2 * one, 0.12 * 2 * one + 4)
+                        << name_of(mode) << " at " << depth << ", " << size << " px";
                 }
                 // The other bound: a length.
                 const double focal = view.projection[5] * height / 2 / (view.projection[15] == 0 ? depth : 1);
                 const double side = 2 * 0.15 * focal;
                 const bool round = mode == SplatMode::affine || mode == SplatMode::perspective;
-                EXPECT_NEAR(covered(scene, 1000, 0.15f), 2 * side * side * (round ? pi / 4 : 1), 0.12 * 2 * side * side + 4) << name_of(mode) << " at " << depth;
+                EXPECT_NEAR(covered(scene, 1000, 0.15f), 2 * side * side * (round ? pi / 4 : 1),
+                            0.12 * 2 * side * side + 4)
+                    << name_of(mode) << " at " << depth;
                 if (mode == SplatMode::constant) continue;
                 const SplatScene large(fine_grid(), {{{0, 0, -depth}, {0, 0, 1}, 0.4}});
                 EXPECT_EQ(covered(large, 6), covered(large, 0)) << name_of(mode);
@@ -431,12 +466,14 @@ TEST(SplatMode, ColoursByLevelErrorHeightAndOneForAll)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const View view = perspective_view();
-    const SplatScene scene(fine_grid(), {{{0, -2, -6}, {0, 0, 1}, 0.5}, {{0, 2, -6.5}, {0, 0, 1}, 0.5}, {{1, 0, -5}, {0, 0, 1}, 0.5}});
+    const SplatScene scene(
+        fine_grid(), {{{0, -2, -6}, {0, 0, 1}, 0.5}, {{0, 2, -6.5}, {0, 0, 1}, 0.5}, {{1, 0, -5}, {0, 0, 1}, 0.5}});
     CloudStyle style = style_of(SplatMode::perspective);
     const auto pixel_at = [&](double x, double y, double z, const ChunkLook& look) {
         const Drawn picture = draw(scene, view, style, true, look);
         const double focal = height / 2 / std::tan(0.5);
-        return picture.colours[static_cast<std::size_t>(height / 2 + y / z * focal) * width + static_cast<std::size_t>(width / 2 + x / z * focal)];
+        return picture.colours[static_cast<std::size_t>(height / 2 + y / z * focal) * width +
+                               static_cast<std::size_t>(width / 2 + x / z * focal)];
     };
     const auto near = [](const Pixel& p, const std::array<float, 3>& c) {
         return std::abs(p.r - 255 * c[0]) <= 1 && std::abs(p.g - 255 * c[1]) <= 1 && std::abs(p.b - 255 * c[2]) <= 1;
@@ -488,7 +525,8 @@ TEST(SplatMode, LeavesViewportScissorAndStateAsTheyWere)
             std::size_t outside = 0, inside = 0;
             for (int y = 0; y < height + 30; ++y)
                 for (int x = 0; x < width + 40; ++x) {
-                    const bool in = scissor ? x >= 50 && x < 110 && y >= 40 && y < 90 : x >= 20 && x < 20 + width && y >= 15 && y < 15 + height;
+                    const bool in = scissor ? x >= 50 && x < 110 && y >= 40 && y < 90
+                                            : x >= 20 && x < 20 + width && y >= 15 && y < 15 + height;
                     (in ? inside : outside) += pixels[static_cast<std::size_t>(y * (width + 40) + x)].a != 0;
                 }
             EXPECT_EQ(outside, 0u) << name_of(mode);

@@ -9,7 +9,8 @@
 
 namespace pcm::test {
 
-DepthFramebuffer::DepthFramebuffer(int width, int height, unsigned samples) : width_(width), height_(height), samples_(samples)
+DepthFramebuffer::DepthFramebuffer(int width, int height, unsigned samples)
+    : width_(width), height_(height), samples_(samples)
 {
     glGenFramebuffers(1, &framebuffer_);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
@@ -68,7 +69,8 @@ std::vector<float> DepthFramebuffer::depths() const
     return depths;
 }
 
-SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format) : owner_(l1_.add_owner())
+SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format)
+    : owner_(l1_.add_owner())
 {
     info_.grid = grid;
     info_.levels = 1;
@@ -94,7 +96,8 @@ SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, 
     positions.origin = info_.box.min;
     positions.wide = true;
     for (std::size_t a = 0; a < 3; ++a)
-        for (const Vec3i& place : places_) positions.wide_xyz[a].push_back(static_cast<std::uint64_t>(place[a] - positions.origin[a]));
+        for (const Vec3i& place : places_)
+            positions.wide_xyz[a].push_back(static_cast<std::uint64_t>(place[a] - positions.origin[a]));
     l1_.begin_frame(owner_);
     EXPECT_TRUE(l1_.upload(owner_, 0, positions, grid.scale, format, {rgba.data(), radii_.data(), normals_.data()}));
 }
@@ -109,8 +112,10 @@ std::vector<Disc> SplatScene::discs(const View& view) const
     for (std::size_t d = 0; d < places_.size(); ++d) {
         Disc disc;
         for (std::size_t a = 0; a < 3; ++a) {
-            const double chunk = static_cast<double>(info_.box.min[a]) * info_.grid.scale[a] + (info_.grid.offset[a] - view.origin[a]);
-            disc.centre[a] = chunk + static_cast<double>(static_cast<float>(static_cast<double>(places_[d][a] - info_.box.min[a]) * info_.grid.scale[a]));
+            const double chunk =
+                static_cast<double>(info_.box.min[a]) * info_.grid.scale[a] + (info_.grid.offset[a] - view.origin[a]);
+            disc.centre[a] = chunk + static_cast<double>(static_cast<float>(
+                                         static_cast<double>(places_[d][a] - info_.box.min[a]) * info_.grid.scale[a]));
             disc.normal[a] = static_cast<double>(normals_[3 * d + a]);
         }
         disc.radius = static_cast<double>(radii_[d]);
@@ -119,7 +124,8 @@ std::vector<Disc> SplatScene::discs(const View& view) const
     return discs;
 }
 
-void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples, const ChunkLook& look) const
+void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style,
+                      bool reversed, unsigned samples, const ChunkLook& look) const
 {
     const GlStateGuard state;
     glClipControl(GL_LOWER_LEFT, static_cast<GLenum>(reversed ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE));
@@ -179,11 +185,16 @@ Agreement compare(const SplatScene& scene, const View& view, bool reversed, bool
         if (seen != truth[i].disc && truth[i].runner_up - truth[i].depth > 2e-4 * radius) ++agreement.wrong_disc;
         double ray = 1;  // of a depth of 1
         if (view.projection[11] != 0) {
-            const double x = (2 * (static_cast<double>(i % static_cast<std::size_t>(view.width)) + 0.5) / view.width - 1 + view.projection[8]) / view.projection[0];
-            const double y = (2 * (static_cast<double>(i / static_cast<std::size_t>(view.width)) + 0.5) / view.height - 1 + view.projection[9]) / view.projection[5];
+            const double x = (2 * (static_cast<double>(i % static_cast<std::size_t>(view.width)) + 0.5) / view.width -
+                              1 + view.projection[8]) /
+                             view.projection[0];
+            const double y = (2 * (static_cast<double>(i / static_cast<std::size_t>(view.width)) + 0.5) / view.height -
+                              1 + view.projection[9]) /
+                             view.projection[5];
             ray = std::sqrt(1 + x * x + y * y);
         }
-        agreement.worst_depth = std::max(agreement.worst_depth, std::abs(depth_of(view, reversed, depths[i]) - truth[i].depth) * ray / radius);
+        agreement.worst_depth = std::max(agreement.worst_depth,
+                                         std::abs(depth_of(view, reversed, depths[i]) - truth[i].depth) * ray / radius);
     }
     return agreement;
 }

@@ -26,21 +26,26 @@ private:
     GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
 };
 
-// Points of one chunk on a grid. Disc number d has the colour of d + 1 in base 256, so that a picture tells which one is seen.
+// Points of one chunk on a grid. Disc number d has the colour of d + 1 in base 256, so that a picture tells which one
+// is seen.
 class SplatScene {
 public:
     // Centres are source coordinates and are rounded to the grid.
-    SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format = {VertexColour::rgb, true, true});
+    SplatScene(const Grid& grid, const std::vector<Disc>& source_discs,
+               const VertexFormat& format = {VertexColour::rgb, true, true});
     ~SplatScene();
 
-    // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii and normals as floats.
+    // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii
+    // and normals as floats.
     std::vector<Disc> discs(const View& view) const;
-    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1, const ChunkLook& look = {}) const
+    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1,
+              const ChunkLook& look = {}) const
     {
         draw(entry(), pass, view, style, reversed, samples, look);
     }
     // As if this were the scene's entry.
-    void draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples, const ChunkLook& look) const;
+    void draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed,
+              unsigned samples, const ChunkLook& look) const;
     const TreeInfo& info() const { return info_; }
     const VertexEntry& entry() const;
     static int disc_of(const Pixel& pixel) { return pixel.r + 256 * pixel.g + 65536 * pixel.b - 1; }  // -1: none
@@ -59,12 +64,12 @@ double depth_of(const View& view, bool reversed, float value);
 CloudStyle style_of(SplatMode mode);
 
 struct Agreement {
-    std::size_t covered = 0;        // pixels that the oracle is certain about and that are covered
-    std::size_t certain = 0;        // of them and the empty ones
+    std::size_t covered = 0;  // pixels that the oracle is certain about and that are covered
+    std::size_t certain = 0;  // of them and the empty ones
     std::size_t wrong_coverage = 0;
     std::size_t wrong_disc = 0;
     std::size_t not_numbers = 0;
-    double worst_depth = 0;         // of the hit, along its ray, in radii of the disc
+    double worst_depth = 0;  // of the hit, along its ray, in radii of the disc
 };
 
 // Draws the scene in the perspective mode and compares each fragment with the oracle.

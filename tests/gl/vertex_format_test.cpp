@@ -1,6 +1,6 @@
+#include "gl/vertex_format.h"
 #include "gl/vertex_colours.h"
 #include "gl/vertex_discs.h"
-#include "gl/vertex_format.h"
 
 #include "gl/l1_cache.h"
 
@@ -76,14 +76,18 @@ TEST(VertexFormat, AStyleUploadsWhatItReadsAndNothingElse)
 TEST(VertexDiscs, RadiiOfAnyTypeWithScaleAndOffset)
 {
     std::vector<float> radii;
-    EXPECT_EQ(make_radii(column_of<std::uint16_t>(ScalarType::u16, 1, {0, 10, 400}), {"radius", ScalarType::u16, 1, 0.001, 0.5}, radii), 0.9f);
+    EXPECT_EQ(make_radii(column_of<std::uint16_t>(ScalarType::u16, 1, {0, 10, 400}),
+                         {"radius", ScalarType::u16, 1, 0.001, 0.5}, radii),
+              0.9f);
     EXPECT_EQ(radii, (std::vector<float>{0.5f, 0.51f, 0.9f}));
     const double nan = std::nan("");
     const double infinite = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(make_radii(column_of<double>(ScalarType::f64, 1, {nan, -1, infinite, -infinite, 0, 2, 1e300}), {"radius", ScalarType::f64}, radii),
+    EXPECT_EQ(make_radii(column_of<double>(ScalarType::f64, 1, {nan, -1, infinite, -infinite, 0, 2, 1e300}),
+                         {"radius", ScalarType::f64}, radii),
               largest_vertex_radius);
     EXPECT_EQ(radii, (std::vector<float>{0, 0, 0, 0, 0, 2, largest_vertex_radius}));
-    EXPECT_EQ(make_radii(column_of<std::int8_t>(ScalarType::i8, 1, {-5, 5}), {"radius", ScalarType::i8, 1, 1, 0}, radii), 5);
+    EXPECT_EQ(
+        make_radii(column_of<std::int8_t>(ScalarType::i8, 1, {-5, 5}), {"radius", ScalarType::i8, 1, 1, 0}, radii), 5);
     EXPECT_EQ(radii, (std::vector<float>{0, 5}));
     EXPECT_EQ(make_radii(Column(ScalarType::f32, 1), {"radius", ScalarType::f32}, radii), 0);
 }
@@ -92,13 +96,16 @@ TEST(VertexDiscs, NormalsHaveLengthOneOrZero)
 {
     std::vector<float> normals;
     const float nan = std::nanf("");
-    make_normals(column_of<float>(ScalarType::f32, 3, {0, 0, 5, 3, 4, 0, 0, 0, 0, nan, 1, 0, 1e30f, 0, 0, 0, 1e-30f, 0}), {"normal", ScalarType::f32, 3},
-                 normals);
+    make_normals(
+        column_of<float>(ScalarType::f32, 3, {0, 0, 5, 3, 4, 0, 0, 0, 0, nan, 1, 0, 1e30f, 0, 0, 0, 1e-30f, 0}),
+        {"normal", ScalarType::f32, 3}, normals);
     EXPECT_EQ(normals, (std::vector<float>{0, 0, 1, 0.6f, 0.8f, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0}));
-    make_normals(column_of<std::int8_t>(ScalarType::i8, 3, {0, -127, 0, 127, 0, 0}), {"normal", ScalarType::i8, 3, 1.0 / 127, 0}, normals);
+    make_normals(column_of<std::int8_t>(ScalarType::i8, 3, {0, -127, 0, 127, 0, 0}),
+                 {"normal", ScalarType::i8, 3, 1.0 / 127, 0}, normals);
     EXPECT_EQ(normals, (std::vector<float>{0, -1, 0, 1, 0, 0}));
-    make_normals(column_of<double>(ScalarType::f64, 3, {1e300, 1e300, 0, std::numeric_limits<double>::infinity(), 0, 0}), {"normal", ScalarType::f64, 3},
-                 normals);
+    make_normals(
+        column_of<double>(ScalarType::f64, 3, {1e300, 1e300, 0, std::numeric_limits<double>::infinity(), 0, 0}),
+        {"normal", ScalarType::f64, 3}, normals);
     EXPECT_FLOAT_EQ(normals[0], static_cast<float>(std::sqrt(0.5)));
     EXPECT_EQ(normals[3], 0);
 }
@@ -144,13 +151,17 @@ TEST(VertexColours, EveryTypeFillsTheRange)
 TEST(VertexColours, EveryClassHasAColour)
 {
     std::vector<std::uint8_t> rgba;
-    make_class_colours(column_of<std::uint8_t>(ScalarType::u8, 1, {2, 9, 255}), {"classification", ScalarType::u8}, rgba);
-    const auto colour = [&](std::size_t p) { return std::array<std::uint8_t, 3>{rgba[4 * p], rgba[4 * p + 1], rgba[4 * p + 2]}; };
+    make_class_colours(column_of<std::uint8_t>(ScalarType::u8, 1, {2, 9, 255}), {"classification", ScalarType::u8},
+                       rgba);
+    const auto colour = [&](std::size_t p) {
+        return std::array<std::uint8_t, 3>{rgba[4 * p], rgba[4 * p + 1], rgba[4 * p + 2]};
+    };
     EXPECT_EQ(colour(0), class_colour(2));
     EXPECT_EQ(colour(1), class_colour(9));
     EXPECT_EQ(colour(2), class_colour(255));
     EXPECT_EQ(rgba[3], 255);
-    make_class_colours(column_of<float>(ScalarType::f32, 1, {std::nanf(""), -1, 300, 2}), {"classification", ScalarType::f32}, rgba);
+    make_class_colours(column_of<float>(ScalarType::f32, 1, {std::nanf(""), -1, 300, 2}),
+                       {"classification", ScalarType::f32}, rgba);
     for (std::size_t p = 0; p < 3; ++p) EXPECT_EQ(colour(p), (std::array<std::uint8_t, 3>{255, 0, 255}));
     EXPECT_EQ(colour(3), class_colour(2));
     std::set<std::array<std::uint8_t, 3>> different;

@@ -45,7 +45,8 @@ View look_around(std::mt19937_64& random, const Vec3d& origin)
     view.height = 120;
     view.origin = origin;
     const Vec3d eye{140 * unit(random) - 20, 140 * unit(random) - 20, 0.2 + 60 * std::pow(unit(random), 3)};
-    view.modelview = product(rotation(random), translation({origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]}));
+    view.modelview =
+        product(rotation(random), translation({origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]}));
     const double near = std::pow(10.0, -3 + 3 * unit(random));
     const double half = near * (0.1 + unit(random));
     if (unit(random) < 0.7)
@@ -60,7 +61,8 @@ struct Drawn {
     std::vector<float> depths;
 };
 
-Drawn draw(SplatPass& pass, const DepthFramebuffer& framebuffer, const SplatScene& scene, const VertexEntry& entry, const View& view, const CloudStyle& style, const ChunkLook& look)
+Drawn draw(SplatPass& pass, const DepthFramebuffer& framebuffer, const SplatScene& scene, const VertexEntry& entry,
+           const View& view, const CloudStyle& style, const ChunkLook& look)
 {
     framebuffer.clear(true);
     scene.draw(entry, pass, view, style, true, 1, look);
@@ -79,7 +81,8 @@ TEST(VertexGroups, BoxesAreTightAroundTheirPoints)
             std::vector<float> radii(count);
             for (std::size_t a = 0; a < 3; ++a)
                 for (std::size_t i = 0; i < count; ++i)
-                    wide ? positions.wide_xyz[a].push_back(random() >> 20) : positions.narrow_xyz[a].push_back(static_cast<std::uint32_t>(random()));
+                    wide ? positions.wide_xyz[a].push_back(random() >> 20)
+                         : positions.narrow_xyz[a].push_back(static_cast<std::uint32_t>(random()));
             for (float& radius : radii) radius = static_cast<float>(random() % 1000) * 0.001f;
             const Vec3d scale{0.001, 0.25, 1e-7};
             const std::vector<VertexGroup> groups = make_groups(positions, scale, radii.data());
@@ -96,7 +99,9 @@ TEST(VertexGroups, BoxesAreTightAroundTheirPoints)
                     EXPECT_EQ(groups[g].low[a], low);
                     EXPECT_EQ(groups[g].high[a], high);
                 }
-                EXPECT_EQ(groups[g].largest_radius, *std::max_element(radii.begin() + static_cast<std::ptrdiff_t>(first), radii.begin() + static_cast<std::ptrdiff_t>(end)));
+                EXPECT_EQ(groups[g].largest_radius,
+                          *std::max_element(radii.begin() + static_cast<std::ptrdiff_t>(first),
+                                            radii.begin() + static_cast<std::ptrdiff_t>(end)));
             }
             for (const VertexGroup& group : make_groups(positions, scale, nullptr)) EXPECT_EQ(group.largest_radius, 0);
         }
@@ -131,7 +136,8 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
         }
         for (int i = 0; i < 40; ++i) {
             const View view = look_around(random, {50, 50, 0});
-            for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
+            for (const SplatMode mode :
+                 {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
                 CloudStyle style = style_of(mode);
                 style.colour = ColourMode::rgb;
                 ChunkLook look;
@@ -141,7 +147,8 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
                 const Drawn all = draw(pass, framebuffer, scene, whole, view, style, look);
                 std::size_t different = 0;
                 for (std::size_t p = 0; p < all.colours.size(); ++p) {
-                    different += std::memcmp(&parts.colours[p], &all.colours[p], sizeof(Pixel)) != 0 || parts.depths[p] != all.depths[p];
+                    different += std::memcmp(&parts.colours[p], &all.colours[p], sizeof(Pixel)) != 0 ||
+                                 parts.depths[p] != all.depths[p];
                     seen += all.colours[p].a != 0;
                 }
                 std::vector<SplatPart> of_view;
@@ -150,9 +157,11 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
                 pass.end();
                 left_out += scene.entry().points > vertices ? scene.entry().points - vertices : 0;
                 quads_too += mode != SplatMode::constant && vertices > scene.entry().points;
-                // Squares whose sides are no whole pixels are rounded differently as points and as quads: at their edges.
+                // Squares whose sides are no whole pixels are rounded differently as points and as quads: at their
+                // edges.
                 const bool rounded = mode == SplatMode::dynamic;
-                EXPECT_LE(different, rounded ? all.colours.size() / 10 : 0) << "view " << i << ", mode " << int(mode) << ", radius " << largest_radius;
+                EXPECT_LE(different, rounded ? all.colours.size() / 10 : 0)
+                    << "view " << i << ", mode " << int(mode) << ", radius " << largest_radius;
                 pass.release();
             }
         }
@@ -162,7 +171,8 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
     EXPECT_GT(seen, 500'000u);
 }
 
-// Of every view: all points that are in it are counted, and not many others; and how large things appear where they are.
+// Of every view: all points that are in it are counted, and not many others; and how large things appear where they
+// are.
 TEST(VertexGroups, PreviewsTellHowMuchIsInView)
 {
     PCM_REQUIRE_GL(context, Profile::core);
@@ -198,7 +208,8 @@ TEST(VertexGroups, PreviewsTellHowMuchIsInView)
         ++views;
         log_of_counts += std::log(counted / double(inside));
         log_of_sizes += std::abs(std::log(estimate / squares));
-        EXPECT_LT(std::abs(std::log(estimate / squares)), std::log(8.0)) << i << ": " << estimate << " instead of " << squares;
+        EXPECT_LT(std::abs(std::log(estimate / squares)), std::log(8.0))
+            << i << ": " << estimate << " instead of " << squares;
     }
     ASSERT_GT(views, 40);
     EXPECT_LT(log_of_counts / views, std::log(1.4));

@@ -37,8 +37,7 @@ public:
         std::vector<double> positions(batch.size * 3);
         for (std::size_t i = 0; i < batch.size; ++i)
             for (std::size_t a = 0; a < 3; ++a)
-                positions[i * 3 + a] =
-                    batch.gridded ? info.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+                positions[i * 3 + a] = batch.gridded ? info.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
         put(file++, positions.data(), positions.size() * sizeof(double));
         if (info.grid) {
             std::vector<std::int32_t> grid(batch.size * 3);

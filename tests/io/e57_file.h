@@ -39,7 +39,8 @@ inline std::string e57_pages(std::string content)
 inline std::string e57_with_right_checksums(const std::string& file)
 {
     std::string content;
-    for (std::size_t at = 0; at < file.size(); at += 1024) content += file.substr(at, std::min<std::size_t>(1020, file.size() - at));
+    for (std::size_t at = 0; at < file.size(); at += 1024)
+        content += file.substr(at, std::min<std::size_t>(1020, file.size() - at));
     return e57_pages(content);
 }
 
@@ -75,7 +76,8 @@ struct E57TestField {
         E57TestField field;
         field.xml = "<" + name + " type=\"" + (scaling.empty() ? "Integer" : "ScaledInteger") + "\" minimum=\"" +
                     std::to_string(min) + "\" maximum=\"" + std::to_string(max) + "\" " + scaling + "/>";
-        for (auto range = static_cast<std::uint64_t>(max) - static_cast<std::uint64_t>(min); range; range /= 2) ++field.bits;
+        for (auto range = static_cast<std::uint64_t>(max) - static_cast<std::uint64_t>(min); range; range /= 2)
+            ++field.bits;
         for (const std::int64_t value : values)
             field.values.push_back(static_cast<std::uint64_t>(value) - static_cast<std::uint64_t>(min));
         return field;
@@ -84,7 +86,7 @@ struct E57TestField {
 
 struct E57TestScan {
     std::vector<E57TestField> fields;
-    std::string xml;  // pose, limits, name, ...
+    std::string xml;                        // pose, limits, name, ...
     std::optional<std::uint64_t> promised;  // records, where that is not what there is
 
     static std::string pose(double w, double x, double y, double z, const Vec3d& t)
@@ -94,9 +96,9 @@ struct E57TestScan {
             std::snprintf(text, sizeof text, "%.17g", value);
             return "<" + std::string(tag) + " type=\"Float\">" + text + "</" + tag + ">";
         };
-        return "<pose type=\"Structure\"><rotation type=\"Structure\">" + number("w", w) + number("x", x) + number("y", y) +
-               number("z", z) + "</rotation><translation type=\"Structure\">" + number("x", t[0]) + number("y", t[1]) +
-               number("z", t[2]) + "</translation></pose>";
+        return "<pose type=\"Structure\"><rotation type=\"Structure\">" + number("w", w) + number("x", x) +
+               number("y", y) + number("z", z) + "</rotation><translation type=\"Structure\">" + number("x", t[0]) +
+               number("y", t[1]) + number("z", t[2]) + "</translation></pose>";
     }
 };
 
@@ -114,12 +116,15 @@ inline std::string e57_packets(const E57TestScan& scan, std::mt19937_64& random)
     }
     Bytes packets;
     while (std::any_of(streams.begin(), streams.end(), [](const std::string& s) { return !s.empty(); })) {
-        if (random() % 4 == 0) packets.put(std::uint8_t{2}).put(std::uint8_t{0}).put(std::uint16_t{7}).raw(std::string(4, 'x'));
-        if (random() % 4 == 0) packets.put(std::uint8_t{0}).put(std::uint8_t{0}).put(std::uint16_t{15}).raw(std::string(12, '\0'));
+        if (random() % 4 == 0)
+            packets.put(std::uint8_t{2}).put(std::uint8_t{0}).put(std::uint16_t{7}).raw(std::string(4, 'x'));
+        if (random() % 4 == 0)
+            packets.put(std::uint8_t{0}).put(std::uint8_t{0}).put(std::uint16_t{15}).raw(std::string(12, '\0'));
         Bytes sizes;
         std::string data;
         for (std::string& stream : streams) {
-            const std::size_t most = 30000 / streams.size(), now = std::min<std::size_t>(stream.size(), random() % most);
+            const std::size_t most = 30000 / streams.size(),
+                              now = std::min<std::size_t>(stream.size(), random() % most);
             sizes.put(static_cast<std::uint16_t>(now));
             data += stream.substr(0, now);
             stream.erase(0, now);
@@ -137,11 +142,14 @@ inline std::string e57_file(const std::vector<E57TestScan>& scans, std::uint64_t
 {
     std::mt19937_64 random(seed);
     std::string content(48, '\0'), xml;
-    xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
-          "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\" xmlns:nor=\"http://www.libe57.org/E57_NOR_surface_normals.txt\" "
-          "xmlns:las=\"http://www.libe57.org/E57_LAS_v1.0.txt\">\n<formatName type=\"String\">ASTM E57 3D Imaging Data "
-          "File</formatName><guid type=\"String\">root</guid><versionMajor type=\"Integer\">1</versionMajor>"
-          "<versionMinor type=\"Integer\">0</versionMinor>" + root + "<data3D type=\"Vector\" allowHeterogeneousChildren=\"1\">\n";
+    xml =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
+        "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\" "
+        "xmlns:nor=\"http://www.libe57.org/E57_NOR_surface_normals.txt\" "
+        "xmlns:las=\"http://www.libe57.org/E57_LAS_v1.0.txt\">\n<formatName type=\"String\">ASTM E57 3D Imaging Data "
+        "File</formatName><guid type=\"String\">root</guid><versionMajor type=\"Integer\">1</versionMajor>"
+        "<versionMinor type=\"Integer\">0</versionMinor>" +
+        root + "<data3D type=\"Vector\" allowHeterogeneousChildren=\"1\">\n";
     for (const E57TestScan& scan : scans) {
         const std::string packets = e57_packets(scan, random);
         const std::size_t begin = content.size();
@@ -151,8 +159,8 @@ inline std::string e57_file(const std::vector<E57TestScan>& scans, std::uint64_t
         header.put(e57_physical(begin + 32)).put(std::uint64_t{0});
         content += header.data + packets;
         xml += "<vectorChild type=\"Structure\">" + scan.xml + "<points type=\"CompressedVector\" fileOffset=\"" +
-               std::to_string(e57_physical(begin)) + "\" recordCount=\"" + std::to_string(scan.promised.value_or(count)) +
-               "\"><prototype type=\"Structure\">";
+               std::to_string(e57_physical(begin)) + "\" recordCount=\"" +
+               std::to_string(scan.promised.value_or(count)) + "\"><prototype type=\"Structure\">";
         for (const E57TestField& field : scan.fields) xml += field.xml;
         xml += "</prototype></points></vectorChild>\n";
     }

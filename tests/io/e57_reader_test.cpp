@@ -88,7 +88,7 @@ TEST_F(E57, IntegersOfEveryWidth)
     std::vector<std::vector<std::int64_t>> expected;
     for (unsigned bits = 0; bits <= 64; bits += bits < 20 ? 1 : 4) {
         const std::uint64_t span = bits == 0 ? 0 : bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
-        const std::int64_t min = bits == 64  ? std::numeric_limits<std::int64_t>::min()
+        const std::int64_t min = bits == 64   ? std::numeric_limits<std::int64_t>::min()
                                  : bits == 60 ? -(std::int64_t{1} << 59)
                                               : -static_cast<std::int64_t>(random() % 300);
         std::vector<std::int64_t> values;
@@ -134,8 +134,11 @@ TEST_F(E57, FloatsAndScaledIntegersAreExact)
     }
     E57TestScan scan;
     const std::string scaling = "scale=\"0.001\" offset=\"5000000\"";
-    scan.fields = {Field::integer("cartesianX", -1000000, 3000000, integers, scaling), Field::f64("cartesianY", doubles),
-                   Field::f32("cartesianZ", singles), Field::f32("intensity", singles), Field::f64("timeStamp", doubles),
+    scan.fields = {Field::integer("cartesianX", -1000000, 3000000, integers, scaling),
+                   Field::f64("cartesianY", doubles),
+                   Field::f32("cartesianZ", singles),
+                   Field::f32("intensity", singles),
+                   Field::f64("timeStamp", doubles),
                    Field::integer("las:scanAngle", -1000000, 3000000, integers, scaling)};
     const Whole whole = read({scan});
     EXPECT_EQ(whole.info.position_type, ScalarType::f64);
@@ -194,7 +197,8 @@ TEST_F(E57, AnyRotation)
             const Real px = Real(i), py = 100 + px, pz = -1 - px;
             const auto turned = multiply(multiply({w, x, y, z}, {0, px, py, pz}), {w, -x, -y, -z});
             for (std::size_t a = 0; a < 3; ++a)
-                EXPECT_NEAR(whole.position(i)[a], static_cast<double>(turned[a + 1] / norm), 1e-12);  // 100 * some 2^-52
+                EXPECT_NEAR(whole.position(i)[a], static_cast<double>(turned[a + 1] / norm),
+                            1e-12);  // 100 * some 2^-52
         }
     }
 }
@@ -204,7 +208,8 @@ TEST_F(E57, SphericalCoordinatesAndInvalidPoints)
     E57TestScan scan;
     const std::vector<double> range = {1, 2, 3, 4}, azimuth = {0, 1, -2, 3}, elevation = {0, 0.5, -1, 1.5};
     scan.fields = {Field::f64("sphericalRange", range), Field::f64("sphericalAzimuth", azimuth),
-                   Field::f64("sphericalElevation", elevation), Field::integer("sphericalInvalidState", 0, 2, {0, 1, 0, 2}),
+                   Field::f64("sphericalElevation", elevation),
+                   Field::integer("sphericalInvalidState", 0, 2, {0, 1, 0, 2}),
                    Field::integer("intensity", 0, 100, {10, 11, 12, 13})};
     const Whole whole = read({scan});
     ASSERT_EQ(whole.points.size, 2u);
@@ -223,10 +228,10 @@ TEST_F(E57, SphericalCoordinatesAndInvalidPoints)
 
 TEST_F(E57, CartesianBeforeSpherical)
 {
-    E57TestScan scan = simple_scan(3, {Field::integer("cartesianInvalidState", 0, 2, {0, 2, 1}),
-                                       Field::f64("sphericalRange", {7, 8, 9}), Field::f64("sphericalAzimuth", {0, 0, 0}),
-                                       Field::f64("sphericalElevation", {0, 0, 0}),
-                                       Field::integer("sphericalInvalidState", 0, 2, {0, 0, 2})});
+    E57TestScan scan = simple_scan(
+        3, {Field::integer("cartesianInvalidState", 0, 2, {0, 2, 1}), Field::f64("sphericalRange", {7, 8, 9}),
+            Field::f64("sphericalAzimuth", {0, 0, 0}), Field::f64("sphericalElevation", {0, 0, 0}),
+            Field::integer("sphericalInvalidState", 0, 2, {0, 0, 2})});
     const Whole whole = read({scan});
     ASSERT_EQ(whole.points.size, 2u);
     EXPECT_EQ(whole.position(0), (Vec3d{0, 100, -1}));
@@ -241,7 +246,8 @@ TEST_F(E57, ManyPointsDropped)
     for (std::size_t i = 0; i < count; ++i) state.push_back(i % 97 == 5 ? 0 : 2);
     const Whole whole = read({simple_scan(count, {Field::integer("cartesianInvalidState", 0, 2, state)})});
     ASSERT_EQ(whole.points.size, (count - 6) / 97 + 1);
-    for (std::size_t i = 0; i < whole.points.size; ++i) ASSERT_EQ(whole.position(i)[0], static_cast<double>(97 * i + 5));
+    for (std::size_t i = 0; i < whole.points.size; ++i)
+        ASSERT_EQ(whole.position(i)[0], static_cast<double>(97 * i + 5));
 }
 
 std::vector<Field> colours(std::int64_t max, std::vector<std::int64_t> values)
@@ -270,8 +276,9 @@ TEST_F(E57, ColoursAreOfTheirRange)
     whole = read({simple_scan(2, {Field::f32("colorRed", {0, 1}), Field::f32("colorGreen", {0.25f, 1}),
                                   Field::f32("colorBlue", {0, 0.1f})})});
     EXPECT_EQ(whole.raw<float>("rgb", 1, 2), 0.1f);
-    whole = read({simple_scan(2, {Field::f32("colorRed", {0, 51}), Field::f32("colorGreen", {0.25f, 255}),
-                                  Field::f32("colorBlue", {0, 102})}, colour_limits(255))});
+    whole = read({simple_scan(
+        2, {Field::f32("colorRed", {0, 51}), Field::f32("colorGreen", {0.25f, 255}), Field::f32("colorBlue", {0, 102})},
+        colour_limits(255))});
     EXPECT_FLOAT_EQ(whole.raw<float>("rgb", 1, 0), 0.2f);
     EXPECT_TRUE(any_mentions(whole.info.notes, "255 were divided"));
 }
@@ -291,8 +298,7 @@ TEST_F(E57, ScansOfDifferentFieldsBecomeOneCloud)
     const Whole whole = read(
         {simple_scan(2, colours(255, {1, 2})),
          simple_scan(2, {Field::integer("intensity", 0, 4095, {7, 4095}), Field::integer("rowIndex", 0, 9, {4, 5})}),
-         simple_scan(2, colours(65535, {300, 65535})),
-         simple_scan(2, {Field::integer("intensity", -5, 5, {-5, 5})})});
+         simple_scan(2, colours(65535, {300, 65535})), simple_scan(2, {Field::integer("intensity", -5, 5, {-5, 5})})});
     ASSERT_EQ(whole.points.size, 8u);
     EXPECT_EQ(whole.raw<std::uint16_t>("rgb", 1, 0), 2 * 257);
     EXPECT_EQ(whole.raw<std::uint16_t>("rgb", 2, 0), 0);
@@ -316,10 +322,10 @@ TEST_F(E57, AttributesOfOneNameAndTwoScalesAreDoubles)
 
 TEST_F(E57, FieldsOfExtensions)
 {
-    const Whole whole = read({simple_scan(1, {Field::f32("nor:normalX", {0.6f}), Field::f32("nor:normalY", {0.8f}),
-                                              Field::f32("nor:normalZ", {0.f}), Field::integer("las:pointSourceId", 0, 65535, {77}),
-                                              Field::integer("nor:scan", 0, 1, {1}), Field::integer("returnIndex", 0, 1, {1}),
-                                              Field::integer("returnCount", 0, 7, {2})})});
+    const Whole whole = read({simple_scan(
+        1, {Field::f32("nor:normalX", {0.6f}), Field::f32("nor:normalY", {0.8f}), Field::f32("nor:normalZ", {0.f}),
+            Field::integer("las:pointSourceId", 0, 65535, {77}), Field::integer("nor:scan", 0, 1, {1}),
+            Field::integer("returnIndex", 0, 1, {1}), Field::integer("returnCount", 0, 7, {2})})});
     EXPECT_EQ(whole.raw<float>("normal", 0, 1), 0.8f);
     EXPECT_EQ(whole.raw<std::uint16_t>("point_source_id", 0), 77);
     EXPECT_EQ(whole.raw<std::uint8_t>("nor:scan", 0), 1);
@@ -343,8 +349,8 @@ TEST_F(E57, FieldsOfOneNameGetNumbers)
 
 TEST_F(E57, Metadata)
 {
-    const Whole whole = read({simple_scan(1, {}, "<guid type=\"String\">g1</guid><name type=\"String\">east</name>")}, 1,
-                             "<coordinateMetadata type=\"String\">EPSG:25832</coordinateMetadata>");
+    const Whole whole = read({simple_scan(1, {}, "<guid type=\"String\">g1</guid><name type=\"String\">east</name>")},
+                             1, "<coordinateMetadata type=\"String\">EPSG:25832</coordinateMetadata>");
     const auto value = [&](const std::string& key) {
         for (const Metadata& m : whole.info.metadata)
             if (m.key == key) return std::string(reinterpret_cast<const char*>(m.value.data()), m.value.size());
@@ -367,7 +373,8 @@ TEST_F(E57, NoScansAndNoPoints)
 TEST_F(E57, PointsThatTakeNoBytes)
 {
     E57TestScan scan;
-    for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"}) scan.fields.push_back(Field::integer(name, 5, 5, {5}));
+    for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"})
+        scan.fields.push_back(Field::integer(name, 5, 5, {5}));
     EXPECT_EQ(read({scan}).position(0), (Vec3d{5, 5, 5}));
     scan.promised = std::uint64_t{1} << 60;
     EXPECT_EQ(refusal(e57_file({scan})).code(), ErrorCode::truncated);
@@ -447,7 +454,8 @@ TEST_F(E57, SaysWhatIsWrong)
     E57TestScan scan;
     scan.fields = {Field::f64("cartesianX", {1}), Field::f64("cartesianY", {1})};
     EXPECT_TRUE(mentions(refusal(e57_file({scan})).what(), "three cartesian"));
-    EXPECT_TRUE(mentions(refusal(e57_file({simple_scan(1, {}, E57TestScan::pose(1, 0, 0, 0, {0, NAN, 0}))})).what(), "translation"));
+    EXPECT_TRUE(mentions(refusal(e57_file({simple_scan(1, {}, E57TestScan::pose(1, 0, 0, 0, {0, NAN, 0}))})).what(),
+                         "translation"));
     std::string bytes = e57_file({simple_scan(1)});
     bytes[8] = 2;
     EXPECT_TRUE(mentions(refusal(e57_with_right_checksums(bytes)).what(), "version 2.0"));
@@ -466,7 +474,9 @@ TEST_F(E57, Mutations)
     std::mt19937_64 random(5);
     const std::vector<std::int64_t> small = {0, 1, 2, 0, 1, 2, 0, 1};
     const std::string seeds[] = {
-        e57_file({simple_scan(8, {Field::integer("cartesianInvalidState", 0, 2, small), Field::f32("intensity", {1, 2, 3, 4, 5, 6, 7, 8})},
+        e57_file({simple_scan(8,
+                              {Field::integer("cartesianInvalidState", 0, 2, small),
+                               Field::f32("intensity", {1, 2, 3, 4, 5, 6, 7, 8})},
                               E57TestScan::pose(1, 0, 1, 0, {1, 2, 3})),
                   simple_scan(8, colours(255, small))}),
         e57_file({simple_scan(8, {Field::integer("nor:a", 0, 5, small, "scale=\"0.1\"")})}, 2)};
@@ -516,7 +526,8 @@ TEST(E57Samples, TwoEncodingsOfOneCloud)
 {
     PCM_REQUIRE_SAMPLE("e57/bunnyDouble.e57");
     if (decoders_are_missing()) GTEST_SKIP() << "built without the decoders of LAZ and E57";
-    const Whole doubles = read_whole(sample("e57/bunnyDouble.e57")), integers = read_whole(sample("e57/bunnyInt32.e57"));
+    const Whole doubles = read_whole(sample("e57/bunnyDouble.e57")),
+                integers = read_whole(sample("e57/bunnyInt32.e57"));
     ASSERT_EQ(doubles.points.size, 30571u);
     ASSERT_EQ(integers.points.size, 30571u);
     for (std::size_t i = 0; i < doubles.points.size; ++i)

@@ -131,15 +131,14 @@ TEST(GridChoice, ExtremeNumbersGiveAFiniteGrid)
 TEST(GridChoice, OfAFile)
 {
     TemporaryFolder folder;
-    const auto path = write_file(folder / "a.ply",
-                                 "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty "
-                                 "double z\nend_header\n1.25 2 3\n1.5 2.5 3\n");
+    const auto path =
+        write_file(folder / "a.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty "
+                   "double z\nend_header\n1.25 2 3\n1.5 2.5 3\n");
     const GridProposal proposal = choose_grid(*open_reader(path));
     EXPECT_TRUE(proposal.exact);
     EXPECT_EQ(proposal.grid.scale, (Vec3d{0.01, 0.1, 1}));
-    EXPECT_EQ(error_of([&] {
-                  choose_grid(*open_reader(path), [](const ProgressUpdate&) { return false; });
-              }).code(),
+    EXPECT_EQ(error_of([&] { choose_grid(*open_reader(path), [](const ProgressUpdate&) { return false; }); }).code(),
               ErrorCode::cancelled);
 }
 
@@ -148,7 +147,8 @@ TEST(NearestOnGrid, IsNearerThanItsNeighbours)
     std::mt19937_64 random(4);
     for (int i = 0; i < 20000; ++i) {
         Grid grid;
-        grid.scale[0] = std::pow(10.0, -static_cast<double>(random() % 9)) * (1 + static_cast<double>(random() % 1000) * 1e-3);
+        grid.scale[0] =
+            std::pow(10.0, -static_cast<double>(random() % 9)) * (1 + static_cast<double>(random() % 1000) * 1e-3);
         grid.offset[0] = static_cast<double>(random() % 2000000) * 7.3 - 7e6;
         const double v = grid.offset[0] + (static_cast<double>(random() % 2000000) - 1e6) * 0.37 * grid.scale[0] * 1e3;
         const std::int64_t q = nearest_on_grid(grid, 0, v);

@@ -196,8 +196,9 @@ TEST(LasWriter, RandomSchemasRoundTrip)
     static constexpr ScalarType types[] = {ScalarType::i8,  ScalarType::u8,  ScalarType::i16, ScalarType::u16,
                                            ScalarType::i32, ScalarType::u32, ScalarType::i64, ScalarType::u64,
                                            ScalarType::f32, ScalarType::f64};
-    static constexpr const char* names[] = {"intensity", "normal", "gps_time", "rgb",    "classification", "nir",
-                                            "radius",    "x y",    "scan_angle", "user_data", "wave_direction", "é ü ß"};
+    static constexpr const char* names[] = {"intensity",      "normal",    "gps_time",       "rgb",
+                                            "classification", "nir",       "radius",         "x y",
+                                            "scan_angle",     "user_data", "wave_direction", "é ü ß"};
     std::mt19937_64 random(5);
     TemporaryFolder folder;
     for (int round = 0; round < 120; ++round) {
@@ -242,7 +243,8 @@ TEST(LasWriter, RandomSchemasRoundTrip)
                     for (std::uint32_t c = 0; c < attribute.components; ++c) {
                         const double before = cloud.points.attributes[i].value(p, c);
                         const double after = copy.points.attributes[*found].value(p, c);
-                        ASSERT_TRUE(after == (colours ? 257 * before : before) || (std::isnan(after) && std::isnan(before)))
+                        ASSERT_TRUE(after == (colours ? 257 * before : before) ||
+                                    (std::isnan(after) && std::isnan(before)))
                             << schema[i].name;
                     }
             }
@@ -252,11 +254,12 @@ TEST(LasWriter, RandomSchemasRoundTrip)
 
 TEST(LasWriter, TheFormatIsTheSmallestWithAFieldForEverything)
 {
-    const Attribute intensity{"intensity", ScalarType::u16, 1, 1, 0, {}}, time{"gps_time", ScalarType::f64, 1, 1, 0, {}},
-        rgb{"rgb", ScalarType::u16, 3, 1, 0, {}}, nir{"nir", ScalarType::u16, 1, 1, 0, {}},
-        classes{"classification", ScalarType::u8, 1, 1, 0, {}}, other{"other", ScalarType::f32, 1, 1, 0, {}};
+    const Attribute intensity{"intensity", ScalarType::u16, 1, 1, 0, {}},
+        time{"gps_time", ScalarType::f64, 1, 1, 0, {}}, rgb{"rgb", ScalarType::u16, 3, 1, 0, {}},
+        nir{"nir", ScalarType::u16, 1, 1, 0, {}}, classes{"classification", ScalarType::u8, 1, 1, 0, {}},
+        other{"other", ScalarType::f32, 1, 1, 0, {}};
     const std::pair<std::vector<Attribute>, int> cases[] = {
-        {{}, 0},          {{intensity, other}, 0}, {{time}, 1}, {{rgb}, 2},     {{rgb, time}, 3},
+        {{}, 0},        {{intensity, other}, 0}, {{time}, 1}, {{rgb}, 2},      {{rgb, time}, 3},
         {{classes}, 6}, {{classes, rgb}, 7},     {{nir}, 8},  {{rgb, nir}, 8},
     };
     TemporaryFolder folder;
@@ -433,8 +436,9 @@ TEST(LasWriter, PositionsBeyondTheGridAreAnErrorThatSaysWhatToDo)
     WriteOptions options;
     options.grid = grid;
     for (const double x : {5e6 + 2147483.6480, 5e6 - 2147483.65, 1e300, -1e300}) {
-        const Error error =
-            error_of([&] { write_cloud(folder / "a.las", doubles({{5e6, -3e6, 100}, {x, -3e6, 100}}), options); });
+        const Error error = error_of([&] {
+            write_cloud(folder / "a.las", doubles({{5e6, -3e6, 100}, {x, -3e6, 100}}), options);
+        });
         EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
         for (const char* part : {"x = ", "point 2", "step 0.001", "larger step"})
             EXPECT_TRUE(mentions(error.what(), part)) << error.what();
@@ -499,8 +503,7 @@ TEST(LasWriter, RefusesGridsThatAreNone)
 TEST(LasWriter, ErrorsOfTheSystemNameTheFile)
 {
     TemporaryFolder folder;
-    const Error error =
-        error_of([&] { create_writer(folder / "nowhere" / "a.las", gridded_cloud({}, 1, 1).info); });
+    const Error error = error_of([&] { create_writer(folder / "nowhere" / "a.las", gridded_cloud({}, 1, 1).info); });
     EXPECT_EQ(error.code(), ErrorCode::not_found);
     EXPECT_TRUE(mentions(error.what(), "nowhere"));
 }

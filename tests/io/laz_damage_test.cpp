@@ -1,4 +1,5 @@
-// LAZ as other writers leave it (one chunk without a table, a table that is missing or at the end) and as accidents leave it.
+// LAZ as other writers leave it (one chunk without a table, a table that is missing or at the end) and as accidents
+// leave it.
 #include "cloud_copy.h"
 #include "las_file.h"
 
@@ -27,7 +28,8 @@ Laz laz_of(const TemporaryFolder& folder, int format, std::size_t points, std::s
 {
     std::mt19937_64 random(1);
     Laz laz;
-    laz.cloud = read_whole(write_file(folder / "source.las", random_las(random, 4, format, points, extra_bytes).bytes()));
+    laz.cloud =
+        read_whole(write_file(folder / "source.las", random_las(random, 4, format, points, extra_bytes).bytes()));
     write_cloud(folder / "source.laz", laz.cloud);
     laz.bytes = read_bytes(folder / "source.laz");
     std::uint32_t at = 0;
@@ -108,8 +110,8 @@ TEST(LazDamage, MorePointsThanTheChunksHoldAreRefused)
     EXPECT_TRUE(mentions(error.what(), "44000000 points")) << error.what();
 }
 
-// GPS times are in sequences that the points switch between. Bytes of ones only are nothing but switches, more than a stack is
-// deep.
+// GPS times are in sequences that the points switch between. Bytes of ones only are nothing but switches, more than a
+// stack is deep.
 TEST(LazDamage, SwitchesWithoutEndAreRefused)
 {
     PCM_REQUIRE_LAZ();
@@ -117,8 +119,8 @@ TEST(LazDamage, SwitchesWithoutEndAreRefused)
     for (const int format : {1, 3, 6, 7}) {
         SCOPED_TRACE(format);
         Laz laz = laz_of(folder, format, 5000, 0);
-        // A chunk: its first point; of formats to 5 one stream; of later ones the number of points, the sizes of the layers,
-        // the layers, GPS times the ninth.
+        // A chunk: its first point; of formats to 5 one stream; of later ones the number of points, the sizes of the
+        // layers, the layers, GPS times the ninth.
         std::size_t from = laz.points_at + 8 + (format == 1 ? 28 : format == 3 ? 34 : format == 6 ? 30 : 36);
         std::size_t to = laz.table_at();
         if (format >= 6) {
@@ -130,8 +132,8 @@ TEST(LazDamage, SwitchesWithoutEndAreRefused)
         }
         ASSERT_GT(to, from + 10000);
         ASSERT_LE(to, laz.table_at());
-        std::fill(laz.bytes.begin() + static_cast<std::ptrdiff_t>(from), laz.bytes.begin() + static_cast<std::ptrdiff_t>(to),
-                  '\xFF');
+        std::fill(laz.bytes.begin() + static_cast<std::ptrdiff_t>(from),
+                  laz.bytes.begin() + static_cast<std::ptrdiff_t>(to), '\xFF');
         const auto path = write_file(folder / "a.laz", laz.bytes);
         for (const unsigned threads : {1u, 2u}) {
             ReadOptions options;

@@ -16,7 +16,8 @@ TEST(Laz, WithoutDecodersTheMessageSaysHowToGetThem)
     bytes.raw(random_las(random, 2, 3, 1).bytes());
     bytes.overwrite(104, std::uint8_t{0x80 | 3});
     const Error error = error_of([&] { open_reader(write_file(folder / "a.laz", bytes.data)); });
-    for (const char* part : {"LAZ", "point format 3", "cargo"}) EXPECT_TRUE(mentions(error.what(), part)) << error.what();
+    for (const char* part : {"LAZ", "point format 3", "cargo"})
+        EXPECT_TRUE(mentions(error.what(), part)) << error.what();
 }
 
 TEST(Laz, AWordInTheHeaderAloneIsNoCompression)

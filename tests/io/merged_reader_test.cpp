@@ -24,30 +24,33 @@ std::vector<MergedReader::Source> sources_of(const std::vector<MemoryCloud>& clo
 {
     std::vector<MergedReader::Source> sources;
     for (std::size_t i = 0; i < clouds.size(); ++i)
-        sources.push_back({"tile" + std::to_string(i) + ".las", [&cloud = clouds[i], seekable]() -> std::unique_ptr<PointReader> {
-                               return std::make_unique<MemoryReader>(cloud, seekable);
-                           }});
+        sources.push_back(
+            {"tile" + std::to_string(i) + ".las", [&cloud = clouds[i], seekable]() -> std::unique_ptr<PointReader> {
+                 return std::make_unique<MemoryReader>(cloud, seekable);
+             }});
     return sources;
 }
 
 bool mentions(const std::vector<std::string>& notes, const std::vector<std::string>& words)
 {
     return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
-        return std::all_of(words.begin(), words.end(), [&](const std::string& word) { return note.find(word) != std::string::npos; });
+        return std::all_of(words.begin(), words.end(),
+                           [&](const std::string& word) { return note.find(word) != std::string::npos; });
     });
 }
 
 const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 0}};
 
-// Random schemas out of a few names and kinds: each point has, under the name that its kind got, its own bytes; and zeros
-// everywhere else.
+// Random schemas out of a few names and kinds: each point has, under the name that its kind got, its own bytes; and
+// zeros everywhere else.
 TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
 {
-    const std::vector<Attribute> kinds = {{"a", ScalarType::u8, 1, 1, 0, ""},   {"a", ScalarType::u16, 1, 1, 0, "other"},
-                                          {"a", ScalarType::u16, 1, 2, 0, ""},  {"a", ScalarType::u16, 1, 2, 5, ""},
-                                          {"a", ScalarType::u8, 3, 1, 0, ""},   {"b", ScalarType::f64, 1, 1, 0, ""},
-                                          {"b", ScalarType::f32, 1, 1, 0, ""},  {"c", ScalarType::i64, 2, 1, 0, ""},
-                                          {"a_u16", ScalarType::f32, 1, 1, 0, ""}, {"a_u16", ScalarType::u16, 1, 1, 0, ""}};
+    const std::vector<Attribute> kinds = {
+        {"a", ScalarType::u8, 1, 1, 0, ""},      {"a", ScalarType::u16, 1, 1, 0, "other"},
+        {"a", ScalarType::u16, 1, 2, 0, ""},     {"a", ScalarType::u16, 1, 2, 5, ""},
+        {"a", ScalarType::u8, 3, 1, 0, ""},      {"b", ScalarType::f64, 1, 1, 0, ""},
+        {"b", ScalarType::f32, 1, 1, 0, ""},     {"c", ScalarType::i64, 2, 1, 0, ""},
+        {"a_u16", ScalarType::f32, 1, 1, 0, ""}, {"a_u16", ScalarType::u16, 1, 1, 0, ""}};
     std::mt19937_64 random(1);
     for (int round = 0; round < 60; ++round) {
         std::vector<MemoryCloud> clouds;
@@ -60,7 +63,8 @@ TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
             Grid grid = millimetres;
             if (!one_grid) grid.offset[0] += static_cast<double>(f);
             const std::size_t count = random() % 500;
-            clouds.push_back(random_cloud(schema, mixed && f % 2 ? std::nullopt : std::optional<Grid>(grid), count, random()));
+            clouds.push_back(
+                random_cloud(schema, mixed && f % 2 ? std::nullopt : std::optional<Grid>(grid), count, random()));
             points += count;
         }
         MergedReader reader(sources_of(clouds));
@@ -77,17 +81,18 @@ TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
             std::vector<bool> used(merged.info.schema.size(), false);
             for (std::size_t k = 0; k < cloud.info.schema.size(); ++k) {
                 const Attribute& kind = cloud.info.schema[k];
-                const std::string key = kind.name + std::string(name_of(kind.type)) + std::to_string(kind.components) + "*" +
-                                        std::to_string(kind.scale) + "+" + std::to_string(kind.offset);
+                const std::string key = kind.name + std::string(name_of(kind.type)) + std::to_string(kind.components) +
+                                        "*" + std::to_string(kind.scale) + "+" + std::to_string(kind.offset);
                 std::optional<std::size_t> slot;
                 for (std::size_t m = 0; m < merged.info.schema.size() && !slot; ++m) {
                     const Attribute& there = merged.info.schema[m];
-                    if (used[m] || there.name.rfind(kind.name, 0) != 0 || there.type != kind.type || there.components != kind.components ||
-                        there.scale != kind.scale || there.offset != kind.offset)
+                    if (used[m] || there.name.rfind(kind.name, 0) != 0 || there.type != kind.type ||
+                        there.components != kind.components || there.scale != kind.scale || there.offset != kind.offset)
                         continue;
                     bool same = true;
                     for (std::size_t i = 0; i < cloud.points.size && same; ++i)
-                        same = bytes_of(cloud.points.attributes[k], i) == bytes_of(merged.points.attributes[m], start + i);
+                        same =
+                            bytes_of(cloud.points.attributes[k], i) == bytes_of(merged.points.attributes[m], start + i);
                     if (same) slot = m;
                 }
                 ASSERT_TRUE(slot) << "round " << round << ", " << key;
@@ -97,7 +102,8 @@ TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
                 EXPECT_EQ(known->second, merged.info.schema[*slot].name) << key;
             }
             for (std::size_t i = 0; i < cloud.points.size; ++i) {
-                EXPECT_EQ(position_of(cloud.points, cloud.info.grid, i), position_of(merged.points, merged.info.grid, start + i));
+                EXPECT_EQ(position_of(cloud.points, cloud.info.grid, i),
+                          position_of(merged.points, merged.info.grid, start + i));
                 for (std::size_t m = 0; m < merged.info.schema.size(); ++m)
                     if (!used[m]) {
                         const std::string bytes = bytes_of(merged.points.attributes[m], start + i);
@@ -112,8 +118,9 @@ TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
 TEST(MergedReader, KindsOfOneNameAreKeptApartHoweverMany)
 {
     std::vector<MemoryCloud> clouds;
-    for (const Attribute& kind : {Attribute{"time", ScalarType::f64, 1, 1, 0, ""}, Attribute{"time", ScalarType::f32, 1, 1, 0, ""},
-                                  Attribute{"time", ScalarType::f32, 1, 2, 0, ""}, Attribute{"time", ScalarType::f32, 2, 1, 0, ""}})
+    for (const Attribute& kind :
+         {Attribute{"time", ScalarType::f64, 1, 1, 0, ""}, Attribute{"time", ScalarType::f32, 1, 1, 0, ""},
+          Attribute{"time", ScalarType::f32, 1, 2, 0, ""}, Attribute{"time", ScalarType::f32, 2, 1, 0, ""}})
         clouds.push_back(random_cloud(schema_of({kind}), millimetres, 10, 7));
     const MergedReader reader(sources_of(clouds));
     std::vector<std::string> names;
@@ -125,7 +132,8 @@ TEST(MergedReader, KindsOfOneNameAreKeptApartHoweverMany)
 TEST(MergedReader, NotesOfAThousandTilesAreFew)
 {
     std::vector<MemoryCloud> clouds;
-    const Schema with = schema_of({{"intensity", ScalarType::u16, 1, 1, 0, ""}, {"gps_time", ScalarType::f64, 1, 1, 0, ""}});
+    const Schema with =
+        schema_of({{"intensity", ScalarType::u16, 1, 1, 0, ""}, {"gps_time", ScalarType::f64, 1, 1, 0, ""}});
     const Schema without = schema_of({{"intensity", ScalarType::u16, 1, 1, 0, ""}});
     for (int i = 0; i < 1000; ++i) {
         clouds.push_back(random_cloud(i % 2 ? with : without, millimetres, 1, 1));
@@ -142,7 +150,8 @@ TEST(MergedReader, NotesOfAThousandTilesAreFew)
 
 TEST(MergedReader, ALoneFileIsAsItIs)
 {
-    const std::vector<MemoryCloud> clouds = {random_cloud(schema_of({{"a", ScalarType::u8, 1, 1, 0, ""}}), millimetres, 10, 1)};
+    const std::vector<MemoryCloud> clouds = {
+        random_cloud(schema_of({{"a", ScalarType::u8, 1, 1, 0, ""}}), millimetres, 10, 1)};
     MemoryCloud noted = clouds[0];
     noted.info.notes = {"something"};
     noted.info.promised_box = Box3d{{0, 0, 0}, {1, 1, 1}};
@@ -175,7 +184,8 @@ TEST(MergedReader, SeeksAcrossFiles)
 {
     std::vector<MemoryCloud> clouds;
     for (const std::size_t count : {100u, 0u, 50u, 1u})
-        clouds.push_back(random_cloud(schema_of({{"a" + std::to_string(count), ScalarType::u32, 1, 1, 0, ""}}), millimetres, count, count));
+        clouds.push_back(random_cloud(schema_of({{"a" + std::to_string(count), ScalarType::u32, 1, 1, 0, ""}}),
+                                      millimetres, count, count));
     MergedReader reader(sources_of(clouds));
     const MemoryCloud all = read_all(reader, 64);
     ASSERT_EQ(all.points.size, 151u);
@@ -216,7 +226,8 @@ TEST(MergedReader, RefusesNothingAndTooMuch)
     std::vector<MemoryCloud> clouds;
     for (int f = 0; f < 2; ++f) {
         Schema schema;
-        for (int i = 0; i < 200; ++i) schema.add({std::to_string(f) + "_" + std::to_string(i), ScalarType::u8, 1, 1, 0, ""});
+        for (int i = 0; i < 200; ++i)
+            schema.add({std::to_string(f) + "_" + std::to_string(i), ScalarType::u8, 1, 1, 0, ""});
         clouds.push_back(random_cloud(schema, millimetres, 1, 1));
     }
     EXPECT_THROW(MergedReader(sources_of(clouds)), Error);

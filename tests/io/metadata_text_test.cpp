@@ -33,7 +33,8 @@ TEST(MetadataText, BytesAreNot)
 TEST(MetadataText, GeoKeysHaveNames)
 {
     Bytes directory;
-    for (const int n : {1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 26917, 1026, 34737, 22, 0}) directory.put(static_cast<std::uint16_t>(n));
+    for (const int n : {1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 26917, 1026, 34737, 22, 0})
+        directory.put(static_cast<std::uint16_t>(n));
     const std::string key = "las.vlr/LASF_Projection/34735";
     EXPECT_EQ(text_of(block(key, directory.data)), "GTModelType 1, ProjectedCSType 26917, GTCitation");
     // Cut at any byte it says less, and never reads beyond.

@@ -72,9 +72,10 @@ std::vector<std::string> ply_seeds()
 std::vector<std::string> pcd_seeds()
 {
     const auto header = [](const char* encoding) {
-        return std::string("# .PCD v0.7 - Point Cloud Data file format\n# pcm attribute u u16 2 1 0 name -\nVERSION "
-                           "0.7\nFIELDS x y z rgb _ u\nSIZE 4 4 8 4 1 2\nTYPE F F F F U U\nCOUNT 1 1 1 1 3 2\nWIDTH "
-                           "3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ") +
+        return std::string(
+                   "# .PCD v0.7 - Point Cloud Data file format\n# pcm attribute u u16 2 1 0 name -\nVERSION "
+                   "0.7\nFIELDS x y z rgb _ u\nSIZE 4 4 8 4 1 2\nTYPE F F F F U U\nCOUNT 1 1 1 1 3 2\nWIDTH "
+                   "3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ") +
                encoding + "\n";
     };
     Bytes records, columns;
@@ -91,8 +92,8 @@ std::vector<std::string> pcd_seeds()
 
 std::vector<std::string> text_seeds()
 {
-    return {"1 2 3\n4 5 6\n7 8 9\n", "x,y,z,intensity\r\n1.5,2e3,-3,4\r\n1,,3,9\r\n", "//X;Y;Z;R;G;B\n2\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n",
-            "# x y z a_0 a_1\n\n1 2 nan 4 5\n-inf 2 3 4 5\n"};
+    return {"1 2 3\n4 5 6\n7 8 9\n", "x,y,z,intensity\r\n1.5,2e3,-3,4\r\n1,,3,9\r\n",
+            "//X;Y;Z;R;G;B\n2\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n", "# x y z a_0 a_1\n\n1 2 nan 4 5\n-inf 2 3 4 5\n"};
 }
 
 std::vector<std::string> ptx_seeds()
@@ -141,7 +142,8 @@ std::string mutated(std::string bytes, std::mt19937_64& random)
     return bytes;
 }
 
-void survive(const std::vector<std::string>& seeds, const char* extension, std::uint64_t seed, int rounds, int one_in = 20)
+void survive(const std::vector<std::string>& seeds, const char* extension, std::uint64_t seed, int rounds,
+             int one_in = 20)
 {
     std::mt19937_64 random(seed);
     TemporaryFolder folder;
@@ -174,7 +176,10 @@ void survive(const std::vector<std::string>& seeds, const char* extension, std::
 TEST(Mutations, Las) { survive(las_seeds(), "las", 1, 20000); }
 TEST(Mutations, Pcd) { survive(pcd_seeds(), "pcd", 3, 20000); }
 TEST(Mutations, Text) { survive(text_seeds(), "xyz", 3, 8000); }
-TEST(Mutations, Pts) { survive({"3\n1 2 3 4\n5 6 7 8\n9 1 2 3\n", "1\n1 2 3 4 5 6 7\n2\n1 2 3 4 5 6 7\n7 6 5 4 3 2 1\n"}, "pts", 4, 8000); }
+TEST(Mutations, Pts)
+{
+    survive({"3\n1 2 3 4\n5 6 7 8\n9 1 2 3\n", "1\n1 2 3 4 5 6 7\n2\n1 2 3 4 5 6 7\n7 6 5 4 3 2 1\n"}, "pts", 4, 8000);
+}
 TEST(Mutations, Ptx) { survive(ptx_seeds(), "ptx", 5, 8000, 50); }
 TEST(Mutations, Ply) { survive(ply_seeds(), "ply", 2, 20000); }
 

@@ -79,7 +79,8 @@ TEST(PtsWriter, ColoursOfSixteenBits)
     TemporaryFolder folder;
     PointBatch batch = batch_of(cloud, 65536);
     for (std::size_t i = 0; i < 65536; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) batch.attributes[1].as<std::uint16_t>()[3 * i + k] = static_cast<std::uint16_t>(i);
+        for (std::size_t k = 0; k < 3; ++k)
+            batch.attributes[1].as<std::uint16_t>()[3 * i + k] = static_cast<std::uint16_t>(i);
         batch.attributes[0].as<std::uint8_t>()[i] = 0;
     }
     auto notes = write_cloud(folder / "a.pts", cloud, batch);
@@ -93,10 +94,12 @@ TEST(PtsWriter, ColoursOfSixteenBits)
     ASSERT_EQ(notes.size(), 1u);
     EXPECT_TRUE(mentions(notes[0], "65,280 points were rounded")) << notes[0];
 
-    for (std::size_t i = 0; i < 3 * 65536; ++i) batch.attributes[1].as<std::uint16_t>()[i] = static_cast<std::uint16_t>(257 * (i % 256));
+    for (std::size_t i = 0; i < 3 * 65536; ++i)
+        batch.attributes[1].as<std::uint16_t>()[i] = static_cast<std::uint16_t>(257 * (i % 256));
     EXPECT_TRUE(write_cloud(folder / "a.pts", cloud, batch).empty()) << "multiples of 257 are exact";
 
-    for (std::size_t i = 0; i < 3 * 65536; ++i) batch.attributes[1].as<std::uint16_t>()[i] = static_cast<std::uint16_t>(i % 256);
+    for (std::size_t i = 0; i < 3 * 65536; ++i)
+        batch.attributes[1].as<std::uint16_t>()[i] = static_cast<std::uint16_t>(i % 256);
     notes = write_cloud(folder / "a.pts", cloud, batch);
     EXPECT_TRUE(any_mentions(notes, "perhaps they were meant as 0..255"));
 }

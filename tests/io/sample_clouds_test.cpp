@@ -54,7 +54,8 @@ void expect_as_in_manifest(const std::string& folder, const std::string& extensi
         const Whole whole = read_whole(sample(name));
         // Of E57 the manifest tells how many have a valid position.
         const bool some = fields[4].compare(0, 5, "read ") == 0;
-        EXPECT_EQ(std::to_string(whole.points.size), some ? fields[4].substr(5, fields[4].find(' ', 5) - 5) : fields[2]);
+        EXPECT_EQ(std::to_string(whole.points.size),
+                  some ? fields[4].substr(5, fields[4].find(' ', 5) - 5) : fields[2]);
         std::istringstream printed(fields[3]);
         Box3d box;
         for (std::size_t i = 0; i < whole.points.size; ++i) box.extend(whole.position(i));
@@ -153,8 +154,7 @@ TEST(SampleClouds, BadFilesAreRefusedByName)
     std::size_t files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(sample("bad"))) {
         const auto extension = entry.path().extension();
-        if (extension != ".las" && extension != ".laz" && extension != ".pcd" && extension != ".ply")
-            continue;
+        if (extension != ".las" && extension != ".laz" && extension != ".pcd" && extension != ".ply") continue;
         ++files;
         const Error error = error_of([&] { read_whole(*open_reader(entry.path())); });
         EXPECT_TRUE(mentions(error.what(), entry.path().string())) << error.what();
@@ -166,13 +166,10 @@ TEST(SampleClouds, BadFilesAreRefusedByName)
 TEST(SampleClouds, EdgeCases)
 {
     PCM_REQUIRE_SAMPLE("edge");
-    const std::map<std::string, std::size_t> readable = {{"bad_vlr_count.las", 10},
-                                                         {"malformed_extrabytes.las", 10},
-                                                         {"cube_binary_header_with_RN_newline.ply", 8},
-                                                         {"empty_ok_ascii.ply", 0},
-                                                         {"simple_text.ply", 3},
-                                                         {"utm17_comma.pcd", 10},
-                                                         {"utm17_tab.pcd", 10}};
+    const std::map<std::string, std::size_t> readable = {
+        {"bad_vlr_count.las", 10}, {"malformed_extrabytes.las", 10}, {"cube_binary_header_with_RN_newline.ply", 8},
+        {"empty_ok_ascii.ply", 0}, {"simple_text.ply", 3},           {"utm17_comma.pcd", 10},
+        {"utm17_tab.pcd", 10}};
     for (const auto& entry : std::filesystem::directory_iterator(sample("edge"))) {
         const auto extension = entry.path().extension();
         if (extension != ".las" && extension != ".pcd" && extension != ".ply") continue;

@@ -36,7 +36,8 @@ std::string refusal(const std::function<void()>& f)
 
 // Which of `values` a condition on an attribute "a" selects.
 template <class T>
-std::vector<T> selected_of(const std::vector<T>& values, ScalarType type, const std::string& condition, double scale = 1, double offset = 0)
+std::vector<T> selected_of(const std::vector<T>& values, ScalarType type, const std::string& condition,
+                           double scale = 1, double offset = 0)
 {
     Schema schema;
     schema.add({"a", type, 1, scale, offset, ""});
@@ -79,13 +80,15 @@ TEST(Condition, ListsRangesAndRelations)
 
 TEST(Condition, SixtyFourBitsAreExact)
 {
-    const std::vector<std::uint64_t> big = {std::numeric_limits<std::uint64_t>::max() - 1, std::numeric_limits<std::uint64_t>::max(),
-                                            (std::uint64_t(1) << 53), (std::uint64_t(1) << 53) + 1};
+    const std::vector<std::uint64_t> big = {std::numeric_limits<std::uint64_t>::max() - 1,
+                                            std::numeric_limits<std::uint64_t>::max(), (std::uint64_t(1) << 53),
+                                            (std::uint64_t(1) << 53) + 1};
     using U = std::vector<std::uint64_t>;
     EXPECT_EQ(selected_of(big, ScalarType::u64, "a=18446744073709551615"), U{big[1]});
     EXPECT_EQ(selected_of(big, ScalarType::u64, "a<18446744073709551615"), (U{big[0], big[2], big[3]}));
     EXPECT_EQ(selected_of(big, ScalarType::u64, "a=9007199254740993"), U{big[3]});
-    const std::vector<std::int64_t> low = {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::min() + 1, -1};
+    const std::vector<std::int64_t> low = {std::numeric_limits<std::int64_t>::min(),
+                                           std::numeric_limits<std::int64_t>::min() + 1, -1};
     using I = std::vector<std::int64_t>;
     EXPECT_EQ(selected_of(low, ScalarType::i64, "a=-9223372036854775808"), I{low[0]});
     EXPECT_EQ(selected_of(low, ScalarType::i64, "a>-9223372036854775808"), (I{low[1], low[2]}));
@@ -114,11 +117,22 @@ TEST(Condition, ValuesAreThoseThatUsersSee)
 
 TEST(Condition, WhatMakesNoSenseIsRefusedWithTheReason)
 {
-    const std::vector<std::pair<std::string, std::string>> bad = {
-        {"classification", "no ="},      {"=3", "before the sign"},    {"a!3", "followed by '='"}, {"a=", "number is missing"},
-        {"a=1,", "number is missing"},   {"a=x", "'x' is not a number"}, {"a=1..x", "'x'"},        {"a=..", "at least one end"},
-        {"a=5..3", "ends before"},       {"a<1,2", "one number"},      {"a>=1..2", "one number"},  {"a=nan", "finite"},
-        {"a=1e999", "too large"},        {"a=1 2", "'1 2'"},           {"", "no ="},               {"a=0x10", "'0x10'"}};
+    const std::vector<std::pair<std::string, std::string>> bad = {{"classification", "no ="},
+                                                                  {"=3", "before the sign"},
+                                                                  {"a!3", "followed by '='"},
+                                                                  {"a=", "number is missing"},
+                                                                  {"a=1,", "number is missing"},
+                                                                  {"a=x", "'x' is not a number"},
+                                                                  {"a=1..x", "'x'"},
+                                                                  {"a=..", "at least one end"},
+                                                                  {"a=5..3", "ends before"},
+                                                                  {"a<1,2", "one number"},
+                                                                  {"a>=1..2", "one number"},
+                                                                  {"a=nan", "finite"},
+                                                                  {"a=1e999", "too large"},
+                                                                  {"a=1 2", "'1 2'"},
+                                                                  {"", "no ="},
+                                                                  {"a=0x10", "'0x10'"}};
     for (const auto& [text, reason] : bad) {
         const std::string what = refusal([&, t = text] { parse_condition(t); });
         EXPECT_NE(what.find(reason), std::string::npos) << text << " -> " << what;
@@ -164,12 +178,14 @@ TEST_P(EveryForm, SelectsWhatALoopSelects)
 {
     std::mt19937_64 random(4);
     for (int round = 0; round < 40; ++round) {
-        const MemoryCloud cloud = random_cloud(mixed_schema(), GetParam() ? std::optional<Grid>(grid) : std::nullopt, 3000, random(), 100);
+        const MemoryCloud cloud =
+            random_cloud(mixed_schema(), GetParam() ? std::optional<Grid>(grid) : std::nullopt, 3000, random(), 100);
         Selection selection = where({"intensity>=20000", "rgb[1]!=0..50,255", "time<5e5"});
         selection.where.resize(random() % 4);
         if (random() % 2) {
             selection.box.emplace();
-            selection.box->extend(position_of(cloud.points, cloud.info.grid, random() % 3000));  // closed: its corners are points
+            selection.box->extend(
+                position_of(cloud.points, cloud.info.grid, random() % 3000));  // closed: its corners are points
             selection.box->extend(position_of(cloud.points, cloud.info.grid, random() % 3000));
         }
         const double x = position_of(cloud.points, cloud.info.grid, 7)[0];
@@ -184,7 +200,8 @@ TEST_P(EveryForm, SelectsWhatALoopSelects)
             bool wanted = !selection.box || selection.box->contains(p);
             for (const Condition& condition : selection.where) {
                 if (condition.name == "intensity") wanted = wanted && column(0).value(i) >= 20000;
-                if (condition.name == "rgb[1]") wanted = wanted && column(1).value(i, 1) > 50 && column(1).value(i, 1) != 255;
+                if (condition.name == "rgb[1]")
+                    wanted = wanted && column(1).value(i, 1) > 50 && column(1).value(i, 1) != 255;
                 if (condition.name == "time") wanted = wanted && column(2).value(i) < 5e5;
                 if (condition.name == "x") wanted = wanted && p[0] <= std::stod(std::to_string(x));
             }
@@ -202,9 +219,11 @@ TEST_P(EveryForm, SelectsWhatALoopSelects)
                                           : (std::vector<std::string>{"intensity", "rgb", "time", "odd"}));
         ASSERT_EQ(result.points.size, expected.size());
         for (std::size_t i = 0; i < expected.size(); ++i) {
-            ASSERT_EQ(position_of(result.points, result.info.grid, i), position_of(cloud.points, cloud.info.grid, expected[i]));
+            ASSERT_EQ(position_of(result.points, result.info.grid, i),
+                      position_of(cloud.points, cloud.info.grid, expected[i]));
             for (std::size_t k = 0; k < names.size(); ++k)
-                ASSERT_EQ(bytes_of(result.points.attributes[k], i), bytes_of(column(*cloud.info.schema.find(names[k])), expected[i]));
+                ASSERT_EQ(bytes_of(result.points.attributes[k], i),
+                          bytes_of(column(*cloud.info.schema.find(names[k])), expected[i]));
         }
     }
 }

@@ -36,22 +36,24 @@ inline double any_double(std::mt19937_64& random)
             std::memcpy(&value, &bits, 8);
             return value;
         }
-        case 1: return static_cast<double>(random() % 100000000) / 1000;
-        case 2: return static_cast<double>(static_cast<std::int64_t>(random()));
-        case 3: return 5e6 + static_cast<double>(random() % 1000000) * 1e-3;
-        case 4: return std::array{0.0, -0.0, 1e15, 1e-5, 1e23, 0.1, -1e-300}[random() % 7];
-        default: return std::array{std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::quiet_NaN(),
-                                   std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
-                                   std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(),
-                                   -std::numeric_limits<double>::max()}[random() % 7];
+        case 1:
+            return static_cast<double>(random() % 100000000) / 1000;
+        case 2:
+            return static_cast<double>(static_cast<std::int64_t>(random()));
+        case 3:
+            return 5e6 + static_cast<double>(random() % 1000000) * 1e-3;
+        case 4:
+            return std::array{0.0, -0.0, 1e15, 1e-5, 1e23, 0.1, -1e-300}[random() % 7];
+        default:
+            return std::array{std::numeric_limits<double>::quiet_NaN(),  -std::numeric_limits<double>::quiet_NaN(),
+                              std::numeric_limits<double>::infinity(),   -std::numeric_limits<double>::infinity(),
+                              std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max(),
+                              -std::numeric_limits<double>::max()}[random() % 7];
     }
 }
 
 // Equal to the last bit, but for what a NaN carries.
-inline bool same(double a, double b)
-{
-    return std::isnan(a) ? std::isnan(b) : std::memcmp(&a, &b, sizeof a) == 0;
-}
+inline bool same(double a, double b) { return std::isnan(a) ? std::isnan(b) : std::memcmp(&a, &b, sizeof a) == 0; }
 inline bool same(float a, float b) { return std::isnan(a) ? std::isnan(b) : std::memcmp(&a, &b, sizeof a) == 0; }
 
 inline PointBatch batch_of(const FileInfo& cloud, std::size_t points)

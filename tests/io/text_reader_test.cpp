@@ -101,13 +101,15 @@ TEST(TextReader, RandomCloudsInRandomLayouts)
         const auto put = [&](std::string number) {
             for (char& c : number)
                 if (c == '.') c = print.point;
-            if (!text.empty() && text.find_last_of("\r\n") + 1 != text.size()) text += print.pad + separator + print.pad;
+            if (!text.empty() && text.find_last_of("\r\n") + 1 != text.size())
+                text += print.pad + separator + print.pad;
             text += number;
         };
         for (std::size_t i = 0; i < points; ++i) {
             if (i) text += print.line_end;
             for (std::size_t a = 0; a < 3; ++a) {
-                xyz[i][a] = random() % 50 ? uniform(-5e6, 5e6) : std::ldexp(uniform(-1, 1), static_cast<int>(random() % 2000) - 1000);
+                xyz[i][a] = random() % 50 ? uniform(-5e6, 5e6)
+                                          : std::ldexp(uniform(-1, 1), static_cast<int>(random() % 2000) - 1000);
                 put(shortest(xyz[i][a]));
             }
             intensity[i] = static_cast<int>(random() % 4000);
@@ -117,7 +119,8 @@ TEST(TextReader, RandomCloudsInRandomLayouts)
                 if (with_rgb) put(std::to_string(c));
             }
             const double z = uniform(-1, 1), angle = uniform(0, 6.28), r = std::sqrt(1 - z * z);
-            normals[i] = {static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)), static_cast<float>(z)};
+            normals[i] = {static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)),
+                          static_cast<float>(z)};
             for (const float n : normals[i])
                 if (with_normals) put(shortest(n));
         }
@@ -143,9 +146,25 @@ TEST(TextReader, RandomCloudsInRandomLayouts)
 
 TEST(TextReader, EveryNumberIsTheNearest)
 {
-    const char* numbers[] = {"0.1", "1e23", "9007199254740993", "2.2250738585072011e-308", "4.9e-324", "1.7976931348623157e308",
-                             "123456789012345678901234567890", "0.000000000000000000000000000001", "-0", "+5", ".5", "5.", "1E5",
-                             "289814.15", "100000000000000016777215", "1e-400", "1e400", "6.25e+2", "00012.50"};
+    const char* numbers[] = {"0.1",
+                             "1e23",
+                             "9007199254740993",
+                             "2.2250738585072011e-308",
+                             "4.9e-324",
+                             "1.7976931348623157e308",
+                             "123456789012345678901234567890",
+                             "0.000000000000000000000000000001",
+                             "-0",
+                             "+5",
+                             ".5",
+                             "5.",
+                             "1E5",
+                             "289814.15",
+                             "100000000000000016777215",
+                             "1e-400",
+                             "1e400",
+                             "6.25e+2",
+                             "00012.50"};
     for (const char* number : numbers) {
         const double expected = std::strtod(number, nullptr);
         const Whole whole = read_text("1 2 " + std::string(number) + "\n" + number + " 3 4\n");
@@ -259,7 +278,8 @@ TEST(TextReader, WhatDoesNotFitIsNamed)
         {"1 2 3\n1 2 3\n\n# c\n1 2 3 4\n", "a.xyz", "line 5: found 4 fields, expected 3"},
         {"1 2 3\n1 x 3\n", "a.xyz", "line 2: found 'x' in column 2 (y)"},
         {"1,2,3\n1,,3\n", "a.csv", "line 2: found '' in column 2 (y)"},
-        {many + "1 2 3 256 2 3\n", "a.xyz", "line 200001: found '256' in column 4 (r), expected a whole number from 0 to 255"},
+        {many + "1 2 3 256 2 3\n", "a.xyz",
+         "line 200001: found '256' in column 4 (r), expected a whole number from 0 to 255"},
         {many + "1 2 3 0.5 2 3\n", "a.xyz", "found '0.5'"},
         {"X,Y,X\n1,2,3\n", "a.csv", "line 1 is 'X,Y,X'"},
         {"x y z id\n1 2 3\n", "a.txt", "line 1 names 4 columns"},
@@ -268,7 +288,9 @@ TEST(TextReader, WhatDoesNotFitIsNamed)
         {"Once upon a time\nthere was a cloud.\n", "a.txt", "expected lines of three numbers"},
         {"ncols 3\nnrows 2\n1 2 3\n4 5 6\n", "a.asc", "grid of heights"},
         {std::string("1 2 3\n\0\x01\x02", 9), "a.xyz", "byte 6"},
-        {"\xFF\xFE" "1 ", "a.txt", "UTF-16"},
+        {"\xFF\xFE"
+         "1 ",
+         "a.txt", "UTF-16"},
         {std::string(3000000, '1'), "a.xyz", "line"},
         {"1 2 3\n" + std::string(3000000, '1') + " 2 3\n", "a.xyz", "line 2 is longer than"},
         {"#\n", "a.xyz", "no line of three numbers"},
@@ -294,7 +316,8 @@ TEST(TextReader, WhatIsPassedOverIsCounted)
 TEST(TextReader, WhatReadingFindsReachesTheMergedCloud)
 {
     TemporaryFolder folder;
-    const auto one = write_file(folder / "a.csv", "x,y,z\n1,2,3\n1,2,3,4\n"), two = write_file(folder / "b.pts", "1\n1 2 3\n1 2 3\n");
+    const auto one = write_file(folder / "a.csv", "x,y,z\n1,2,3\n1,2,3,4\n"),
+               two = write_file(folder / "b.pts", "1\n1 2 3\n1 2 3\n");
     MergedReader cloud({one, two}, {});
     EXPECT_EQ(read_whole(cloud).points.size, 4u);
     EXPECT_TRUE(any_mentions(cloud.info().notes, "a.csv: 1 line has more fields"));
@@ -329,9 +352,10 @@ std::string ptx_header(int columns, int rows, const std::string& matrix = "1 0 0
 
 TEST(Ptx, EveryScanIsPutIntoTheWorld)
 {
-    const std::string text = ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
-                             ptx_header(1, 2, "0 1 0 0\n-1 0 0 0\n0 0 2 0\n600000.5 800000 400 1\n") +
-                             "1 2 3 1 0 0 0\n1e-9 0 0 0 255 255 255\n" + ptx_header(0, 5) + ptx_header(1, 1) + "0 0 1 0.125\n";
+    const std::string text =
+        ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
+        ptx_header(1, 2, "0 1 0 0\n-1 0 0 0\n0 0 2 0\n600000.5 800000 400 1\n") +
+        "1 2 3 1 0 0 0\n1e-9 0 0 0 255 255 255\n" + ptx_header(0, 5) + ptx_header(1, 1) + "0 0 1 0.125\n";
     for (const std::size_t batch : {1, 2, 100}) {
         const Whole whole = read_text(text, "a.ptx", {}, batch);
         EXPECT_EQ(names_of(whole.info.schema), "intensity:f32 rgb:u8x3 scan:u32");
@@ -361,7 +385,8 @@ TEST(Ptx, PromisesAreChecked)
         ErrorCode code;
         const char* says;
     } const cases[] = {
-        {ptx_header(4444, 10014) + "1 2 3 4\n", ErrorCode::truncated, "after 1 of the 44,502,216 points that scan 1 promises"},
+        {ptx_header(4444, 10014) + "1 2 3 4\n", ErrorCode::truncated,
+         "after 1 of the 44,502,216 points that scan 1 promises"},
         {ptx_header(2, 1) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ErrorCode::truncated, "line 12: found '1'"},
         {ptx_header(1, 1) + "1 2 3 4\n1 2 3 4\n", ErrorCode::bad_format, "line 12"},
         {ptx_header(1, 1) + "1 2 3 4\n5\n", ErrorCode::truncated, "ends before the number of rows"},

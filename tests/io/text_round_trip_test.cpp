@@ -39,20 +39,16 @@ void expect_same_cloud(const RandomCloud& cloud, const Whole& read, const std::v
 
 TEST(TextRoundTrip, EveryColumnOfEveryKindOfCloud)
 {
-    const std::vector<Attribute> attributes = {{"intensity", ScalarType::u16},
-                                               {"rgb", ScalarType::u16, 3},
-                                               {"classification", ScalarType::u8},
-                                               {"gps_time", ScalarType::f64},
-                                               {"point_source_id", ScalarType::u16},
-                                               {"scan_angle", ScalarType::i16, 1, 0.006},
-                                               {"normal", ScalarType::f32, 3},
-                                               {"nor:quality", ScalarType::i32},
-                                               {"height", ScalarType::f32}};
+    const std::vector<Attribute> attributes = {
+        {"intensity", ScalarType::u16}, {"rgb", ScalarType::u16, 3},          {"classification", ScalarType::u8},
+        {"gps_time", ScalarType::f64},  {"point_source_id", ScalarType::u16}, {"scan_angle", ScalarType::i16, 1, 0.006},
+        {"normal", ScalarType::f32, 3}, {"nor:quality", ScalarType::i32},     {"height", ScalarType::f32}};
     std::vector<std::string> names;
     for (const Attribute& attribute : attributes) names.push_back(attribute.name);
     TemporaryFolder folder;
     std::mt19937_64 random(1);
-    for (const PositionKind kind : {PositionKind::grid, PositionKind::single_precision, PositionKind::double_precision}) {
+    for (const PositionKind kind :
+         {PositionKind::grid, PositionKind::single_precision, PositionKind::double_precision}) {
         const RandomCloud cloud = random_cloud(random, kind, 3000, false, attributes);
         for (const char* name : {"a.xyz", "a.txt", "a.asc", "a.csv"}) {
             SCOPED_TRACE(name);

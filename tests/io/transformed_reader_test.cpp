@@ -39,7 +39,9 @@ MemoryCloud cloud_at(const Vec3d& centre, bool gridded, std::uint64_t seed)
 Vec3d position(const MemoryCloud& cloud, std::size_t i)
 {
     Vec3d p;
-    for (std::size_t a = 0; a < 3; ++a) p[a] = cloud.points.gridded ? cloud.info.grid->to_source(cloud.points.grid_xyz[a][i], a) : cloud.points.xyz[a][i];
+    for (std::size_t a = 0; a < 3; ++a)
+        p[a] =
+            cloud.points.gridded ? cloud.info.grid->to_source(cloud.points.grid_xyz[a][i], a) : cloud.points.xyz[a][i];
     return p;
 }
 
@@ -95,7 +97,8 @@ TEST(Transformed, AnyMapAgainstLongDoubles)
                 EXPECT_NEAR(found.points.xyz[a][i], static_cast<double>(expected), static_cast<double>(size) * 1e-15);
             }
             EXPECT_EQ(found.points.attributes[2].as<std::uint16_t>()[i], i);
-            EXPECT_NEAR(found.points.attributes[1].as<float>()[i], static_cast<double>(i) / 7 * std::cbrt(std::fabs(map.determinant())),
+            EXPECT_NEAR(found.points.attributes[1].as<float>()[i],
+                        static_cast<double>(i) / 7 * std::cbrt(std::fabs(map.determinant())),
                         1e-5 * static_cast<double>(i + 1) * (1 + std::cbrt(std::fabs(map.determinant()))));
             // What was perpendicular to the normal still is, and its length is the same.
             const double* before = cloud.points.attributes[0].as<double>() + 3 * i;
@@ -124,7 +127,8 @@ TEST(Transformed, WhatStaysOnAGridKeepsItsIntegers)
         ASSERT_TRUE(found.info.grid);
         EXPECT_EQ(found.points.grid_xyz, cloud.points.grid_xyz);
         for (std::size_t i = 0; i < 500; ++i)
-            for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(position(found, i)[a], map(position(cloud, i))[a], 4e-9 * stretch);
+            for (std::size_t a = 0; a < 3; ++a)
+                EXPECT_NEAR(position(found, i)[a], map(position(cloud, i))[a], 4e-9 * stretch);
     }
     map.linear[0][0] = -1;  // a grid's steps are positive
     EXPECT_FALSE(transformed(cloud, map).info.grid);
@@ -134,10 +138,12 @@ TEST(Transformed, TurningAtMapCoordinatesAndBack)
 {
     const MemoryCloud cloud = cloud_at({5e6, 4.8e6, 300}, false, 11);
     for (const double angle : {1e-9, 0.1, 3.14159265358979, 100.0}) {
-        const Affine there = Affine::rotation({1, 2, -0.5}, angle, {5e6, 4.8e6, 300}, 2), back = Affine::rotation({1, 2, -0.5}, -angle, {5e6, 4.8e6, 300}, 0.5);
+        const Affine there = Affine::rotation({1, 2, -0.5}, angle, {5e6, 4.8e6, 300}, 2),
+                     back = Affine::rotation({1, 2, -0.5}, -angle, {5e6, 4.8e6, 300}, 0.5);
         const MemoryCloud found = transformed(transformed(cloud, there), back);
         for (std::size_t i = 0; i < 500; ++i)
-            for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(found.points.xyz[a][i], cloud.points.xyz[a][i], 3e-9);  // a few last bits of 5e6
+            for (std::size_t a = 0; a < 3; ++a)
+                EXPECT_NEAR(found.points.xyz[a][i], cloud.points.xyz[a][i], 3e-9);  // a few last bits of 5e6
     }
     const Affine quarter = Affine::rotation({0, 0, 7}, std::acos(0.0), {1, 1, 0});
     const Vec3d p = quarter({3, 1, 5});

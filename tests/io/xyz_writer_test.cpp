@@ -68,9 +68,15 @@ void expect_column(const std::vector<std::vector<std::string>>& rows, std::size_
 
 TEST(XyzWriter, EveryNumberComesBackToTheLastBit)
 {
-    const FileInfo cloud = doubles({{"i8", ScalarType::i8}, {"u8", ScalarType::u8}, {"i16", ScalarType::i16},
-                                    {"u16", ScalarType::u16}, {"i32", ScalarType::i32}, {"u32", ScalarType::u32},
-                                    {"i64", ScalarType::i64}, {"u64", ScalarType::u64}, {"f32", ScalarType::f32},
+    const FileInfo cloud = doubles({{"i8", ScalarType::i8},
+                                    {"u8", ScalarType::u8},
+                                    {"i16", ScalarType::i16},
+                                    {"u16", ScalarType::u16},
+                                    {"i32", ScalarType::i32},
+                                    {"u32", ScalarType::u32},
+                                    {"i64", ScalarType::i64},
+                                    {"u64", ScalarType::u64},
+                                    {"f32", ScalarType::f32},
                                     {"f64", ScalarType::f64}});
     std::mt19937_64 random(1);
     PointBatch batch = batch_of(cloud, 20000);
@@ -161,9 +167,14 @@ TEST(XyzWriter, LinesAsPeopleWriteThem)
 
 TEST(XyzWriter, NamesThatAreNoColumnNames)
 {
-    const FileInfo cloud = doubles({{"gps time", ScalarType::u8}, {"a,b", ScalarType::u8}, {"X", ScalarType::u8},
-                                    {"say \"so\"", ScalarType::u8}, {"r", ScalarType::u8},
-                                    {"rgb", ScalarType::u8, 3}, {"-", ScalarType::u8}, {"rgb_0", ScalarType::u8}});
+    const FileInfo cloud = doubles({{"gps time", ScalarType::u8},
+                                    {"a,b", ScalarType::u8},
+                                    {"X", ScalarType::u8},
+                                    {"say \"so\"", ScalarType::u8},
+                                    {"r", ScalarType::u8},
+                                    {"rgb", ScalarType::u8, 3},
+                                    {"-", ScalarType::u8},
+                                    {"rgb_0", ScalarType::u8}});
     const PointBatch batch = batch_of(cloud, 0);
     TemporaryFolder folder;
     write_cloud(folder / "a.xyz", cloud, batch);

@@ -50,7 +50,8 @@ TEST(Png, KeepsEveryBit)
         ASSERT_EQ(opaque.rgba.size(), image.rgba.size());
         for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_EQ(opaque.rgba[i], i % 4 == 3 ? 255 : image.rgba[i]);
     }
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);  // nothing beside the file
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()),
+              1);  // nothing beside the file
 }
 
 TEST(Png, TheUpperRowComesFirst)
@@ -83,7 +84,8 @@ TEST(Png, DamageIsSaidAndHarmless)
         std::ofstream(folder / "bad.png", std::ios::binary) << bytes;
         return code_of([&] { read_png(folder / "bad.png"); });
     };
-    for (std::size_t length = 0; length + 16 < whole.size(); length += 7) EXPECT_EQ(read(whole.substr(0, length)), ErrorCode::bad_format) << length;
+    for (std::size_t length = 0; length + 16 < whole.size(); length += 7)
+        EXPECT_EQ(read(whole.substr(0, length)), ErrorCode::bad_format) << length;
     std::string huge = whole;  // its header promises 2^30 x 2^30 pixels, and has the wrong checksum besides
     huge[16] = huge[20] = 0x40;
     EXPECT_EQ(read(huge), ErrorCode::bad_format);
@@ -96,7 +98,8 @@ TEST(Image, ColoursAreDividedByTheirAlpha)
 {
     Image image{4, 1, {10, 20, 30, 0, 10, 20, 30, 255, 64, 128, 32, 128, 200, 1, 0, 100}};
     unpremultiply(image);
-    EXPECT_EQ(image.rgba, (std::vector<std::uint8_t>{10, 20, 30, 0, 10, 20, 30, 255, 128, 255, 64, 128, 255, 3, 0, 100}));
+    EXPECT_EQ(image.rgba,
+              (std::vector<std::uint8_t>{10, 20, 30, 0, 10, 20, 30, 255, 128, 255, 64, 128, 255, 3, 0, 100}));
 }
 
 }  // namespace

@@ -67,7 +67,9 @@ DiscOracle::Ray DiscOracle::ray(double x, double y) const
         ray.direction = sum({0, 0, 0}, -1, columns_[2]);
     } else {
         ray.origin = eye_;
-        ray.direction = sum(sum(sum({0, 0, 0}, (ndc[0] + p[8]) / p[0], columns_[0]), (ndc[1] + p[9]) / p[5], columns_[1]), -1, columns_[2]);
+        ray.direction =
+            sum(sum(sum({0, 0, 0}, (ndc[0] + p[8]) / p[0], columns_[0]), (ndc[1] + p[9]) / p[5], columns_[1]), -1,
+                columns_[2]);
     }
     return ray;
 }

@@ -59,12 +59,14 @@ TEST(TrackballPose, IsWhatMeshLabShows)
         for (int k = 0; k < 5; ++k) {
             const Vec3d p{normal(random) * 100, normal(random) * 100, normal(random) * 100};
             const Vec3d meshlab = seen_by_meshlab(track, fov, p), ours = seen_by(pose, p);
-            for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(ours[a] * double(track.sca), meshlab[a], 1e-9 * (1 + 1000 * double(track.sca)));
+            for (std::size_t a = 0; a < 3; ++a)
+                EXPECT_NEAR(ours[a] * double(track.sca), meshlab[a], 1e-9 * (1 + 1000 * double(track.sca)));
         }
         // And back: the same camera to single precision.
         const vcg::Similarityf again = trackball_of(pose, fov);
         EXPECT_NEAR(again.sca / track.sca, 1, 1e-6);
-        const float sign = again.rot[0] * track.rot[0] + again.rot[1] * track.rot[1] + again.rot[2] * track.rot[2] + again.rot[3] * track.rot[3];
+        const float sign = again.rot[0] * track.rot[0] + again.rot[1] * track.rot[1] + again.rot[2] * track.rot[2] +
+                           again.rot[3] * track.rot[3];
         EXPECT_NEAR(std::fabs(sign), 1, 1e-6);
         const EyePose twice = pose_of(again, fov);
         for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(twice.eye[a], pose.eye[a], 1e-6 * (500 + pose.focus));

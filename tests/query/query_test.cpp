@@ -32,21 +32,28 @@ enum class Cloud { city, surface, volume, line, plane, duplicates, coincident, c
 
 const char* name(Cloud cloud)
 {
-    static const char* names[] = {"city",     "surface",    "volume", "line", "plane", "duplicates", "coincident", "clusters",
-                                  "full_range", "wide", "single"};
+    static const char* names[] = {"city",       "surface",  "volume",     "line", "plane", "duplicates",
+                                  "coincident", "clusters", "full_range", "wide", "single"};
     return names[static_cast<int>(cloud)];
 }
 
 Shape shape_of(Cloud cloud)
 {
     switch (cloud) {
-    case Cloud::volume: return Shape::volume;
-    case Cloud::line: return Shape::line;
-    case Cloud::duplicates: return Shape::duplicates;
-    case Cloud::coincident: return Shape::coincident;
-    case Cloud::clusters: return Shape::clusters;
-    case Cloud::full_range: return Shape::full_range;
-    default: return Shape::surface;
+        case Cloud::volume:
+            return Shape::volume;
+        case Cloud::line:
+            return Shape::line;
+        case Cloud::duplicates:
+            return Shape::duplicates;
+        case Cloud::coincident:
+            return Shape::coincident;
+        case Cloud::clusters:
+            return Shape::clusters;
+        case Cloud::full_range:
+            return Shape::full_range;
+        default:
+            return Shape::surface;
     }
 }
 
@@ -100,7 +107,8 @@ protected:
             for (std::size_t k = 0; k < tree.node(id).level_points.size(); ++k)
                 for (const std::uint32_t end = i + tree.node(id).level_points[k]; i < end; ++i)
                     all_.push_back({id, i, static_cast<std::uint16_t>(tree.node(id).first_level + k),
-                                    tree.info().grid.to_source(chunk.positions->grid(i)), chunk.attributes[intensity]->value(i)});
+                                    tree.info().grid.to_source(chunk.positions->grid(i)),
+                                    chunk.attributes[intensity]->value(i)});
         }
         ASSERT_EQ(all_.size(), tree.info().points);
         bounds_ = tree.info().bounds();
@@ -138,22 +146,32 @@ protected:
         const double r = length(random);
         const std::optional<double> end = random.below(2) ? std::optional(length(random) * 3) : std::nullopt;
         switch (random.below(7)) {
-        case 0: return Region::box({{p[0] - r, p[1] - r * random.unit(), p[2] - r}, {p[0] + r, p[1] + r, p[2] + r * random.unit()}});
-        case 1: {
-            const double turn = random.between(0, 6);
-            return Region::oriented_box(p, {Vec3d{std::cos(turn), std::sin(turn), 0}, Vec3d{-std::sin(turn), std::cos(turn), 0}, Vec3d{0, 0, 1}},
-                                        {r, r * random.unit(), size_ * random.unit()});
-        }
-        case 2: return Region::ray(p, u, r * 0.3, end);
-        case 3: return Region::cone(p, u, random.below(4) ? random.between(0.01, 89) : random.between(89, 89.999999), end);
-        case 4: {
-            Vec3d target = p;
-            for (std::size_t a = 0; a < 3; ++a) target[a] += size_ * u[a];
-            if (target == p) target[2] += 1;
-            return Region::frustum(p, target, {0.3, 0.2, 0.9}, random.between(1, 120), random.between(0.3, 3), r * 0.01, r * 4);
-        }
-        case 5: return Region::convex(p, {{u, 0}, {random.vector(), r}, {random.vector(), r}});
-        default: return Region::sphere(p, r);
+            case 0:
+                return Region::box(
+                    {{p[0] - r, p[1] - r * random.unit(), p[2] - r}, {p[0] + r, p[1] + r, p[2] + r * random.unit()}});
+            case 1: {
+                const double turn = random.between(0, 6);
+                return Region::oriented_box(p,
+                                            {Vec3d{std::cos(turn), std::sin(turn), 0},
+                                             Vec3d{-std::sin(turn), std::cos(turn), 0}, Vec3d{0, 0, 1}},
+                                            {r, r * random.unit(), size_ * random.unit()});
+            }
+            case 2:
+                return Region::ray(p, u, r * 0.3, end);
+            case 3:
+                return Region::cone(p, u, random.below(4) ? random.between(0.01, 89) : random.between(89, 89.999999),
+                                    end);
+            case 4: {
+                Vec3d target = p;
+                for (std::size_t a = 0; a < 3; ++a) target[a] += size_ * u[a];
+                if (target == p) target[2] += 1;
+                return Region::frustum(p, target, {0.3, 0.2, 0.9}, random.between(1, 120), random.between(0.3, 3),
+                                       r * 0.01, r * 4);
+            }
+            case 5:
+                return Region::convex(p, {{u, 0}, {random.vector(), r}, {random.vector(), r}});
+            default:
+                return Region::sphere(p, r);
         }
     }
     Query query(Random& random) const
@@ -166,8 +184,11 @@ protected:
             query.box->extend(place(random));
         }
         if (random.below(3) == 0) query.level = static_cast<std::uint16_t>(random.below(cloud_->info().levels));
-        if (random.below(4) == 0) query.where.push_back(parse_condition("intensity>=" + std::to_string(random.below(65536))));
-        if (random.below(6) == 0) query.where.push_back(parse_condition("z" + std::string(random.below(2) ? "<" : ">=") + std::to_string(place(random)[2])));
+        if (random.below(4) == 0)
+            query.where.push_back(parse_condition("intensity>=" + std::to_string(random.below(65536))));
+        if (random.below(6) == 0)
+            query.where.push_back(
+                parse_condition("z" + std::string(random.below(2) ? "<" : ">=") + std::to_string(place(random)[2])));
         if (random.below(2)) query.attributes = {"intensity"};
         query.reads_in_flight = static_cast<unsigned>(1 + random.below(6));
         return query;
@@ -177,11 +198,13 @@ protected:
         std::vector<Record> result;
         for (const Record& r : all_) {
             bool wanted = !query.level || r.level <= *query.level;
-            wanted = wanted && (!query.box || query.box->contains(r.position)) && (!query.region || query.region->contains(r.position));
+            wanted = wanted && (!query.box || query.box->contains(r.position)) &&
+                     (!query.region || query.region->contains(r.position));
             for (const Condition& c : query.where) {
                 const double v = c.name == "z" ? r.position[2] : r.intensity;
                 const auto& range = c.ranges[0];
-                wanted = wanted && (c.relation == Condition::Relation::less ? v < range.high->value : v >= range.low->value);
+                wanted =
+                    wanted && (c.relation == Condition::Relation::less ? v < range.high->value : v >= range.low->value);
             }
             if (wanted) result.push_back(r);
         }
@@ -206,11 +229,13 @@ protected:
         while (cursor.getNextData(view)) {
             ASSERT_GT(view.size(), 0u);
             for (std::size_t i = 0; i < view.size(); ++i)
-                found.push_back({view.node(), view.number(i), 0, view.position(i), query.attributes.empty() ? 0 : view.value(i, 0)});
+                found.push_back({view.node(), view.number(i), 0, view.position(i),
+                                 query.attributes.empty() ? 0 : view.value(i, 0)});
         }
         ASSERT_EQ(found.size(), wanted.size()) << (query.region ? query.region->text() : "");
         for (std::size_t i = 0; i < found.size(); ++i) {
-            ASSERT_TRUE(found[i].node == wanted[i].node && found[i].index == wanted[i].index && found[i].position == wanted[i].position);
+            ASSERT_TRUE(found[i].node == wanted[i].node && found[i].index == wanted[i].index &&
+                        found[i].position == wanted[i].position);
             if (!query.attributes.empty()) ASSERT_EQ(found[i].intensity, wanted[i].intensity);
         }
     }
@@ -253,8 +278,9 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Clouds, QueryTest,
-                         testing::Values(Cloud::city, Cloud::surface, Cloud::volume, Cloud::line, Cloud::plane, Cloud::duplicates,
-                                         Cloud::coincident, Cloud::clusters, Cloud::full_range, Cloud::wide, Cloud::single),
+                         testing::Values(Cloud::city, Cloud::surface, Cloud::volume, Cloud::line, Cloud::plane,
+                                         Cloud::duplicates, Cloud::coincident, Cloud::clusters, Cloud::full_range,
+                                         Cloud::wide, Cloud::single),
                          [](const auto& info) { return name(info.param); });
 
 TEST_P(QueryTest, FindsWhatIsThere)
@@ -301,10 +327,14 @@ TEST_P(QueryTest, NeighboursInOrderTiesAndAll)
         if (k == 0) continue;
         const auto whole = neighbours(q, k, {});
         ASSERT_LE(result.least_distance, whole[0].distance() * (1 + 1e-12));
-        for (std::size_t i = 0; i < wanted.size(); ++i) ASSERT_LE(whole[i].squared_distance, wanted[i].squared_distance);
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+            ASSERT_LE(whole[i].squared_distance, wanted[i].squared_distance);
         if (!wanted.empty()) {
-            ASSERT_LE(wanted[0].distance() - whole[0].distance(), result.outcome.error * (1 + 1e-9) + 1e-15 * wanted[0].distance());
-            if (options.level) ASSERT_LE(result.outcome.error, *options.level < levels ? cloud_->info().spacings[*options.level] * (1 + 1e-9) : 0);
+            ASSERT_LE(wanted[0].distance() - whole[0].distance(),
+                      result.outcome.error * (1 + 1e-9) + 1e-15 * wanted[0].distance());
+            if (options.level)
+                ASSERT_LE(result.outcome.error,
+                          *options.level < levels ? cloud_->info().spacings[*options.level] * (1 + 1e-9) : 0);
         }
         if (!options.level) ASSERT_EQ(result.outcome.error, 0);
     }
@@ -345,9 +375,11 @@ TEST_P(QueryTest, FirstHits)
             for (std::size_t a = 0; a < 3; ++a) towards[a] = target[a] - p[a];
             if (towards == Vec3d{0, 0, 0}) towards = {1, 0, 0};
         }
-        const Region beam = random.below(2) ? Region::ray(p, towards, length(random) * 0.1) : Region::cone(p, towards, random.between(0.01, 20));
+        const Region beam = random.below(2) ? Region::ray(p, towards, length(random) * 0.1)
+                                            : Region::cone(p, towards, random.between(0.01, 20));
         const std::optional<std::uint16_t> level =
-            random.below(3) ? std::nullopt : std::optional(static_cast<std::uint16_t>(random.below(cloud_->info().levels)));
+            random.below(3) ? std::nullopt
+                            : std::optional(static_cast<std::uint16_t>(random.below(cloud_->info().levels)));
         std::optional<std::tuple<double, NodeId, std::uint32_t>> wanted;
         for (const Record& r : all_)
             if ((!level || r.level <= *level) && beam.contains(r.position)) {
@@ -356,7 +388,8 @@ TEST_P(QueryTest, FirstHits)
             }
         const HitResult result = cloud_->first_hit(beam, level);
         ASSERT_EQ(result.hit.has_value(), wanted.has_value()) << beam.text();
-        if (wanted) ASSERT_EQ(std::make_tuple(result.hit->along, result.hit->node, result.hit->index), *wanted) << beam.text();
+        if (wanted)
+            ASSERT_EQ(std::make_tuple(result.hit->along, result.hit->node, result.hit->index), *wanted) << beam.text();
         hits += wanted.has_value();
     }
     if (GetParam() != Cloud::single) EXPECT_GT(hits, 20u);
@@ -392,7 +425,8 @@ TEST_F(QueryLimits, ACursorIsCancelledAndDroppedAtAnyTime)
     auto cursor = cloud_->points(query);
     PointView view;
     try {
-        while (cursor.getNextData(view)) {}
+        while (cursor.getNextData(view)) {
+        }
         ADD_FAILURE() << "not cancelled";
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::cancelled);
@@ -401,7 +435,8 @@ TEST_F(QueryLimits, ACursorIsCancelledAndDroppedAtAnyTime)
     query.progress = {};
     for (int chunks = 0; chunks < 30; ++chunks) {
         auto dropped = cloud_->points(query);
-        for (int i = 0; i < chunks && dropped.getNextData(view); ++i) {}
+        for (int i = 0; i < chunks && dropped.getNextData(view); ++i) {
+        }
     }
     // The last one that holds the cloud is the cursor.
     auto last_one = cloud_->points(query);
@@ -418,7 +453,8 @@ TEST_F(QueryLimits, ReadsOnlyWhatIsNear)
     EXPECT_FALSE(before.seconds);
     auto cursor = cloud_->points(query);
     PointView view;
-    while (cursor.getNextData(view)) {}
+    while (cursor.getNextData(view)) {
+    }
     EXPECT_LT(cursor.statistics().points_read, 10000u);
     EXPECT_LE(cursor.statistics().points_read, before.points_read);
     EXPECT_GT(cursor.statistics().bytes_read, 0u);
@@ -430,9 +466,11 @@ TEST_F(QueryLimits, ReadsOnlyWhatIsNear)
     EXPECT_GT(*after.seconds, 0);
     // What the cache holds is used from there.
     auto everything = cloud_->points();
-    while (everything.getNextData(view)) {}
+    while (everything.getNextData(view)) {
+    }
     auto again = cloud_->points(query);
-    while (again.getNextData(view)) {}
+    while (again.getNextData(view)) {
+    }
     EXPECT_EQ(again.statistics().chunks_cached, again.statistics().chunks);
     EXPECT_EQ(again.statistics().bytes_read, 0u);
     EXPECT_EQ(cloud_->estimate(query).bytes, 0u);
@@ -479,7 +517,12 @@ TEST_F(QueryLimits, DamageReachesTheOneWhoAsked)
     query.region = Region::sphere({5e6, 4.8e6, 0}, 300);
     PointView view;
     auto cursor = cloud_->points(query);
-    EXPECT_THROW({ while (cursor.getNextData(view)) {} }, Error);
+    EXPECT_THROW(
+        {
+            while (cursor.getNextData(view)) {
+            }
+        },
+        Error);
     EXPECT_THROW(cloud_->nearest({5e6, 4.8e6, 0}, 40000), Error);
     EXPECT_THROW(cloud_->nearest(std::vector<Vec3d>(1000, Vec3d{5e6, 4.8e6, 0}), 1000), Error);
 }

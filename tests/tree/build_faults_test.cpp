@@ -69,8 +69,20 @@ protected:
     fs::path part() const { return work() / "out.pct.part"; }
     std::vector<std::string> command(const std::string& more = {}, const std::string& input = "in.las") const
     {
-        std::vector<std::string> words{PCM_CLI, "build", (folder_ / input).string(), "-o", out().string(), "--chunk-points",
-                                       "1000", "--memory", "64M", "--threads", "2", "--checkpoint-seconds", "0", "-q"};
+        std::vector<std::string> words{PCM_CLI,
+                                       "build",
+                                       (folder_ / input).string(),
+                                       "-o",
+                                       out().string(),
+                                       "--chunk-points",
+                                       "1000",
+                                       "--memory",
+                                       "64M",
+                                       "--threads",
+                                       "2",
+                                       "--checkpoint-seconds",
+                                       "0",
+                                       "-q"};
         if (!more.empty()) words.push_back(more);
         return words;
     }
@@ -91,7 +103,8 @@ protected:
         clean();
         const long calls = count_calls(command(), work());
         clean();
-        ASSERT_TRUE(run_with_fault(command(), work(), "kill", static_cast<long>(share * static_cast<double>(calls))).killed);
+        ASSERT_TRUE(
+            run_with_fault(command(), work(), "kill", static_cast<long>(share * static_cast<double>(calls))).killed);
         ASSERT_TRUE(fs::exists(part() / "building"));
     }
 
@@ -106,7 +119,8 @@ TEST_F(BuildFaults, KilledAtAnyCallItGoesOnAndMakesTheSameTree)
     int killed = 0, went_on = 0, afresh = 0;
     for (const char* kind : {"kill", "torn"}) {
         std::vector<long> instants = spread(calls, kind == std::string("kill") ? 48 : 16);
-        for (long at = 7; at <= 12; ++at) instants.push_back(at);  // the journal knows the build by then, and has no checkpoint
+        for (long at = 7; at <= 12; ++at)
+            instants.push_back(at);  // the journal knows the build by then, and has no checkpoint
         for (const long at : instants) {
             clean();
             const Faulty first = run_with_fault(command(), work(), kind, at);
@@ -206,7 +220,8 @@ TEST_F(BuildFaults, ADiskThatIsFullOrFailsLeavesNothingBehind)
 TEST_F(BuildFaults, OfDoublesToo)
 {
     std::vector<std::array<double, 3>> points;
-    for (const LasRecord& p : records(Shape::surface, 20000, 33)) points.push_back({p.x * 0.001, p.y * 0.001, p.z * 0.001});
+    for (const LasRecord& p : records(Shape::surface, 20000, 33))
+        points.push_back({p.x * 0.001, p.y * 0.001, p.z * 0.001});
     write_ply(folder_ / "in.ply", points);
     build_tree({folder_ / "in.ply"}, folder_ / "doubles.pct", options());
     const Contents reference = contents(folder_ / "doubles.pct");
@@ -269,7 +284,8 @@ TEST_F(BuildFaults, WhatDoesNotHoldIsNotUsed)
         fs::copy(part(), saved, fs::copy_options::recursive);
         std::vector<fs::path> files;
         for (const auto& entry : fs::recursive_directory_iterator(saved))
-            if (entry.is_regular_file() && entry.path().filename() != "building") files.push_back(fs::relative(entry.path(), saved));
+            if (entry.is_regular_file() && entry.path().filename() != "building")
+                files.push_back(fs::relative(entry.path(), saved));
         EXPECT_GE(files.size(), 4u);
         for (const fs::path& file : files)
             for (const char* harm : {"remove", "shorten", "empty"}) {
@@ -294,7 +310,8 @@ TEST_F(BuildFaults, WhatDoesNotHoldIsNotUsed)
             bytes.seekp(middle);
             bytes.put(byte);
             bytes.close();
-            if (file.parent_path() == "tree" || file == "front.tmp") continue;  // chunks: pcm verify finds it by their checksums
+            if (file.parent_path() == "tree" || file == "front.tmp")
+                continue;  // chunks: pcm verify finds it by their checksums
             try {
                 build_again(options());
             } catch (const Error& error) {

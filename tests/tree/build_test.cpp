@@ -14,10 +14,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <map>
 
@@ -41,17 +41,34 @@ using Flat = std::array<std::int64_t, 20>;
 
 Flat flatten(const LasRecord& p)
 {
-    return {p.x, p.y, p.z, p.intensity, p.returns & 7, p.returns >> 3 & 7, p.returns >> 6 & 1, p.returns >> 7,
-            p.classification & 31, p.classification >> 5 & 1, p.classification >> 6 & 1, p.classification >> 7,
-            p.angle, p.user, p.source, p.red, p.green, p.blue, 0, 0};
+    return {p.x,
+            p.y,
+            p.z,
+            p.intensity,
+            p.returns & 7,
+            p.returns >> 3 & 7,
+            p.returns >> 6 & 1,
+            p.returns >> 7,
+            p.classification & 31,
+            p.classification >> 5 & 1,
+            p.classification >> 6 & 1,
+            p.classification >> 7,
+            p.angle,
+            p.user,
+            p.source,
+            p.red,
+            p.green,
+            p.blue,
+            0,
+            0};
 }
 
 std::vector<Flat> read_back(const Tree& tree)
 {
-    static const std::vector<std::string> names = {"intensity", "return_number", "number_of_returns",
+    static const std::vector<std::string> names = {"intensity",           "return_number",       "number_of_returns",
                                                    "scan_direction_flag", "edge_of_flight_line", "classification",
-                                                   "synthetic", "key_point", "withheld", "scan_angle_rank", "user_data",
-                                                   "point_source_id"};
+                                                   "synthetic",           "key_point",           "withheld",
+                                                   "scan_angle_rank",     "user_data",           "point_source_id"};
     std::vector<Flat> all;
     const Schema& schema = tree.info().schema;
     for (NodeId id = 0; id < tree.nodes().size(); ++id) {
@@ -90,8 +107,8 @@ std::map<std::string, std::string> contents(const fs::path& folder)
 
 class EveryShape : public testing::TestWithParam<Shape> {};
 INSTANTIATE_TEST_SUITE_P(Build, EveryShape,
-                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::coincident, Shape::duplicates,
-                                         Shape::clusters, Shape::full_range),
+                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::coincident,
+                                         Shape::duplicates, Shape::clusters, Shape::full_range),
                          [](const auto& info) { return name(info.param); });
 
 TEST_P(EveryShape, EveryPointOnceBitForBit)
@@ -140,7 +157,8 @@ TEST_P(EveryShape, SameBytesForAnyNumberOfThreads)
 TEST(Build, CountsAtTheBoundaries)
 {
     const TemporaryFolder folder;
-    for (const std::size_t count : {0u, 1u, 2u, 127u, 128u, 129u, 999u, 1000u, 1001u, 1999u, 2000u, 2001u, 4000u, 4001u}) {
+    for (const std::size_t count :
+         {0u, 1u, 2u, 127u, 128u, 129u, 999u, 1000u, 1001u, 1999u, 2000u, 2001u, 4000u, 4001u}) {
         const auto points = records(Shape::surface, count, count);
         write_las(folder / "in.las", points, {});
         BuildOptions options = small_chunks();
@@ -235,7 +253,9 @@ TEST(Build, MeasuringLevelsIsExact)
             points.push_back({tree->info().grid.to_source(chunk.positions->grid(i)), level});
         }
     }
-    const auto distance = [](const Vec3d& p, const Vec3d& q) { return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]); };
+    const auto distance = [](const Vec3d& p, const Vec3d& q) {
+        return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+    };
     const LevelsReport report = verify_levels(*tree, 1);
     ASSERT_GE(report.levels.size(), 1u);
     for (std::size_t level = 0; level < report.levels.size(); ++level) {
@@ -244,7 +264,8 @@ TEST(Build, MeasuringLevelsIsExact)
         for (std::size_t i = 0; i < points.size(); ++i) {
             double nearest = 1e300;
             for (std::size_t j = 0; j < points.size(); ++j)
-                if (i != j && points[j].second <= level) nearest = std::min(nearest, distance(points[i].first, points[j].first));
+                if (i != j && points[j].second <= level)
+                    nearest = std::min(nearest, distance(points[i].first, points[j].first));
             if (points[i].second > level) {
                 farthest = std::max(farthest, nearest);
                 continue;
@@ -303,8 +324,8 @@ TEST(Build, ADenseSpotThatTheSampleMissed)
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
 }
 
-// More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different, or two of
-// three points the same; beside a few points elsewhere.
+// More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different,
+// or two of three points the same; beside a few points elsewhere.
 TEST(Build, PilesLargerThanABin)
 {
     const TemporaryFolder folder;
@@ -358,7 +379,9 @@ TEST(Build, ManyTiles)
     const auto points = records(Shape::surface, 6000, 17);
     for (std::size_t tile = 0; tile < 300; ++tile)
         write_las(folder / "tiles" / (std::to_string(tile) + ".las"),
-                  {points.begin() + static_cast<std::ptrdiff_t>(tile * 20), points.begin() + static_cast<std::ptrdiff_t>(tile * 20 + 20)}, {});
+                  {points.begin() + static_cast<std::ptrdiff_t>(tile * 20),
+                   points.begin() + static_cast<std::ptrdiff_t>(tile * 20 + 20)},
+                  {});
     rlimit before{};
     getrlimit(RLIMIT_NOFILE, &before);
     rlimit few = before;
@@ -392,8 +415,8 @@ TEST(Build, TilesWithOffsetsOfTheirOwn)
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
 }
 
-// A gridded cloud that can only be read in order (as LAZ) makes the same points of the same narrow rows; small memory makes many
-// bins of it.
+// A gridded cloud that can only be read in order (as LAZ) makes the same points of the same narrow rows; small memory
+// makes many bins of it.
 TEST(Build, AnyReaderIsAnInput)
 {
     const TemporaryFolder folder;
@@ -408,7 +431,8 @@ TEST(Build, AnyReaderIsAnInput)
         promised.info.points_known = way != 2;
         if (way == 2) promised.info.points = 7;  // an estimate, and a wrong one
         MemoryReader reader(promised, way == 0);
-        const BuildReport report = build_tree(reader, {"memory"}, folder / (std::to_string(way) + ".pct"), small_chunks());
+        const BuildReport report =
+            build_tree(reader, {"memory"}, folder / (std::to_string(way) + ".pct"), small_chunks());
         EXPECT_EQ(report.outcome.points_out, 30000u);
         EXPECT_EQ(report.outcome.error, 0);
         const auto tree = Tree::open(folder / (std::to_string(way) + ".pct"));
@@ -429,7 +453,8 @@ void float_cloud(double centre, double extent, double bound)
     std::mt19937_64 random(16);
     std::vector<std::array<Scalar, 3>> points(20000);
     for (auto& p : points)
-        for (auto& c : p) c = static_cast<Scalar>(centre + extent * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
+        for (auto& c : p)
+            c = static_cast<Scalar>(centre + extent * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
     write_ply(folder / "in.ply", points);
     const BuildReport report = build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
     EXPECT_LE(report.outcome.error, bound);
@@ -438,7 +463,8 @@ void float_cloud(double centre, double extent, double bound)
     for (const auto& p : points) in.push_back({p[0], p[1], p[2]});
     for (NodeId id = 0; id < tree->nodes().size(); ++id) {
         const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
-        for (std::size_t i = 0; i < chunk.points; ++i) out.push_back(tree->info().grid.to_source(chunk.positions->grid(i)));
+        for (std::size_t i = 0; i < chunk.points; ++i)
+            out.push_back(tree->info().grid.to_source(chunk.positions->grid(i)));
     }
     ASSERT_EQ(in.size(), out.size());
     std::sort(in.begin(), in.end());
@@ -512,12 +538,14 @@ TEST(BuildFailure, NothingIsOverwrittenUnasked)
     std::ofstream(folder / "precious" / "thesis.txt") << "years of work";
     BuildOptions options = small_chunks();
     options.overwrite = true;
-    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "precious", options); }, "precious"), ErrorCode::exists);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "precious", options); }, "precious"),
+              ErrorCode::exists);
     EXPECT_TRUE(fs::exists(folder / "precious" / "thesis.txt"));
     // Nor is a folder that happens to be called like the one a build works in.
     fs::create_directory(folder / "new.pct.part");
     std::ofstream(folder / "new.pct.part" / "thesis.txt") << "years of work";
-    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "new.pct", options); }, "new.pct.part"), ErrorCode::exists);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "new.pct", options); }, "new.pct.part"),
+              ErrorCode::exists);
     EXPECT_TRUE(fs::exists(folder / "new.pct.part" / "thesis.txt"));
 }
 
@@ -558,7 +586,8 @@ int in_child(const std::function<int()>& f)
     return status;
 }
 
-// A disk that is full after `limit` bytes of one file: the system's own limit on file sizes gives the same kind of error.
+// A disk that is full after `limit` bytes of one file: the system's own limit on file sizes gives the same kind of
+// error.
 TEST(BuildFailure, AFullDiskIsNamedAndLeavesNothingBehind)
 {
     const TemporaryFolder folder;
@@ -597,7 +626,10 @@ TEST(BuildFailure, NoPermission)
         try {
             build_tree({folder / "in.las"}, folder / "locked" / "out.pct", small_chunks());
         } catch (const Error& error) {
-            return error.code() == ErrorCode::permission && std::string(error.what()).find("locked") != std::string::npos ? 42 : 1;
+            return error.code() == ErrorCode::permission &&
+                           std::string(error.what()).find("locked") != std::string::npos
+                       ? 42
+                       : 1;
         }
         return 2;
     });
@@ -605,7 +637,8 @@ TEST(BuildFailure, NoPermission)
     EXPECT_TRUE(names_in(folder / "locked").empty());
 }
 
-// Killed at many moments: there is no tree, or there is the whole tree; and building again works and gives the same bytes.
+// Killed at many moments: there is no tree, or there is the whole tree; and building again works and gives the same
+// bytes.
 TEST(BuildFailure, KilledAnywhereItIsNeverTakenForATree)
 {
     const TemporaryFolder folder;
@@ -657,8 +690,9 @@ TEST(BuildFailure, TwoBuildsOfOneTree)
     options.progress = [&](const ProgressUpdate&) {
         if (!tried) {
             tried = true;
-            EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "another build"),
-                      ErrorCode::exists);
+            EXPECT_EQ(
+                code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "another build"),
+                ErrorCode::exists);
         }
         return true;
     };
@@ -673,9 +707,11 @@ TEST(BuildFailure, OptionsOutOfRange)
     write_las(folder / "in.las", records(Shape::surface, 10, 1), {});
     BuildOptions options = small_chunks();
     options.memory_bytes = 1000;
-    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "64 MiB"), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "64 MiB"),
+              ErrorCode::invalid_argument);
     options = small_chunks(10);
-    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "1000"), ErrorCode::invalid_argument);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "1000"),
+              ErrorCode::invalid_argument);
 }
 
 }  // namespace

@@ -57,14 +57,16 @@ protected:
     {
         TreeIndex index = this->index();
         std::vector<std::vector<std::byte>> files;
-        for (std::uint32_t i = 0; i < index.data_files.size(); ++i) files.push_back(read_file(tree() / data_file_name(i)));
+        for (std::uint32_t i = 0; i < index.data_files.size(); ++i)
+            files.push_back(read_file(tree() / data_file_name(i)));
         std::vector<DataFile> data_files;
         for (Node& node : index.nodes) {
             if (!node.extent.bytes) continue;
             const auto from = files[node.extent.file].begin() + static_cast<std::ptrdiff_t>(node.extent.offset);
             node.extent.file = static_cast<std::uint32_t>(data_files.size());
             node.extent.offset = 0;
-            write_file(tree() / data_file_name(node.extent.file), {from, from + static_cast<std::ptrdiff_t>(node.extent.bytes)});
+            write_file(tree() / data_file_name(node.extent.file),
+                       {from, from + static_cast<std::ptrdiff_t>(node.extent.bytes)});
             data_files.push_back({node.extent.bytes, 1});
         }
         index.data_files = std::move(data_files);
@@ -181,7 +183,9 @@ TEST_F(FormatTest, PartsOfChunksAreTheFilteredWhole)
                 ASSERT_EQ(part.chunk.positions->grid(at), whole.positions->grid(i));
                 for (std::size_t k = 0; k < whole.attributes.size(); ++k) {
                     const std::size_t size = whole.attributes[k]->point_bytes();
-                    ASSERT_EQ(std::memcmp(part.chunk.attributes[k]->data() + at * size, whole.attributes[k]->data() + i * size, size), 0);
+                    ASSERT_EQ(std::memcmp(part.chunk.attributes[k]->data() + at * size,
+                                          whole.attributes[k]->data() + i * size, size),
+                              0);
                 }
             }
         EXPECT_EQ(at, part.chunk.points);
@@ -200,7 +204,8 @@ TEST_F(FormatTest, IdentityIsTheWayFromTheRoot)
         EXPECT_EQ(identity.path.depth, tree->node(id).depth);
         EXPECT_EQ(identity.generation, 1u);
         NodeId at = 0;
-        for (std::uint16_t d = 0; d < identity.path.depth; ++d) at = tree->node(at).children[identity.path.bits[d / 64] >> (d % 64) & 1];
+        for (std::uint16_t d = 0; d < identity.path.depth; ++d)
+            at = tree->node(at).children[identity.path.bits[d / 64] >> (d % 64) & 1];
         EXPECT_EQ(at, id);
     }
 }
@@ -216,7 +221,8 @@ TreeIndex two_parts()
     index.info.box = {{0, 0, 0}, {9, 9, 9}};
     index.data_files = {{100, 1}, {50, 2}};
     index.nodes.resize(4);
-    const auto set = [&](NodeId id, NodeId parent, std::uint16_t depth, std::uint32_t points, std::uint64_t below, Extent extent) {
+    const auto set = [&](NodeId id, NodeId parent, std::uint16_t depth, std::uint32_t points, std::uint64_t below,
+                         Extent extent) {
         Node& node = index.nodes[id];
         node.parent = parent;
         node.depth = depth;
@@ -297,7 +303,9 @@ TEST(TreeParts, AnIndexWithAnyByteChangedIsRefusedOrMeantSo)
         }
     EXPECT_GT(refused, bytes.size());
     for (std::size_t length = 0; length < bytes.size(); ++length)
-        EXPECT_THROW(decode_index(sealed({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}), "index"), Error) << length;
+        EXPECT_THROW(
+            decode_index(sealed({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}), "index"), Error)
+            << length;
 }
 
 TEST_F(FormatTest, AboutSaysWhatTheIndexSays)
@@ -381,7 +389,8 @@ TEST_F(FormatTest, VerifyFindsWhatChecksumsCannot)
         write_file(tree() / data_file_name(extent.file), bytes);
         return verify_tree(tree(), 1).faults;
     };
-    for (const std::size_t at : {std::size_t(144), std::size_t(148), std::size_t(152), std::size_t(160)})  // part, generation, spacing, level
+    for (const std::size_t at :
+         {std::size_t(144), std::size_t(148), std::size_t(152), std::size_t(160)})  // part, generation, spacing, level
         EXPECT_FALSE(changed(at, 2).empty()) << at;
     // Boxes of segments: lower the smallest corner by what may be lowered without leaving the chunk's box.
     const std::size_t boxes = 164 + 4 * header.identity->level_points.size();

@@ -34,8 +34,8 @@ std::vector<Cloud<Coord>> cut(Cloud<Coord> cloud, std::size_t most)
     std::size_t axis = 0;
     Coord widest = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-        const auto [low, high] = std::minmax_element(cloud.begin(), cloud.end(),
-                                                     [&](const auto& p, const auto& q) { return p[a] < q[a]; });
+        const auto [low, high] =
+            std::minmax_element(cloud.begin(), cloud.end(), [&](const auto& p, const auto& q) { return p[a] < q[a]; });
         if ((*high)[a] - (*low)[a] > widest) {
             widest = (*high)[a] - (*low)[a];
             axis = a;
@@ -68,8 +68,8 @@ Sampled<Coord> sample(const Cloud<Coord>& cloud, const Lattice& lattice, std::si
     Sampled<Coord> result;
     std::vector<Cloud<Coord>> sorted;
     for (std::size_t b = 0; b < bins.size(); ++b) {
-        const auto order = morton_order<Coord>(reinterpret_cast<const std::byte*>(bins[b].data()), bins[b].size(), layout,
-                                               lattice.finer);
+        const auto order = morton_order<Coord>(reinterpret_cast<const std::byte*>(bins[b].data()), bins[b].size(),
+                                               layout, lattice.finer);
         Cloud<Coord> points;
         for (const std::uint32_t i : order) points.push_back(bins[b][i]);
         for (std::size_t i = 1; i < points.size(); ++i)
@@ -270,7 +270,8 @@ TYPED_TEST(Levels, OfPointsAddedByGrid)
                 for (const auto* cloud : {&given, &added})
                     for (std::size_t i = 0; i < cloud->points.size(); ++i) {
                         Point<TypeParam> cell = cloud->points[i];
-                        for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<TypeParam>(std::uint64_t(cell[a]) >> shifts[a]);
+                        for (std::size_t a = 0; a < 3; ++a)
+                            cell[a] = static_cast<TypeParam>(std::uint64_t(cell[a]) >> shifts[a]);
                         cells[cell] += cloud->levels[i] <= level;
                     }
                 for (const auto& cell : cells) ASSERT_EQ(cell.second, 1u);

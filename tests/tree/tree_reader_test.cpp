@@ -120,12 +120,14 @@ TEST_P(TreeReaderTest, SelectsWhatASelectionOfTheSourceSelects)
         Selection selection;
         if (round % 5 != 0) {
             selection.box.emplace();
-            for (int k = 0; k < 2; ++k) selection.box->extend(position_of(cloud_.points, cloud_.info.grid, random() % cloud_.points.size));
+            for (int k = 0; k < 2; ++k)
+                selection.box->extend(position_of(cloud_.points, cloud_.info.grid, random() % cloud_.points.size));
         }
         if (round % 2) selection.where.push_back(parse_condition("intensity>=" + std::to_string(random() % 65536)));
         if (round % 3 == 1) selection.where.push_back(parse_condition("rgb[0]=0..99,200.."));
         if (round % 4 == 1)
-            selection.where.push_back(parse_condition("y>" + std::to_string(position_of(cloud_.points, cloud_.info.grid, 0)[1])));
+            selection.where.push_back(
+                parse_condition("y>" + std::to_string(position_of(cloud_.points, cloud_.info.grid, 0)[1])));
         if (round % 3 == 2) {
             const Vec3d p = position_of(cloud_.points, cloud_.info.grid, random() % cloud_.points.size);
             selection.region = round % 2 ? Region::sphere(p, 40) : Region::cone(p, {1, 2, -1}, 25);
@@ -210,7 +212,9 @@ TEST(TreeReader, FloatsComeBackAsTheyWere)
     std::mt19937_64 random(6);
     std::vector<std::array<float, 3>> points(5000);
     for (auto& p : points)
-        for (float& c : p) c = static_cast<float>((static_cast<double>(random() >> 11) * 0x1p-52 - 1) * std::pow(10.0, static_cast<double>(random() % 8) - 5));
+        for (float& c : p)
+            c = static_cast<float>((static_cast<double>(random() >> 11) * 0x1p-52 - 1) *
+                                   std::pow(10.0, static_cast<double>(random() % 8) - 5));
     write_ply(folder / "in.ply", points);
     build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
     TreeReader reader(Tree::open(folder / "out.pct"), {}, {});

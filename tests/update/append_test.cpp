@@ -178,7 +178,9 @@ TEST_P(Append, CancelledAndRefusedLeaveTheTree)
     std::size_t files = 0;
     for (const auto& entry : fs::directory_iterator(path_)) {
         const std::string name = entry.path().filename();
-        EXPECT_TRUE(name == "index.pct" || name == "about.pct" || name == "lock" || name == "chunks-000.bpc" || name == "chunks-001.bpc") << name;
+        EXPECT_TRUE(name == "index.pct" || name == "about.pct" || name == "lock" || name == "chunks-000.bpc" ||
+                    name == "chunks-001.bpc")
+            << name;
         ++files;
     }
     EXPECT_LE(files, 5u);
@@ -190,7 +192,8 @@ TEST(AppendFloats, KeepEveryPosition)
 {
     const TemporaryFolder folder;
     for (const Sampling sampling : {Sampling::poisson, Sampling::grid}) {
-        const MemoryCloud first = random_cloud(test_schema(), std::nullopt, 6000, 61), second = random_cloud(test_schema(), std::nullopt, 5000, 62, 400);
+        const MemoryCloud first = random_cloud(test_schema(), std::nullopt, 6000, 61),
+                          second = random_cloud(test_schema(), std::nullopt, 5000, 62, 400);
         build(first, folder / "tree.pct", sampling);
         append(folder / "tree.pct", second);
         const Grid grid = Tree::open(folder / "tree.pct")->info().grid;

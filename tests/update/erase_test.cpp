@@ -61,7 +61,9 @@ INSTANTIATE_TEST_SUITE_P(Samplings, Erase, testing::Values(Sampling::poisson, Sa
 TEST_P(Erase, BoxesAndConditionsAgainstAPlainList)
 {
     std::mt19937_64 random(3);
-    const auto any = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53; };
+    const auto any = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
     for (int step = 0; step < 6 && !rows_.empty(); ++step) {
         Selection selection;
         const double x = any(-10, 90), y = any(-10, 90), width = any(1, 60);
@@ -71,7 +73,8 @@ TEST_P(Erase, BoxesAndConditionsAgainstAPlainList)
         if (by_class) selection.where.push_back(parse_condition("classification=" + std::to_string(wanted)));
         const std::uint64_t expected = model_erase([&](const Row& row) {
             const Vec3d p = grid_.to_source(row.q);
-            return (!by_box || selection.box->contains(p)) && (!by_class || static_cast<unsigned char>(row.attributes.back()) == wanted);
+            return (!by_box || selection.box->contains(p)) &&
+                   (!by_class || static_cast<unsigned char>(row.attributes.back()) == wanted);
         });
         EraseOptions count = two_threads();
         count.count_only = true;
@@ -92,7 +95,9 @@ TEST_P(Erase, NodesOutsideStayWhereTheyAre)
     std::size_t same = 0;
     for (const Node& node : after->nodes())
         for (const Node& old : before->nodes()) same += node.extent.bytes && node.extent == old.extent;
-    EXPECT_EQ(same + report.nodes_rewritten + report.nodes_emptied, std::count_if(before->nodes().begin(), before->nodes().end(), [](const Node& n) { return n.points > 0; }));
+    EXPECT_EQ(
+        same + report.nodes_rewritten + report.nodes_emptied,
+        std::count_if(before->nodes().begin(), before->nodes().end(), [](const Node& n) { return n.points > 0; }));
     EXPECT_GT(same, 10u);
     EXPECT_EQ(after->info().generation, 2u);
     // The old one is still there for who has it open.

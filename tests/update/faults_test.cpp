@@ -1,7 +1,7 @@
 // Updates that are killed, or whose disk fails them, at any of their file-changing calls.
 
-#include "clouds.h"
 #include "faults.h"
+#include "clouds.h"
 #include "tree/builder.h"
 #include "tree/tree.h"
 #include "tree/update/tree_update.h"
@@ -90,9 +90,12 @@ protected:
     {
         const std::string name = GetParam();
         if (name == "append")
-            return {PCM_CLI, "append", tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m", "64M", "--chunk-points", "1000"};
+            return {PCM_CLI, "append",         tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m",
+                    "64M",   "--chunk-points", "1000"};
         // A cache of few chunks: most are written long before the end.
-        if (name == "set") return {PCM_CLI, "set", tree_.string(), "--new", "height:f32", "height=1.5", "intensity=7", "--where", "classification=1..9", "--cache", "100K"};
+        if (name == "set")
+            return {PCM_CLI,       "set",     tree_.string(),        "--new",   "height:f32", "height=1.5",
+                    "intensity=7", "--where", "classification=1..9", "--cache", "100K"};
         return {PCM_CLI, "delete", tree_.string(), "--where", "classification=1..9", "-t", "1"};
     }
 
@@ -123,7 +126,8 @@ protected:
     State before_, after_;
     long calls_ = 0;
 };
-INSTANTIATE_TEST_SUITE_P(Commands, UpdateFaults, testing::Values("append", "delete", "set"), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(Commands, UpdateFaults, testing::Values("append", "delete", "set"),
+                         [](const auto& info) { return info.param; });
 
 TEST_P(UpdateFaults, KilledAtAnyCall)
 {

@@ -21,7 +21,8 @@ Schema schema_of(const std::vector<Attribute>& attributes)
     return schema;
 }
 
-const Attribute intensity{"intensity", ScalarType::u16, 1, 1, 0, ""}, angle{"angle", ScalarType::i16, 1, 0.006, 0, ""}, rgb{"rgb", ScalarType::u8, 3, 1, 0, ""};
+const Attribute intensity{"intensity", ScalarType::u16, 1, 1, 0, ""}, angle{"angle", ScalarType::i16, 1, 0.006, 0, ""},
+    rgb{"rgb", ScalarType::u8, 3, 1, 0, ""};
 
 TreeInfo tree_of(const Schema& schema)
 {
@@ -57,7 +58,8 @@ TEST(FittedReader, WhatFitsPassesThrough)
     const MemoryCloud fitted = read_fitted(cloud, tree_of(schema));
     EXPECT_EQ(fitted.points.grid_xyz, cloud.points.grid_xyz);
     for (std::size_t k = 0; k < 2; ++k)
-        for (std::size_t i = 0; i < 5000; ++i) ASSERT_EQ(bytes_of(fitted.points.attributes[k], i), bytes_of(cloud.points.attributes[k], i));
+        for (std::size_t i = 0; i < 5000; ++i)
+            ASSERT_EQ(bytes_of(fitted.points.attributes[k], i), bytes_of(cloud.points.attributes[k], i));
 }
 
 TEST(FittedReader, AttributesComeInTheTreesOrderAndMissingOnesAreZero)
@@ -80,10 +82,13 @@ TEST(FittedReader, RefusesOtherAttributes)
     EXPECT_NE(refusal(cloud, tree_of(schema_of({intensity}))).find("'angle'"), std::string::npos);
     Attribute other = angle;
     other.scale = 0.01;
-    EXPECT_NE(refusal(cloud, tree_of(schema_of({intensity, other}))).find("i16 times 0.006, the tree's is i16 times 0.01"), std::string::npos);
+    EXPECT_NE(
+        refusal(cloud, tree_of(schema_of({intensity, other}))).find("i16 times 0.006, the tree's is i16 times 0.01"),
+        std::string::npos);
 }
 
-// Tiles of one survey: the same step, offsets whole steps apart. The rounding of q * scale + offset differs in the last bits.
+// Tiles of one survey: the same step, offsets whole steps apart. The rounding of q * scale + offset differs in the last
+// bits.
 TEST(FittedReader, AnotherOffsetWholeStepsAway)
 {
     const Grid other{grid.scale, {1500, 1000, 0}};
@@ -105,7 +110,8 @@ TEST(FittedReader, RefusesPositionsBetweenTheSteps)
 {
     MemoryCloud cloud = random_cloud({}, std::nullopt, 100, 5);
     for (std::size_t i = 0; i < 100; ++i)
-        for (std::size_t a = 0; a < 3; ++a) cloud.points.xyz[a][i] = grid.to_source(static_cast<std::int64_t>(100 * i), a);
+        for (std::size_t a = 0; a < 3; ++a)
+            cloud.points.xyz[a][i] = grid.to_source(static_cast<std::int64_t>(100 * i), a);
     EXPECT_EQ(refusal(cloud, tree_of({})), "");
     cloud.points.xyz[1][50] += 0.002;
     cloud.points.xyz[2][70] += 0.004;
@@ -133,7 +139,8 @@ TEST(FittedReader, LeavesOutWhatIsNotFinite)
     EXPECT_EQ(fitted.points_skipped(), 2u);
 }
 
-// On the grid of a build from floats a position is moved by half a step at most, which is much less than a float can tell.
+// On the grid of a build from floats a position is moved by half a step at most, which is much less than a float can
+// tell.
 TEST(FittedReader, FloatsOnAFineGrid)
 {
     TreeInfo tree;

@@ -50,7 +50,8 @@ inline std::vector<Row> rows_of(const MemoryCloud& cloud, const Grid& grid)
     for (std::size_t i = 0; i < cloud.points.size; ++i) {
         Row row;
         const Vec3d p = position_of(cloud.points, cloud.info.grid, i);
-        for (std::size_t a = 0; a < 3; ++a) row.q[a] = static_cast<std::int64_t>(std::llrint((p[a] - grid.offset[a]) / grid.scale[a]));
+        for (std::size_t a = 0; a < 3; ++a)
+            row.q[a] = static_cast<std::int64_t>(std::llrint((p[a] - grid.offset[a]) / grid.scale[a]));
         for (const Column& column : cloud.points.attributes) row.attributes += bytes_of(column, i);
         rows.push_back(std::move(row));
     }
@@ -109,7 +110,8 @@ inline MemoryCloud surface(std::size_t count, double x, double y, double width, 
         const double u = x + width * unit(), v = y + width * unit();
         cloud.points.grid_xyz[0][i] = static_cast<std::int32_t>(u * 100);
         cloud.points.grid_xyz[1][i] = static_cast<std::int32_t>(v * 100);
-        cloud.points.grid_xyz[2][i] = static_cast<std::int32_t>(300 * std::sin(u / 7) + 200 * std::cos(v / 5) + 20 * unit());
+        cloud.points.grid_xyz[2][i] =
+            static_cast<std::int32_t>(300 * std::sin(u / 7) + 200 * std::cos(v / 5) + 20 * unit());
         cloud.points.attributes[3].as<std::uint8_t>()[i] = static_cast<std::uint8_t>(random() % 8);
     }
     return cloud;

@@ -12,7 +12,8 @@ using namespace pcm;
 using namespace pcm::test;
 
 // A part of nodes along random paths, each with a box of its own in a unit cell at (x, y).
-void add_part(std::vector<PartNode>& nodes, std::uint32_t part, std::int64_t x, std::int64_t y, std::size_t count, std::uint64_t seed)
+void add_part(std::vector<PartNode>& nodes, std::uint32_t part, std::int64_t x, std::int64_t y, std::size_t count,
+              std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
     std::set<std::tuple<std::uint16_t, std::uint64_t>> taken;
@@ -42,7 +43,8 @@ TEST(PartNodes, JoinedPartsAreATree)
     for (const std::size_t parts : {1u, 2u, 3u, 7u, 64u}) {
         std::vector<PartNode> nodes;
         for (std::size_t part = 0; part < parts; ++part)
-            add_part(nodes, static_cast<std::uint32_t>(3 * part), static_cast<std::int64_t>(part % 8) * 2000, static_cast<std::int64_t>(part / 8) * 2000, 40, part);
+            add_part(nodes, static_cast<std::uint32_t>(3 * part), static_cast<std::int64_t>(part % 8) * 2000,
+                     static_cast<std::int64_t>(part / 8) * 2000, 40, part);
         std::shuffle(nodes.begin(), nodes.end(), std::mt19937_64(parts));
         const NodeVector joined = join_parts(nodes, {16, 8, 4, 2, 1, 0.5, 0}, {0.1, 0.1, 0.1});
         ASSERT_EQ(joined.part_roots.size(), 3 * parts - 2);
@@ -68,7 +70,8 @@ TEST(PartNodes, JoinedPartsAreATree)
                 EXPECT_GT(child, id);
                 EXPECT_EQ(joined.nodes[child].parent, id);
                 EXPECT_EQ(joined.nodes[child].depth, node.depth + 1);
-                EXPECT_TRUE(node.box.contains(joined.nodes[child].box.min) && node.box.contains(joined.nodes[child].box.max));
+                EXPECT_TRUE(node.box.contains(joined.nodes[child].box.min) &&
+                            node.box.contains(joined.nodes[child].box.max));
             }
         }
         EXPECT_EQ(own, points);
@@ -113,8 +116,9 @@ TEST(PartNodes, OfATreeAreItsNodes)
     ASSERT_EQ(joined.nodes.size(), tree->nodes().size());
     for (NodeId id = 0; id < joined.nodes.size(); ++id) {
         const Node &a = joined.nodes[id], &b = tree->node(id);
-        EXPECT_TRUE(a.parent == b.parent && a.children == b.children && a.depth == b.depth && a.first_level == b.first_level && a.points == b.points &&
-                    a.level_points == b.level_points && a.subtree_points == b.subtree_points && a.box == b.box && a.spacing == b.spacing &&
+        EXPECT_TRUE(a.parent == b.parent && a.children == b.children && a.depth == b.depth &&
+                    a.first_level == b.first_level && a.points == b.points && a.level_points == b.level_points &&
+                    a.subtree_points == b.subtree_points && a.box == b.box && a.spacing == b.spacing &&
                     a.extent == b.extent)
             << id;
     }

@@ -145,7 +145,8 @@ TEST_P(RepairTest, ATruncatedDataFile)
 TEST_P(RepairTest, WithoutIndexAndAbout)
 {
     erase_class(path_, 3);
-    rows_.erase(std::remove_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.attributes.back() == 3; }), rows_.end());
+    rows_.erase(std::remove_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.attributes.back() == 3; }),
+                rows_.end());
     const auto before = Tree::open(path_);
     fs::remove(index_);
     fs::remove(path_ / about_file_name);

@@ -38,14 +38,22 @@ public:
         for (int step = 0; step < steps; ++step) {
             std::string what;
             switch (random_() % 8) {
-            case 0:
-            case 1:
-            case 2: what = append(); break;
-            case 3:
-            case 4:
-            case 5: what = erase(); break;
-            case 6: what = compact(); break;
-            default: what = lose_the_index(); break;
+                case 0:
+                case 1:
+                case 2:
+                    what = append();
+                    break;
+                case 3:
+                case 4:
+                case 5:
+                    what = erase();
+                    break;
+                case 6:
+                    what = compact();
+                    break;
+                default:
+                    what = lose_the_index();
+                    break;
             }
             expect_tree(path_, rows_, "step " + std::to_string(step) + ": " + what);
             if (testing::Test::HasFailure()) return;
@@ -55,7 +63,10 @@ public:
 private:
     double any(double low, double high) { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
 
-    MemoryCloud next_cloud() { return surface(1 + random_() % 9000, any(-50, 50), any(-50, 50), any(1, 80), random_()); }
+    MemoryCloud next_cloud()
+    {
+        return surface(1 + random_() % 9000, any(-50, 50), any(-50, 50), any(1, 80), random_());
+    }
 
     std::string append()
     {
@@ -83,12 +94,13 @@ private:
         options.threads = 2;
         const std::uint64_t deleted = erase_points(path_, selection, options).points_deleted;
         const std::size_t before = rows_.size();
-        rows_.erase(std::remove_if(rows_.begin(), rows_.end(),
-                                   [&](const Row& row) {
-                                       return selection.box->contains(grid_.to_source(row.q)) &&
-                                              (!by_class || static_cast<unsigned char>(row.attributes.back()) == wanted);
-                                   }),
-                    rows_.end());
+        rows_.erase(
+            std::remove_if(rows_.begin(), rows_.end(),
+                           [&](const Row& row) {
+                               return selection.box->contains(grid_.to_source(row.q)) &&
+                                      (!by_class || static_cast<unsigned char>(row.attributes.back()) == wanted);
+                           }),
+            rows_.end());
         EXPECT_EQ(deleted, before - rows_.size());
         return "delete " + std::to_string(deleted);
     }
@@ -164,7 +176,8 @@ TEST(Compact, IsWhatABuildMakes)
     cloud.info.points = kept.size();
     build(cloud, folder / "fresh.pct");
     for (const auto& entry : fs::directory_iterator(folder / "fresh.pct"))
-        EXPECT_TRUE(bytes_of_file(entry.path()) == bytes_of_file(folder / "compact.pct" / entry.path().filename())) << entry.path().filename();
+        EXPECT_TRUE(bytes_of_file(entry.path()) == bytes_of_file(folder / "compact.pct" / entry.path().filename()))
+            << entry.path().filename();
 }
 
 // Whoever opens a tree while it is updated gets the one before or the one after, whole.
@@ -188,7 +201,8 @@ TEST(Compact, ReadersOpenATreeThatIsChangedAllTheTime)
         try {
             const auto tree = Tree::open(path);
             std::uint64_t points = 0;
-            for (NodeId id = 0; id < tree->nodes().size(); ++id) points += tree->read_chunk(id, ColumnSet::only_positions()).points;
+            for (NodeId id = 0; id < tree->nodes().size(); ++id)
+                points += tree->read_chunk(id, ColumnSet::only_positions()).points;
             EXPECT_EQ(points, tree->info().points);
             EXPECT_EQ(points % 200, 0u);
             ++opened;

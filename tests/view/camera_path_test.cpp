@@ -25,7 +25,10 @@ Vec4 times(const Matrix4d& m, const Vec4& v)
 }
 
 // Of a point in source coordinates: eye space, and normalised device coordinates.
-Vec4 in_eye(const View& view, const Vec3d& p) { return times(view.modelview, {p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2], 1}); }
+Vec4 in_eye(const View& view, const Vec3d& p)
+{
+    return times(view.modelview, {p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2], 1});
+}
 
 Vec3d on_screen(const View& view, const Vec3d& p)
 {
@@ -85,11 +88,13 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
         const double size = std::pow(10, 6 * anywhere(random));
         const Vec3d centre{5e6 * anywhere(random), 5e6 * anywhere(random), 1e3 * anywhere(random)};
         const auto point = [&](double scale) {
-            return Vec3d{centre[0] + scale * anywhere(random), centre[1] + scale * anywhere(random), centre[2] + scale * anywhere(random)};
+            return Vec3d{centre[0] + scale * anywhere(random), centre[1] + scale * anywhere(random),
+                         centre[2] + scale * anywhere(random)};
         };
         const Box3d box = box_of(point(size), point(size));
         const bool parallel = i % 2;
-        const CameraFrame frame = looking(point(3 * size), point(size), parallel ? std::nullopt : std::optional<double>(50), parallel ? size : 0);
+        const CameraFrame frame = looking(point(3 * size), point(size),
+                                          parallel ? std::nullopt : std::optional<double>(50), parallel ? size : 0);
         const View view = view_of(frame, centre, box, 300, 200);
         ASSERT_TRUE(Frustum::of(view));
         for (unsigned corner = 0; corner < 8; ++corner) {
@@ -104,7 +109,8 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
 
 TEST(Camera, OrthographicHeightIsWhatIsSeen)
 {
-    const View view = view_of(looking({0, 0, 50}, {0, 10, 0}, std::nullopt, 20), {0, 0, 0}, box_of({-100, -100, -5}, {100, 100, 5}), 200, 100);
+    const View view = view_of(looking({0, 0, 50}, {0, 10, 0}, std::nullopt, 20), {0, 0, 0},
+                              box_of({-100, -100, -5}, {100, 100, 5}), 200, 100);
     const Vec4 top = times(view.projection, {0, 10, -30, 1}), side = times(view.projection, {20, 0, -30, 1});
     EXPECT_NEAR(top[1] / top[3], 1, 1e-12);
     EXPECT_NEAR(side[0] / side[3], 1, 1e-12);
@@ -115,17 +121,22 @@ TEST(Camera, AViewOfNothingIsStillAView)
 {
     EXPECT_TRUE(Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, Box3d(), 10, 10)));
     // All of it behind the camera; one point; one plane, seen face on.
-    EXPECT_TRUE(Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, box_of({-9, -1, -1}, {-8, 1, 1}), 10, 10)));
-    EXPECT_TRUE(Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, box_of({3, 0, 0}, {3, 0, 0}), 10, 10)));
-    EXPECT_TRUE(Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, std::nullopt, 3), {0, 0, 0}, box_of({3, -1, -1}, {3, 1, 1}), 10, 10)));
+    EXPECT_TRUE(
+        Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, box_of({-9, -1, -1}, {-8, 1, 1}), 10, 10)));
+    EXPECT_TRUE(
+        Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, box_of({3, 0, 0}, {3, 0, 0}), 10, 10)));
+    EXPECT_TRUE(Frustum::of(
+        view_of(looking({0, 0, 0}, {1, 0, 0}, std::nullopt, 3), {0, 0, 0}, box_of({3, -1, -1}, {3, 1, 1}), 10, 10)));
 }
 
 TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
 {
-    for (const Box3d& box : {box_of({0, 0, 0}, {1, 1, 1}), box_of({499000, 4799000, 10}, {501000, 4803000, 60}), box_of({-1e-6, 0, 0}, {1e-6, 5e-6, 0}),
-                             box_of({0, 0, 0}, {0, 0, 900}), box_of({5e6, 5e6, 5}, {5e6, 5e6, 5})})
+    for (const Box3d& box :
+         {box_of({0, 0, 0}, {1, 1, 1}), box_of({499000, 4799000, 10}, {501000, 4803000, 60}),
+          box_of({-1e-6, 0, 0}, {1e-6, 5e-6, 0}), box_of({0, 0, 0}, {0, 0, 900}), box_of({5e6, 5e6, 5}, {5e6, 5e6, 5})})
         for (const auto& [width, height] : {std::pair{640, 480}, {100, 800}})
-            for (const std::optional<double> angle : {std::optional<double>(45), std::optional<double>(), std::optional<double>(120)}) {
+            for (const std::optional<double> angle :
+                 {std::optional<double>(45), std::optional<double>(), std::optional<double>(120)}) {
                 const CameraFrame frame = overview_of(box, angle, width, height);
                 EXPECT_NO_THROW(check(frame));
                 const View view = view_of(frame, box.centre(), box, width, height);
@@ -133,7 +144,9 @@ TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
                 double largest = 0;
                 Box3d shown;
                 for (unsigned corner = 0; corner < 8; ++corner) {
-                    const Vec3d p = on_screen(view, {corner & 1u ? box.max[0] : box.min[0], corner & 2u ? box.max[1] : box.min[1], corner & 4u ? box.max[2] : box.min[2]});
+                    const Vec3d p =
+                        on_screen(view, {corner & 1u ? box.max[0] : box.min[0], corner & 2u ? box.max[1] : box.min[1],
+                                         corner & 4u ? box.max[2] : box.min[2]});
                     largest = std::max({largest, std::abs(p[0]), std::abs(p[1])});
                     shown.extend(p);
                     EXPECT_LE(std::abs(p[2]), 1);
@@ -141,7 +154,8 @@ TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
                 EXPECT_LE(largest, 1 / 1.05 + 1e-6);
                 if (box.diagonal() == 0 || angle == 120) continue;  // a wide angle keeps away from the nearest corner
                 EXPECT_GT(largest, 1 / 1.05 - 1e-6) << box.max[1] << ' ' << width;
-                const std::size_t tight = shown.extent(0) > shown.extent(1) ? 0 : 1;  // what fills the picture is in its middle
+                const std::size_t tight =
+                    shown.extent(0) > shown.extent(1) ? 0 : 1;  // what fills the picture is in its middle
                 EXPECT_NEAR(shown.min[tight], -shown.max[tight], 1e-6);
             }
     EXPECT_THROW(overview_of(Box3d(), 45, 10, 10), Error);
@@ -168,7 +182,8 @@ protected:
     }
     static std::string with(const std::string& frames, const std::string& coordinates = "source")
     {
-        return R"({"format": "pcm camera path", "version": 1, "name": "tour", "coordinates": ")" + coordinates + R"(", "frames": [)" + frames + "]}";
+        return R"({"format": "pcm camera path", "version": 1, "name": "tour", "coordinates": ")" + coordinates +
+               R"(", "frames": [)" + frames + "]}";
     }
     test::TemporaryFolder folder_;
     std::filesystem::path file_ = folder_ / "way.json";
@@ -176,7 +191,8 @@ protected:
 
 TEST_F(PathFile, IsReadAsItIsDescribed)
 {
-    const CameraPath path = read(with(R"({"eye": [500010, 4800020, 131.5], "target": [500050, 4800050, 120], "angle": 60},
+    const CameraPath path =
+        read(with(R"({"eye": [500010, 4800020, 131.5], "target": [500050, 4800050, 120], "angle": 60},
         {"eye": [5, 4, 400], "target": [5, 4, 0], "up": [0, 1, 0], "height": 250, "rest": true})"));
     EXPECT_EQ(path.name, "tour");
     EXPECT_FALSE(path.in_box);
@@ -190,7 +206,11 @@ TEST_F(PathFile, IsReadAsItIsDescribed)
     EXPECT_EQ(path.frames[1].height, 250);
     EXPECT_TRUE(path.frames[1].rest);
     EXPECT_EQ(path.placed(box_of({0, 0, 0}, {1, 2, 3})).frames[0].eye, path.frames[0].eye);
-    EXPECT_EQ(read(R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [{"eye": [0,0,1], "target": [1,0,0], "angle": 1}]})").name, "way");
+    EXPECT_EQ(
+        read(
+            R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [{"eye": [0,0,1], "target": [1,0,0], "angle": 1}]})")
+            .name,
+        "way");
 }
 
 TEST_F(PathFile, InABoxFitsAnyCloud)

@@ -46,7 +46,8 @@ protected:
     double exact(const Vec3d& place) const
     {
         double best = std::numeric_limits<double>::infinity();
-        for (const Vec3d& p : points_) best = std::min(best, std::hypot(p[0] - place[0], p[1] - place[1], p[2] - place[2]));
+        for (const Vec3d& p : points_)
+            best = std::min(best, std::hypot(p[0] - place[0], p[1] - place[1], p[2] - place[2]));
         return best;
     }
     // At these coordinates a double is this far from the next one.
@@ -82,7 +83,8 @@ TEST_P(ClearanceTest, HoldsWithWhateverIsInMemory)
                 EXPECT_NEAR(found.distance, truth, 1e-7);
                 EXPECT_NEAR(found.least, truth, 1e-7);
             }
-            for (const ClearanceLimits& limits : {ClearanceLimits{1, 0}, ClearanceLimits{5, 2500}, ClearanceLimits{4096, 0}}) {
+            for (const ClearanceLimits& limits :
+                 {ClearanceLimits{1, 0}, ClearanceLimits{5, 2500}, ClearanceLimits{4096, 0}}) {
                 const Clearance limited = clearance(cache, place, limits);
                 EXPECT_LE(limited.least, truth + step);
                 EXPECT_GE(limited.distance, truth - step);
@@ -105,7 +107,8 @@ TEST_P(ClearanceTest, PlacesThatAreNone)
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, ClearanceTest,
-                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::duplicates, Shape::coincident, Shape::clusters),
+                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::duplicates,
+                                         Shape::coincident, Shape::clusters),
                          [](const testing::TestParamInfo<Shape>& info) { return name(info.param); });
 
 }  // namespace

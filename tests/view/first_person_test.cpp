@@ -1,4 +1,5 @@
-// An eye that walks: nothing jumps when it takes over a camera, the horizon gets level, and where it ends does not hang on the steps.
+// An eye that walks: nothing jumps when it takes over a camera, the horizon gets level, and where it ends does not hang
+// on the steps.
 #include "view/first_person.h"
 
 #include "cloud/error.h"
@@ -236,7 +237,8 @@ TEST(FirstPerson, RefusesPosesThatAreNone)
     pose = {};
     pose.up = {0.6, 0.8, 0};
     EXPECT_TRUE(refused(pose));
-    for (const double focus : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    for (const double focus :
+         {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         pose = {};
         pose.focus = focus;
         EXPECT_TRUE(refused(pose)) << focus;

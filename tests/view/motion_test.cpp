@@ -13,7 +13,22 @@ using namespace pcm;
 View view_at(double angle, const Vec3d& move, double scale = 1)
 {
     View view;
-    view.modelview = {std::cos(angle) * scale, std::sin(angle) * scale, 0, 0, -std::sin(angle) * scale, std::cos(angle) * scale, 0, 0, 0, 0, scale, 0, move[0], move[1], move[2], 1};
+    view.modelview = {std::cos(angle) * scale,
+                      std::sin(angle) * scale,
+                      0,
+                      0,
+                      -std::sin(angle) * scale,
+                      std::cos(angle) * scale,
+                      0,
+                      0,
+                      0,
+                      0,
+                      scale,
+                      0,
+                      move[0],
+                      move[1],
+                      move[2],
+                      1};
     view.projection[0] = view.projection[5] = 1;
     view.width = 640;
     view.height = 480;
@@ -22,7 +37,8 @@ View view_at(double angle, const Vec3d& move, double scale = 1)
 
 void expect_near(const View& a, const View& b)
 {
-    for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(a.modelview[i], b.modelview[i], 1e-9 * (1 + std::fabs(b.modelview[i]))) << i;
+    for (std::size_t i = 0; i < 16; ++i)
+        EXPECT_NEAR(a.modelview[i], b.modelview[i], 1e-9 * (1 + std::fabs(b.modelview[i]))) << i;
 }
 
 TEST(Motion, GoesOnAsItCame)

@@ -65,9 +65,12 @@ std::vector<Pick> brute_force(const Scene& scene, const DetailLimits& limits)
                 if (taken.count({t, id}) || (id && !taken.count({t, nodes[id].parent}))) continue;
                 const Box3d box = scene.trees[t].grid.to_source(nodes[id].box);
                 if (!frusta[t].intersects(box)) continue;
-                const double error = ancestor_of(nodes, id) == no_node ? std::numeric_limits<double>::infinity()
-                                                                       : frusta[t].pixels(nodes[nodes[id].parent].spacing, box);
-                const double felt = error * (limits.kept && (nodes[id].points == 0 || limits.kept(t, id)) ? DetailLimits::kept_gain : 1.0);
+                const double error = ancestor_of(nodes, id) == no_node
+                                         ? std::numeric_limits<double>::infinity()
+                                         : frusta[t].pixels(nodes[nodes[id].parent].spacing, box);
+                const double felt =
+                    error *
+                    (limits.kept && (nodes[id].points == 0 || limits.kept(t, id)) ? DetailLimits::kept_gain : 1.0);
                 if (!(felt > limits.target_px)) continue;
                 const double rank = limits.order == DetailOrder::error ? felt : -static_cast<double>(nodes[id].depth);
                 if (rank > best_rank) {
@@ -89,7 +92,8 @@ std::vector<Pick> brute_force(const Scene& scene, const DetailLimits& limits)
 std::vector<Pick> picks_of(const SceneSelection& scene)
 {
     std::vector<Pick> picks;
-    for (const SceneSelection::Place& place : scene.order) picks.emplace_back(place.tree, scene.trees[place.tree].wanted[place.index].node);
+    for (const SceneSelection::Place& place : scene.order)
+        picks.emplace_back(place.tree, scene.trees[place.tree].wanted[place.index].node);
     return picks;
 }
 
@@ -159,7 +163,8 @@ TEST(SelectScene, TremblingErrorsChangeNothing)
                 DetailLimits limits;
                 limits.target_px = frame % 2 ? 2 * 1.1 : 2 / 1.1;  // as if all errors were smaller, or larger
                 limits.point_budget = ~std::uint64_t(0);
-                if (hysteresis) limits.kept = [&](std::uint32_t t, NodeId node) { return before.count({t, node}) != 0; };
+                if (hysteresis)
+                    limits.kept = [&](std::uint32_t t, NodeId node) { return before.count({t, node}) != 0; };
                 const auto picks = picks_of(select_scene({{&tree.nodes, &tree.grid, view}}, limits));
                 const std::set<Pick> now(picks.begin(), picks.end());
                 if (frame > 0 && now != before) ++(hysteresis ? changes_with : changes_without);

@@ -12,7 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}) { throw Error(ErrorCode::invalid_argument, {}, what, hint); }
+[[noreturn]] void refuse(const std::string& what, const std::string& hint = {})
+{
+    throw Error(ErrorCode::invalid_argument, {}, what, hint);
+}
 
 // The enumerators of a mode are numbered from 0 to `last`.
 template <class Mode>
@@ -42,12 +45,14 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
 {
     unsigned c[3];
     int end = 0;
-    const bool hex = std::sscanf(text.c_str(), "#%2x%2x%2x%n", &c[0], &c[1], &c[2], &end) == 3 && text.size() == 7 && end == 7;
+    const bool hex =
+        std::sscanf(text.c_str(), "#%2x%2x%2x%n", &c[0], &c[1], &c[2], &end) == 3 && text.size() == 7 && end == 7;
     if (!hex) {
         end = 0;
-        if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &c[0], &c[1], &c[2], &end) != 3 || static_cast<std::size_t>(end) != text.size() ||
-            std::max({c[0], c[1], c[2]}) > 255)
-            refuse(std::string(option) + " '" + text + "' is no colour", "write #rrggbb, or three numbers from 0 to 255 as in 255,128,0");
+        if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &c[0], &c[1], &c[2], &end) != 3 ||
+            static_cast<std::size_t>(end) != text.size() || std::max({c[0], c[1], c[2]}) > 255)
+            refuse(std::string(option) + " '" + text + "' is no colour",
+                   "write #rrggbb, or three numbers from 0 to 255 as in 255,128,0");
     }
     return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
 }
@@ -65,7 +70,8 @@ std::optional<Pattern> pattern_of(const std::string& name)
     found.begin = name.find('%');
     if (found.begin == std::string::npos) return {};
     std::size_t at = found.begin + 1;
-    while (at < name.size() && name[at] >= '0' && name[at] <= '9' && at - found.begin < 4) found.digits = found.digits * 10 + (name[at++] - '0');
+    while (at < name.size() && name[at] >= '0' && name[at] <= '9' && at - found.begin < 4)
+        found.digits = found.digits * 10 + (name[at++] - '0');
     if (at >= name.size() || name[at] != 'd' || name.find('%', at) != std::string::npos || found.digits > 20)
         refuse("the output '" + name + "' has a % that is no place for a number", "write one, as in picture%04d.png");
     found.end = at + 1;
@@ -75,15 +81,19 @@ std::optional<Pattern> pattern_of(const std::string& name)
 std::string numbered(std::size_t number, int digits)
 {
     std::string text = std::to_string(number);
-    if (text.size() < static_cast<std::size_t>(digits)) text.insert(0, static_cast<std::size_t>(digits) - text.size(), '0');
+    if (text.size() < static_cast<std::size_t>(digits))
+        text.insert(0, static_cast<std::size_t>(digits) - text.size(), '0');
     return text;
 }
 
 void require_png(const fs::path& file)
 {
     std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension != ".png") throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG alone", "let the output's name end with .png");
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension != ".png")
+        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG alone",
+                    "let the output's name end with .png");
 }
 
 }  // namespace
@@ -91,17 +101,26 @@ void require_png(const fs::path& file)
 void add_to(CLI::App& app, RenderArguments& a)
 {
     app.add_option("trees", a.trees, "Trees, drawn together")->required();
-    app.add_option("-o,--output", a.output, "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")->required();
+    app.add_option("-o,--output", a.output,
+                   "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")
+        ->required();
     app.add_flag("--overwrite", a.overwrite, "Replace pictures that are there");
 
     const char* group = "Where from (default: the whole, seen obliquely)";
-    CLI::Option* const eye = app.add_option("--eye", a.eye, "Where the camera is, x y z in source coordinates")->expected(3)->group(group);
-    CLI::Option* const target = app.add_option("--target", a.target, "What it looks at (default: the middle)")->expected(3)->group(group);
-    CLI::Option* const up = app.add_option("--up", a.up, "What is up in the picture (default: 0 0 1)")->expected(3)->group(group);
-    CLI::Option* const angle = app.add_option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)")->group(group);
-    CLI::Option* const parallel = app.add_flag("--orthographic", a.orthographic, "Parallel, not in perspective")->group(group)->excludes(angle);
+    CLI::Option* const eye =
+        app.add_option("--eye", a.eye, "Where the camera is, x y z in source coordinates")->expected(3)->group(group);
+    CLI::Option* const target =
+        app.add_option("--target", a.target, "What it looks at (default: the middle)")->expected(3)->group(group);
+    CLI::Option* const up =
+        app.add_option("--up", a.up, "What is up in the picture (default: 0 0 1)")->expected(3)->group(group);
+    CLI::Option* const angle =
+        app.add_option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)")->group(group);
+    CLI::Option* const parallel =
+        app.add_flag("--orthographic", a.orthographic, "Parallel, not in perspective")->group(group)->excludes(angle);
     CLI::Option* const height =
-        app.add_option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")->group(group)->excludes(angle);
+        app.add_option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")
+            ->group(group)
+            ->excludes(angle);
     app.add_option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
         ->group(group)
         ->excludes(eye)
@@ -121,27 +140,56 @@ void add_to(CLI::App& app, RenderArguments& a)
         ->capture_default_str()
         ->check(CLI::IsMember(names_of(ColourMode::uniform)))
         ->group(group);
-    app.add_option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")->group(group);
-    app.add_option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")->capture_default_str()->check(CLI::Range(0.1, 1000.0))->group(group);
-    app.add_option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")->capture_default_str()->check(CLI::Range(1e-6, 1e6))->group(group);
-    app.add_option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")->capture_default_str()->check(CLI::Range(1, 8))->group(group);
-    app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
+    app.add_option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")
+        ->group(group);
+    app.add_option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 1000.0))
+        ->group(group);
+    app.add_option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")
+        ->capture_default_str()
+        ->check(CLI::Range(1e-6, 1e6))
+        ->group(group);
+    app.add_option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 8))
+        ->group(group);
+    app.add_option("--eye-dome", a.options.eye_dome,
+                   "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 100.0))
         ->group(group);
-    app.add_option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")->capture_default_str()->group(group);
+    app.add_option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")
+        ->capture_default_str()
+        ->group(group);
 
     group = "How much is drawn";
-    app.add_option("--until", a.until, "full: every point in view; target: until --target-px is reached, or as many points as the budgets allow in a frame")
+    app.add_option("--until", a.until,
+                   "full: every point in view; target: until --target-px is reached, or as many points as the budgets "
+                   "allow in a frame")
         ->capture_default_str()
         ->check(CLI::IsMember({"full", "target"}))
         ->group(group);
-    app.add_option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")->capture_default_str()->check(CLI::Range(0.01, 1e6))->group(group);
-    app.add_option("--frame-budget", a.frame_budget_ms, "Milliseconds that drawing a frame may take (default: no limit)")->check(CLI::PositiveNumber)->group(group);
-    app.add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str()->check(CLI::PositiveNumber)->group(group);
-    app.add_option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
-    app.add_option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)")->transform(CLI::AsSizeValue(false))->group(group);
-    app.add_option("-t,--threads", a.threads, "Threads that load (default: one a processor)")->check(CLI::Range(1, 256));
+    app.add_option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")
+        ->capture_default_str()
+        ->check(CLI::Range(0.01, 1e6))
+        ->group(group);
+    app.add_option("--frame-budget", a.frame_budget_ms,
+                   "Milliseconds that drawing a frame may take (default: no limit)")
+        ->check(CLI::PositiveNumber)
+        ->group(group);
+    app.add_option("--point-budget", a.options.point_budget, "Most points of a frame")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber)
+        ->group(group);
+    app.add_option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)")
+        ->transform(CLI::AsSizeValue(false))
+        ->group(group);
+    app.add_option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)")
+        ->transform(CLI::AsSizeValue(false))
+        ->group(group);
+    app.add_option("-t,--threads", a.threads, "Threads that load (default: one a processor)")
+        ->check(CLI::Range(1, 256));
     add_common(app, a.common);
 }
 
@@ -149,8 +197,8 @@ PictureSize size_of(const RenderArguments& arguments)
 {
     PictureSize size;
     int end = 0;
-    if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 || static_cast<std::size_t>(end) != arguments.size.size() ||
-        size.width < 1 || size.height < 1)
+    if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 ||
+        static_cast<std::size_t>(end) != arguments.size.size() || size.width < 1 || size.height < 1)
         refuse("--size '" + arguments.size + "' is no size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
     return size;
 }
@@ -182,7 +230,9 @@ RenderOptions options_of(const RenderArguments& arguments)
     options.converge = arguments.until == "full";
     // Nobody waits for a frame here but Ctrl-C, and the lists of what is to be loaded, which each frame makes anew.
     options.upload_budget_ms = 50;
-    options.frame_budget_ms = arguments.frame_budget_ms ? *arguments.frame_budget_ms : options.converge ? 250 : std::numeric_limits<double>::infinity();
+    options.frame_budget_ms = arguments.frame_budget_ms ? *arguments.frame_budget_ms
+                              : options.converge        ? 250
+                                                        : std::numeric_limits<double>::infinity();
     options.prefetch_frames = 0;
     return options;
 }
@@ -191,7 +241,8 @@ std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3
 {
     if (!arguments.path.empty()) return CameraPath::read(arguments.path).placed(box).frames;
     const bool parallel = arguments.orthographic || arguments.height;
-    CameraFrame frame = overview_of(box, parallel ? std::nullopt : std::optional<double>(arguments.angle.value_or(45)), size.width, size.height);
+    CameraFrame frame = overview_of(box, parallel ? std::nullopt : std::optional<double>(arguments.angle.value_or(45)),
+                                    size.width, size.height);
     if (arguments.height) frame.height = *arguments.height;
     if (!arguments.up.empty()) frame.up = vector_of(arguments.up);
     const Vec3d eye = frame.eye, target = frame.target;
@@ -215,12 +266,15 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
     std::error_code ignored;
     if (const auto pattern = pattern_of(output)) {
         require_png(as_path);
-        for (std::size_t i = 1; i <= pictures; ++i) files.emplace_back(output.substr(0, pattern->begin) + numbered(i, pattern->digits) + output.substr(pattern->end));
+        for (std::size_t i = 1; i <= pictures; ++i)
+            files.emplace_back(output.substr(0, pattern->begin) + numbered(i, pattern->digits) +
+                               output.substr(pattern->end));
     } else if (arguments.path.empty()) {
         require_png(as_path);
         files.push_back(as_path);
     } else if (as_path.has_extension() && !fs::is_directory(as_path, ignored)) {
-        throw Error(ErrorCode::invalid_argument, as_path, "the " + std::to_string(pictures) + " pictures of a path do not go into one file",
+        throw Error(ErrorCode::invalid_argument, as_path,
+                    "the " + std::to_string(pictures) + " pictures of a path do not go into one file",
                     "give a folder, or a name with a place for the number, as in picture%04d.png");
     } else {
         const int digits = std::max(4, static_cast<int>(std::to_string(pictures).size()));
@@ -229,9 +283,11 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
     for (const fs::path& file : files) {
         const fs::file_status status = fs::status(file, ignored);
         if (!fs::exists(status)) continue;
-        if (!arguments.overwrite) throw Error(ErrorCode::exists, file, "the output is there already", "choose another name, or overwrite it");
+        if (!arguments.overwrite)
+            throw Error(ErrorCode::exists, file, "the output is there already", "choose another name, or overwrite it");
         if (!fs::is_regular_file(status))
-            throw Error(ErrorCode::exists, file, "the output's name is that of something that is not a file", "choose another name");
+            throw Error(ErrorCode::exists, file, "the output's name is that of something that is not a file",
+                        "choose another name");
     }
     return files;
 }

@@ -16,7 +16,8 @@ namespace pcm::cli {
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
-    std::string output, size = "1280x720", splats = "constant", colour = "rgb", uniform_colour, background = "transparent", until = "full", path;
+    std::string output, size = "1280x720", splats = "constant", colour = "rgb", uniform_colour,
+                        background = "transparent", until = "full", path;
     std::vector<double> eye, target, up;
     std::optional<double> angle, height, frame_budget_ms;
     bool orthographic = false, overwrite = false;
@@ -43,8 +44,8 @@ RenderOptions options_of(const RenderArguments& arguments);
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).
 std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size);
 
-// A file for each of so many pictures: OUTPUT itself for one; NAME%04d.png with numbers from 1 on; FOLDER/0001.png, ... Throws
-// Error(invalid_argument), and Error(exists) for a file that is there and is not to be overwritten.
+// A file for each of so many pictures: OUTPUT itself for one; NAME%04d.png with numbers from 1 on; FOLDER/0001.png, ...
+// Throws Error(invalid_argument), and Error(exists) for a file that is there and is not to be overwritten.
 std::vector<std::filesystem::path> files_of(const RenderArguments& arguments, std::size_t pictures);
 
 }  // namespace pcm::cli

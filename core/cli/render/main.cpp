@@ -27,7 +27,11 @@ struct Drawn {
 class Job {
 public:
     Job(const RenderArguments& arguments, const Offscreen& screen, OffscreenScene& scene)
-        : screen_(screen), scene_(scene), style_(style_of(arguments)), options_(options_of(arguments)), background_(background_of(arguments)),
+        : screen_(screen),
+          scene_(scene),
+          style_(style_of(arguments)),
+          options_(options_of(arguments)),
+          background_(background_of(arguments)),
           progress_(console_progress(arguments.common))
     {
     }
@@ -46,17 +50,22 @@ public:
             screen_.clear(background_.colour);
             drawn.report = scene_.draw(view, style_, options_);
             ++drawn.frames;
-            if (!drawn.report.error.empty()) throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + drawn.report.error);
+            if (!drawn.report.error.empty())
+                throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + drawn.report.error);
             for (const CloudReport& cloud : drawn.report.clouds)
                 if (!cloud.error.empty()) throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + cloud.error);
             if (!drawn.report.refining) break;
             const std::string stage = "Drawing, " + grouped(drawn.report.points_drawn) + " points";
-            if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)})) throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
-            const std::uint64_t sum = drawn.report.points_drawn + scene_.l1_statistics().uploaded_bytes + scene_.loaded_bytes();
+            if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)}))
+                throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
+            const std::uint64_t sum =
+                drawn.report.points_drawn + scene_.l1_statistics().uploaded_bytes + scene_.loaded_bytes();
             if (sum != last_sum) last_change = Clock::now();
             last_sum = sum;
             if (seconds_since(last_change) > longest_standstill)
-                throw Error(ErrorCode::io, {}, "the picture is not complete, and nothing was loaded or drawn for " + brief(longest_standstill) + " s",
+                throw Error(ErrorCode::io, {},
+                            "the picture is not complete, and nothing was loaded or drawn for " +
+                                brief(longest_standstill) + " s",
                             "video memory may be too small for a chunk: give more with --l1");
             if (!drawn.report.repaint) scene_.wait();
         }
@@ -90,7 +99,8 @@ int render(const RenderArguments& arguments)
     if (arguments.path.empty()) files_of(arguments, 1);  // what can be refused is refused before anything is opened
     L1Options l1;
     l1.capacity_bytes = arguments.l1;
-    l1.block_bytes = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(arguments.l1, std::uint64_t(1) << 20, l1.block_bytes));
+    l1.block_bytes =
+        static_cast<std::uint32_t>(std::clamp<std::uint64_t>(arguments.l1, std::uint64_t(1) << 20, l1.block_bytes));
     L2Options l2;
     l2.capacity_bytes = arguments.l2;
     l2.threads = arguments.threads ? arguments.threads : std::max(1u, std::thread::hardware_concurrency());
@@ -142,10 +152,11 @@ int render(const RenderArguments& arguments)
     for (const std::string& notice : notices) std::printf("note: %s\n", notice.c_str());
     const char* const whole = full ? "every point in view" : "as many points as were asked for";
     if (files.size() == 1)
-        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(most_points).c_str(), whole, time_text(seconds).c_str());
+        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(most_points).c_str(), whole,
+                    time_text(seconds).c_str());
     else
-        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(), files.back().c_str(),
-                    grouped(most_points).c_str(), whole, time_text(longest_ms / 1000).c_str());
+        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(),
+                    files.back().c_str(), grouped(most_points).c_str(), whole, time_text(longest_ms / 1000).c_str());
     std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
     return 0;
 }

@@ -34,7 +34,8 @@ BuildOptions build_options(const AppendOptions& options, Sampling sampling)
 
 class Append {
 public:
-    Append(const fs::path& path, PointReader& cloud, const std::vector<std::string>& sources, const AppendOptions& options)
+    Append(const fs::path& path, PointReader& cloud, const std::vector<std::string>& sources,
+           const AppendOptions& options)
         : cloud_(cloud),
           sources_(sources),
           update_(path),
@@ -59,7 +60,8 @@ public:
         report_.notes = cloud_.info().notes;
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
         if (report_.points_skipped)
-            report_.notes.push_back(grouped(report_.points_skipped) + " points without a finite position were left out");
+            report_.notes.push_back(grouped(report_.points_skipped) +
+                                    " points without a finite position were left out");
         if (report_.points_added + report_.points_skipped != report_.outcome.points_in)
             throw Error(ErrorCode::corrupt, update_.folder(),
                         grouped(report_.outcome.points_in) + " points were read, " + grouped(report_.points_added) +
@@ -123,7 +125,8 @@ private:
         const std::uint64_t stored = joined.nodes.empty() ? 0 : joined.nodes[0].subtree_points;
         if (stored != all.points)
             throw Error(ErrorCode::corrupt, update_.folder(),
-                        grouped(all.points) + " points were expected, " + grouped(stored) + " are there; this is a defect of the program");
+                        grouped(all.points) + " points were expected, " + grouped(stored) +
+                            " are there; this is a defect of the program");
         info.points = all.points;
         info.content_hash = all.hash;
         info.extremes = all.extremes;
@@ -133,7 +136,8 @@ private:
         info.spacings = state_.nodes.spacings;
         info.levels = static_cast<std::uint16_t>(info.spacings.size());
         // Floats are given back as floats, which doubles must not be.
-        if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32) info.position_type = ScalarType::f64;
+        if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32)
+            info.position_type = ScalarType::f64;
         info.sources.insert(info.sources.end(), sources_.begin(), sources_.end());
         report_.outcome.points_out = info.points;
         report_.outcome.error = info.position_error;
@@ -155,7 +159,8 @@ private:
 
 }  // namespace
 
-AppendReport append_points(const fs::path& tree, PointReader& cloud, const std::vector<std::string>& sources, const AppendOptions& options)
+AppendReport append_points(const fs::path& tree, PointReader& cloud, const std::vector<std::string>& sources,
+                           const AppendOptions& options)
 {
     try {
         return Append(tree, cloud, sources, options).run();

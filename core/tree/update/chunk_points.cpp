@@ -18,7 +18,8 @@ std::shared_ptr<const Column> column_of(const Column& from, const std::vector<st
     return column;
 }
 
-std::shared_ptr<const ChunkPositions> positions_of(const ChunkPositions& from, const std::vector<std::uint32_t>& numbers)
+std::shared_ptr<const ChunkPositions> positions_of(const ChunkPositions& from,
+                                                   const std::vector<std::uint32_t>& numbers)
 {
     auto positions = std::make_shared<ChunkPositions>();
     for (std::size_t a = 0; a < 3; ++a) {
@@ -34,8 +35,10 @@ std::shared_ptr<const ChunkPositions> positions_of(const ChunkPositions& from, c
         using Word = typename std::decay_t<decltype(axes[0])>::value_type;
         for (std::size_t a = 0; a < 3; ++a) {
             axes[a].resize(numbers.size());
-            const std::uint64_t shift = static_cast<std::uint64_t>(positions->origin[a]) - static_cast<std::uint64_t>(from.origin[a]);
-            for (std::size_t i = 0; i < numbers.size(); ++i) axes[a][i] = static_cast<Word>(from.relative(numbers[i], a) - shift);
+            const std::uint64_t shift =
+                static_cast<std::uint64_t>(positions->origin[a]) - static_cast<std::uint64_t>(from.origin[a]);
+            for (std::size_t i = 0; i < numbers.size(); ++i)
+                axes[a][i] = static_cast<Word>(from.relative(numbers[i], a) - shift);
         }
     };
     if (positions->wide)
@@ -52,7 +55,8 @@ Chunk points_of(const Chunk& chunk, const std::vector<std::uint32_t>& numbers)
     Chunk result;
     result.points = static_cast<std::uint32_t>(numbers.size());
     if (chunk.positions) result.positions = positions_of(*chunk.positions, numbers);
-    for (const auto& column : chunk.attributes) result.attributes.push_back(column ? column_of(*column, numbers) : nullptr);
+    for (const auto& column : chunk.attributes)
+        result.attributes.push_back(column ? column_of(*column, numbers) : nullptr);
     return result;
 }
 

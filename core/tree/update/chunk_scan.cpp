@@ -16,16 +16,18 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t most_data_files = 1'000'000;  // a name alone shall not make the list of files long
 
-// Each generation has data files of its own, and each but the first may add a part: what says otherwise is damaged, whatever its checksum.
+// Each generation has data files of its own, and each but the first may add a part: what says otherwise is damaged,
+// whatever its checksum.
 void check_numbers(std::uint32_t generation, std::uint32_t parts, std::uint32_t file)
 {
     if (generation == 0 || generation > file + std::uint64_t(1) || parts > generation)
         throw Error(ErrorCode::corrupt, {},
-                    "generation " + std::to_string(generation) + " and " + std::to_string(parts) + " parts cannot be in data file " + std::to_string(file));
+                    "generation " + std::to_string(generation) + " and " + std::to_string(parts) +
+                        " parts cannot be in data file " + std::to_string(file));
 }
 
-// Finds where, among bytes that are nothing whole, a chunk or a commit record may begin. What cannot be the start of a header is passed over
-// without a look at the rest of it: damaged bytes may look like the beginning of one many times.
+// Finds where, among bytes that are nothing whole, a chunk or a commit record may begin. What cannot be the start of a
+// header is passed over without a look at the rest of it: damaged bytes may look like the beginning of one many times.
 class Beginnings {
 public:
     explicit Beginnings(const File& file, std::uint64_t end) : file_(file), end_(end), bytes_(std::size_t(1) << 20) {}
@@ -36,13 +38,18 @@ public:
         for (; at + head <= end_; ++at) {
             if (at < from_ || at + head > from_ + filled_) {
                 from_ = at;
-                filled_ = file_.read_some_at(bytes_.data(), static_cast<std::size_t>(std::min<std::uint64_t>(bytes_.size(), end_ - at)), at);
+                filled_ = file_.read_some_at(
+                    bytes_.data(), static_cast<std::size_t>(std::min<std::uint64_t>(bytes_.size(), end_ - at)), at);
                 if (filled_ < head) break;
             }
             const char* const found = bytes_.data() + (at - from_);
             if (std::memcmp(found, "BPC", 3) != 0) continue;
-            if (found[3] == '1' && number<std::uint16_t>(found + 4) == 3 && number<std::uint32_t>(found + 24) <= most_header) return at;
-            if (found[3] == 'G' && number<std::uint16_t>(found + 4) == 1 && number<std::uint32_t>(found + 8) <= most_header) return at;
+            if (found[3] == '1' && number<std::uint16_t>(found + 4) == 3 &&
+                number<std::uint32_t>(found + 24) <= most_header)
+                return at;
+            if (found[3] == 'G' && number<std::uint16_t>(found + 4) == 1 &&
+                number<std::uint32_t>(found + 8) <= most_header)
+                return at;
         }
         return end_;
     }
@@ -72,7 +79,8 @@ std::vector<FoundFile> list_data_files(const fs::path& folder)
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
         FoundFile file;
-        if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number) || file.number >= most_data_files)
+        if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number) ||
+            file.number >= most_data_files)
             continue;
         file.path = entry.path();
         files.push_back(std::move(file));
@@ -91,8 +99,8 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
     Beginnings beginnings(file, found.size);
     const auto tell_lost = [&](std::uint64_t to) {
         if (lost)
-            found.faults.push_back(found.path.filename().string() + ": bytes " + grouped(lost_from) + " to " + grouped(to - 1) +
-                                   " are no whole chunk: " + why);
+            found.faults.push_back(found.path.filename().string() + ": bytes " + grouped(lost_from) + " to " +
+                                   grouped(to - 1) + " are no whole chunk: " + why);
         lost = false;
     };
     while (at < found.size) {
@@ -111,7 +119,8 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
                 if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
                     throw Error(ErrorCode::corrupt, {}, "it is of another tree");
                 const ChunkIdentity& identity = *header.identity;
-                check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1, found.number);
+                check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1,
+                              found.number);
                 FoundChunk chunk;
                 chunk.generation = identity.generation;
                 PartNode& node = chunk.node;

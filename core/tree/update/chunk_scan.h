@@ -31,8 +31,9 @@ struct FoundFile {
 // The data files in a tree's folder, by number.
 std::vector<FoundFile> list_data_files(const std::filesystem::path& folder);
 
-// Goes from chunk to chunk, and where there is none on to the next that begins with a header whose checksum holds. Columns are not looked
-// at. Chunks that are of no tree, or of one with another grid or schema than `expected` tells, are faults. `tick(bytes)` is called after each chunk.
+// Goes from chunk to chunk, and where there is none on to the next that begins with a header whose checksum holds.
+// Columns are not looked at. Chunks that are of no tree, or of one with another grid or schema than `expected` tells,
+// are faults. `tick(bytes)` is called after each chunk.
 struct ChunkKind {
     Schema schema;
     Grid grid;

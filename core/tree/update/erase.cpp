@@ -23,11 +23,11 @@ namespace {
 
 // What became of a node that was looked at.
 struct Looked {
-    PartNode node;             // as it is afterwards, but for the place of its chunk
+    PartNode node;  // as it is afterwards, but for the place of its chunk
     std::uint64_t deleted = 0;
-    std::uint64_t hash = 0;    // of the deleted points
-    bool chosen = false;       // some of them are not of the last level
-    Chunk rest;                // where points were deleted, those that are left
+    std::uint64_t hash = 0;  // of the deleted points
+    bool chosen = false;     // some of them are not of the last level
+    Chunk rest;              // where points were deleted, those that are left
     std::vector<std::byte> bytes;
     Observed kept;
 };
@@ -36,7 +36,11 @@ struct Looked {
 class Eraser {
 public:
     Eraser(const Tree& tree, const Selection& selection, std::uint32_t generation, bool count_only)
-        : tree_(tree), info_(tree.info()), selector_(selection, info_.schema), generation_(generation), count_only_(count_only)
+        : tree_(tree),
+          info_(tree.info()),
+          selector_(selection, info_.schema),
+          generation_(generation),
+          count_only_(count_only)
     {
         for (const std::size_t k : selector_.tested()) tested_.attributes.set(k);
         others_ = ColumnSet::all(info_.schema);
@@ -55,7 +59,8 @@ public:
     // Whether there may be points to delete in a node or below it.
     bool touches(const Node& node) const
     {
-        return selector_.relation(source_box(info_.grid, node.box, info_.position_type == ScalarType::f32)) != BoxRelation::outside;
+        return selector_.relation(source_box(info_.grid, node.box, info_.position_type == ScalarType::f32)) !=
+               BoxRelation::outside;
     }
 
     Looked look_at(const PartNode& node) const
@@ -125,7 +130,8 @@ private:
         node.extent = Extent();
         while (!left.empty() && left.back() == 0) left.pop_back();
         const auto first = std::find_if(left.begin(), left.end(), [](std::uint32_t points) { return points > 0; });
-        node.first_level = kept.empty() ? std::uint16_t(0) : static_cast<std::uint16_t>(node.first_level + (first - left.begin()));
+        node.first_level =
+            kept.empty() ? std::uint16_t(0) : static_cast<std::uint16_t>(node.first_level + (first - left.begin()));
         left.erase(left.begin(), first);
         node.level_points = std::move(left);
         if (kept.empty()) return;
@@ -146,10 +152,13 @@ private:
 class Erasure {
 public:
     Erasure(const std::filesystem::path& path, const Selection& selection, const EraseOptions& options)
-        : options_(options), threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())), watch_(options.progress)
+        : options_(options),
+          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+          watch_(options.progress)
     {
         if (!selection.chooses_points())
-            throw Error(ErrorCode::invalid_argument, path, "nothing says which points are to be deleted", "give a box or a condition");
+            throw Error(ErrorCode::invalid_argument, path, "nothing says which points are to be deleted",
+                        "give a box or a condition");
         if (options.count_only)
             tree_ = Tree::open(path);
         else
@@ -176,7 +185,9 @@ public:
             to_look_at.size(), threads_, [&](std::size_t i) { return eraser_->look_at(nodes_[to_look_at[i]]); },
             [&](std::size_t i, Looked&& looked) { take(nodes_[to_look_at[i]], std::move(looked)); },
             [&](std::size_t done) {
-                watch_.report("Looking at points", 0.95 * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, to_look_at.size())));
+                watch_.report("Looking at points",
+                              0.95 * static_cast<double>(done) /
+                                  static_cast<double>(std::max<std::size_t>(1, to_look_at.size())));
             });
         report_.outcome.points_out = report_.outcome.points_in - report_.points_deleted;
         if (update_ && report_.points_deleted) commit();

@@ -8,8 +8,10 @@
 namespace pcm {
 namespace {
 
-// The smallest point, in the order of coordinates, with the coordinate `value` on an axis: nodes by the smallest that they may hold.
-void find_smallest(const Tree& tree, const std::set<NodeId>& changed, std::size_t axis, std::int64_t value, Vec3i& best, bool found)
+// The smallest point, in the order of coordinates, with the coordinate `value` on an axis: nodes by the smallest that
+// they may hold.
+void find_smallest(const Tree& tree, const std::set<NodeId>& changed, std::size_t axis, std::int64_t value, Vec3i& best,
+                   bool found)
 {
     using Open = std::pair<Vec3i, NodeId>;
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
@@ -42,7 +44,8 @@ void find_smallest(const Tree& tree, const std::set<NodeId>& changed, std::size_
 
 }  // namespace
 
-std::array<Vec3i, 6> find_extremes(const Tree& tree, const std::set<NodeId>& changed, const Observed& kept, const Box3i& box)
+std::array<Vec3i, 6> find_extremes(const Tree& tree, const std::set<NodeId>& changed, const Observed& kept,
+                                   const Box3i& box)
 {
     std::array<Vec3i, 6> extremes{};
     for (std::size_t k = 0; k < 6; ++k) {

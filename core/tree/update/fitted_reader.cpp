@@ -33,18 +33,23 @@ bool alike(const Attribute& a, const Attribute& b)
 }  // namespace
 
 FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::filesystem::path& folder)
-    : cloud_(cloud), tree_(tree), folder_(folder), same_grid_(!tree.wide && cloud.info().grid && *cloud.info().grid == tree.grid)
+    : cloud_(cloud),
+      tree_(tree),
+      folder_(folder),
+      same_grid_(!tree.wide && cloud.info().grid && *cloud.info().grid == tree.grid)
 {
     const FileInfo& from = cloud.info();
     for (const Attribute& attribute : from.schema) {
         const auto slot = tree.schema.find(attribute.name);
-        const char* const hint = "build a new tree of all the files, or leave the attribute out with 'pcm convert --drop' first";
+        const char* const hint =
+            "build a new tree of all the files, or leave the attribute out with 'pcm convert --drop' first";
         if (!slot)
-            throw Error(ErrorCode::invalid_argument, folder, "the new points have the attribute '" + attribute.name + "', the tree has not", hint);
+            throw Error(ErrorCode::invalid_argument, folder,
+                        "the new points have the attribute '" + attribute.name + "', the tree has not", hint);
         if (!alike(attribute, tree.schema[*slot]))
             throw Error(ErrorCode::invalid_argument, folder,
-                        "the attribute '" + attribute.name + "' of the new points is " + kind_of(attribute) + ", the tree's is " +
-                            kind_of(tree.schema[*slot]),
+                        "the attribute '" + attribute.name + "' of the new points is " + kind_of(attribute) +
+                            ", the tree's is " + kind_of(tree.schema[*slot]),
                         hint);
         slots_.push_back(*slot);
     }
@@ -98,7 +103,8 @@ void FittedReader::fit_positions(PointBatch& batch)
     if (batch.gridded) {
         for (std::size_t a = 0; a < 3; ++a) {
             batch.xyz[a].resize(batch.size);
-            for (std::size_t i = 0; i < batch.size; ++i) batch.xyz[a][i] = cloud_.info().grid->to_source(batch.grid_xyz[a][i], a);
+            for (std::size_t i = 0; i < batch.size; ++i)
+                batch.xyz[a][i] = cloud_.info().grid->to_source(batch.grid_xyz[a][i], a);
             batch.grid_xyz[a].clear();
         }
         batch.gridded = false;
@@ -133,8 +139,9 @@ std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
 {
     constexpr std::int64_t wide_end = std::int64_t{1} << 62;  // where nearest_on_grid() saturates
     const std::int64_t q = nearest_on_grid(tree_.grid, axis, value);
-    const bool outside = tree_.wide ? q <= -wide_end || q >= wide_end
-                                    : q < std::numeric_limits<std::int32_t>::min() || q > std::numeric_limits<std::int32_t>::max();
+    const bool outside =
+        tree_.wide ? q <= -wide_end || q >= wide_end
+                   : q < std::numeric_limits<std::int32_t>::min() || q > std::numeric_limits<std::int32_t>::max();
     if (outside) {
         too_far_ = true;
         return std::nullopt;
@@ -142,9 +149,10 @@ std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
     const double deviation = std::fabs(tree_.grid.to_source(q, axis) - value);
     const double scale = tree_.grid.scale[axis];
     // The step, the product and the sum are each rounded by half a unit in the last place at most.
-    const double allowed = tree_.position_type == ScalarType::i32
-                               ? std::numeric_limits<double>::epsilon() * (std::fabs(static_cast<double>(q) * scale) + std::fabs(value))
-                               : scale / 2;
+    const double allowed =
+        tree_.position_type == ScalarType::i32
+            ? std::numeric_limits<double>::epsilon() * (std::fabs(static_cast<double>(q) * scale) + std::fabs(value))
+            : scale / 2;
     if (deviation > allowed) {
         largest_deviation_ = std::max(largest_deviation_, deviation);
         return std::nullopt;
@@ -159,13 +167,14 @@ void FittedReader::refuse()
         points_ += batch_.size;
         fit_positions(batch_);
     }
-    std::string text = grouped(misplaced_) + " of the " + grouped(points_) + " new points have no place on the tree's grid, whose steps are " +
-                       exact(tree_.grid.scale);
+    std::string text = grouped(misplaced_) + " of the " + grouped(points_) +
+                       " new points have no place on the tree's grid, whose steps are " + exact(tree_.grid.scale);
     if (largest_deviation_ > 0) text += "; the nearest places are up to " + brief(largest_deviation_) + " away";
     if (too_far_) text += "; some points are beyond its range";
     throw Error(ErrorCode::invalid_argument, folder_, text,
                 tree_.position_type == ScalarType::i32 && !too_far_
-                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcm convert --scale --offset' first"
+                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcm convert --scale "
+                      "--offset' first"
                     : "build a new tree of all the files");
 }
 

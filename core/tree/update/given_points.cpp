@@ -22,8 +22,8 @@ GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree)
 {
     GivenLevels<Coord> given;
     given.spacings = tree->info().spacings;
-    given.list = [tree = std::move(tree)](const Point<Coord>& low, const Point<Coord>& high, std::size_t first, std::size_t last,
-                                          const typename GivenLevels<Coord>::Visit& visit) {
+    given.list = [tree = std::move(tree)](const Point<Coord>& low, const Point<Coord>& high, std::size_t first,
+                                          std::size_t last, const typename GivenLevels<Coord>::Visit& visit) {
         Box3i box;
         for (std::size_t a = 0; a < 3; ++a) {
             box.min[a] = to_grid<Coord>(low[a]);
@@ -41,9 +41,10 @@ GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree)
             for (const NodeId child : node.children)
                 if (child != no_node) open.push_back(child);
             if (node.points == 0 || node.first_level + node.level_points.size() <= first) continue;
-            const ChunkPart part = tree->read_chunk_part(id, ColumnSet::only_positions(), [&](const Box3i& piece, std::uint16_t level) {
-                return level >= first && level <= last && touch(piece, box);
-            });
+            const ChunkPart part =
+                tree->read_chunk_part(id, ColumnSet::only_positions(), [&](const Box3i& piece, std::uint16_t level) {
+                    return level >= first && level <= last && touch(piece, box);
+                });
             points.clear();
             for (std::uint32_t i = 0; i < part.chunk.points; ++i) {
                 const Vec3i q = part.chunk.positions->grid(i);

@@ -8,7 +8,8 @@
 
 namespace pcm {
 
-// Levels of the tree, as the sampler asks for them: chunk by chunk, of each only the pieces in the box and of the levels asked for.
+// Levels of the tree, as the sampler asks for them: chunk by chunk, of each only the pieces in the box and of the
+// levels asked for.
 template <class Coord>
 GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree);
 

@@ -11,9 +11,9 @@
 
 namespace pcm {
 
-// Calls make(i) for i = 0 .. count - 1 on `threads` threads, and take(i, result) for one after the other, on any of them, one at a time.
-// At most 2 * threads results wait, so memory stays bounded. `tick(done)` is called on the calling thread a few times a second.
-// The first exception of any ends all and is thrown.
+// Calls make(i) for i = 0 .. count - 1 on `threads` threads, and take(i, result) for one after the other, on any of
+// them, one at a time. At most 2 * threads results wait, so memory stays bounded. `tick(done)` is called on the calling
+// thread a few times a second. The first exception of any ends all and is thrown.
 template <class Make, class Take, class Tick>
 void in_turn(std::size_t count, unsigned threads, const Make& make, const Take& take, const Tick& tick)
 {
@@ -25,7 +25,8 @@ void in_turn(std::size_t count, unsigned threads, const Make& make, const Take& 
     const auto work = [&] {
         std::unique_lock lock(signal.mutex);
         for (;;) {
-            signal.wake.wait(lock, [&] { return signal.stopped || next == count || next < turns.next() + 2 * threads; });
+            signal.wake.wait(lock,
+                             [&] { return signal.stopped || next == count || next < turns.next() + 2 * threads; });
             if (signal.stopped || next == count) return;
             const std::size_t mine = next++;
             lock.unlock();

@@ -8,8 +8,9 @@
 
 namespace pcm {
 
-// Of a tree whose newest chunks are `nodes`: grid, attributes, whether coordinates are wide, levels and their spacings. Type of
-// positions and kind of sampling are guesses that promise no more than the points keep; metadata, sources and all counts are missing.
+// Of a tree whose newest chunks are `nodes`: grid, attributes, whether coordinates are wide, levels and their spacings.
+// Type of positions and kind of sampling are guesses that promise no more than the points keep; metadata, sources and
+// all counts are missing.
 TreeInfo infer_info(const ChunkKind& kind, const std::vector<PartNode>& nodes);
 
 }  // namespace pcm

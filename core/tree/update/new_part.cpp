@@ -10,7 +10,8 @@
 namespace pcm {
 
 template <class Coord>
-Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataFiles& files, std::optional<GivenLevels<Coord>> given)
+Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataFiles& files,
+                 std::optional<GivenLevels<Coord>> given)
 {
     Scratch& scratch = *bins.scratch;
     NodeBuilderOptions& nodes = state.nodes;
@@ -29,7 +30,8 @@ Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataF
         },
         [](std::size_t, int) {},
         [&](std::size_t done) {
-            state.watch.report("Sorting points", 0.4 + 0.1 * static_cast<double>(done) / static_cast<double>(scratch.bins()));
+            state.watch.report("Sorting points",
+                               0.4 + 0.1 * static_cast<double>(done) / static_cast<double>(scratch.bins()));
         });
     scratch.clear();
 
@@ -47,7 +49,9 @@ Draft* make_part(Bins<Coord>& bins, BuildState& state, DraftStore& drafts, DataF
     });
 }
 
-template Draft* make_part(Bins<std::uint32_t>&, BuildState&, DraftStore&, DataFiles&, std::optional<GivenLevels<std::uint32_t>>);
-template Draft* make_part(Bins<std::uint64_t>&, BuildState&, DraftStore&, DataFiles&, std::optional<GivenLevels<std::uint64_t>>);
+template Draft* make_part(Bins<std::uint32_t>&, BuildState&, DraftStore&, DataFiles&,
+                          std::optional<GivenLevels<std::uint32_t>>);
+template Draft* make_part(Bins<std::uint64_t>&, BuildState&, DraftStore&, DataFiles&,
+                          std::optional<GivenLevels<std::uint64_t>>);
 
 }  // namespace pcm

@@ -34,7 +34,10 @@ unsigned side_of(const NodePath& path) { return path.bits[(path.depth - 1) / 64]
 
 class Joiner {
 public:
-    Joiner(const std::vector<double>& spacings, const Vec3d& scale) : scale_(scale), top_spacing_(spacings.empty() ? 0 : 2 * spacings[0]) {}
+    Joiner(const std::vector<double>& spacings, const Vec3d& scale)
+        : scale_(scale), top_spacing_(spacings.empty() ? 0 : 2 * spacings[0])
+    {
+    }
 
     NodeVector run(const std::vector<PartNode>& nodes)
     {
@@ -76,14 +79,16 @@ public:
     }
 
 private:
-    using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint64_t, std::uint64_t>;  // part, depth, path: parents before children
+    using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint64_t,
+                           std::uint64_t>;  // part, depth, path: parents before children
 
     // Entries for all nodes and those between them, linked; subtrees summed up, those without points cut off.
     void place(const std::vector<PartNode>& nodes)
     {
         std::map<Key, std::size_t> at;
         const auto entry_of = [&](std::uint32_t part, const NodePath& path) {
-            const auto [found, is_new] = at.try_emplace({part, path.depth, path.bits[0], path.bits[1]}, entries_.size());
+            const auto [found, is_new] =
+                at.try_emplace({part, path.depth, path.bits[0], path.bits[1]}, entries_.size());
             if (is_new) {
                 entries_.emplace_back();
                 entries_.back().part = part;

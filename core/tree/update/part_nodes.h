@@ -26,13 +26,14 @@ std::vector<PartNode> part_nodes(const Tree& tree);
 
 struct NodeVector {
     std::vector<Node> nodes;
-    std::vector<NodeId> part_roots;  // by the parts' numbers, up to the last that has points; no_node for one that has none
+    std::vector<NodeId>
+        part_roots;  // by the parts' numbers, up to the last that has points; no_node for one that has none
 };
 
-// The node vector that these nodes make: breadth first, so parents first. Nodes below which there are no points vanish, nodes
-// between others come to be where they are missing; such a one has the spacing of the node above. Parts are joined by nodes
-// without points, balanced, each half of the parts on one side of a plane as far as their boxes allow. The order of `nodes` does
-// not matter, and each (part, path) is there once. `spacings` are the tree's levels'.
+// The node vector that these nodes make: breadth first, so parents first. Nodes below which there are no points vanish,
+// nodes between others come to be where they are missing; such a one has the spacing of the node above. Parts are
+// joined by nodes without points, balanced, each half of the parts on one side of a plane as far as their boxes allow.
+// The order of `nodes` does not matter, and each (part, path) is there once. `spacings` are the tree's levels'.
 NodeVector join_parts(const std::vector<PartNode>& nodes, const std::vector<double>& spacings, const Vec3d& scale);
 
 }  // namespace pcm

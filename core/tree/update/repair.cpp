@@ -34,8 +34,8 @@ std::optional<TreeIndex> read_index(const fs::path& folder, std::string& fault)
         file.read_at(bytes.data(), bytes.size(), 0);
         return decode_index(bytes, file.path());
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt && error.code() != ErrorCode::not_a_tree &&
-            error.code() != ErrorCode::truncated)
+        if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt &&
+            error.code() != ErrorCode::not_a_tree && error.code() != ErrorCode::truncated)
             throw;
         fault = error.what();
         return std::nullopt;
@@ -47,7 +47,9 @@ std::optional<TreeInfo> read_about_if_whole(const fs::path& folder, std::string&
     try {
         return read_about(folder);
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt && error.code() != ErrorCode::truncated) throw;
+        if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt &&
+            error.code() != ErrorCode::truncated)
+            throw;
         fault = error.what();
         return std::nullopt;
     }
@@ -56,15 +58,19 @@ std::optional<TreeInfo> read_about_if_whole(const fs::path& folder, std::string&
 class Repair {
 public:
     Repair(const fs::path& folder, const RepairOptions& options)
-        : folder_(folder), options_(options), threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+        : folder_(folder),
+          options_(options),
+          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
           watch_(options.progress)
     {
         if (!options_.check_only) put_back_replaced(folder_);
         if (fs::exists(folder_ / build_marker_name))
-            throw Error(ErrorCode::interrupted_build, folder_, "the build of this tree was interrupted or is still running", "build it again");
+            throw Error(ErrorCode::interrupted_build, folder_,
+                        "the build of this tree was interrupted or is still running", "build it again");
         if (!fs::is_directory(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
         files_ = list_data_files(folder_);
-        if (files_.empty() && !is_tree(folder_)) throw Error(ErrorCode::not_a_tree, folder_, "this folder holds no chunks of a point cloud tree");
+        if (files_.empty() && !is_tree(folder_))
+            throw Error(ErrorCode::not_a_tree, folder_, "this folder holds no chunks of a point cloud tree");
         if (!options_.check_only) lock_.emplace(folder_);
     }
 
@@ -104,7 +110,10 @@ private:
     {
         const bool about = !about_ || !same_info(*about_, info);
         if (about && !options_.check_only) write_about(folder_, info);
-        if (about) report_.notes.push_back(std::string(about_file_name) + (about_ ? " does not say what the index says" : " is damaged or missing: " + about_fault_));
+        if (about)
+            report_.notes.push_back(std::string(about_file_name) + (about_
+                                                                        ? " does not say what the index says"
+                                                                        : " is damaged or missing: " + about_fault_));
         remove_leftovers(data_files);
     }
 
@@ -150,11 +159,13 @@ private:
     {
         generation_ = old_ ? old_->info.generation : 1;
         for (const FoundFile& file : files_)
-            if (file.commit && (!old_ || file.commit->generation == generation_) && file.commit->generation >= generation_) {
+            if (file.commit && (!old_ || file.commit->generation == generation_) &&
+                file.commit->generation >= generation_) {
                 generation_ = file.commit->generation;
                 commit_ = file.commit;
             }
-        // It is written when all chunks and the commit record are: where its generation is the newer one, the record is damaged.
+        // It is written when all chunks and the commit record are: where its generation is the newer one, the record is
+        // damaged.
         if (!old_ && about_ && about_->generation > generation_ && has_chunks_of(about_->generation)) {
             generation_ = about_->generation;
             commit_.reset();
@@ -165,7 +176,8 @@ private:
         for (const FoundFile& file : files_) {
             for (const std::string& fault : file.faults) report_.faults.push_back(fault);
             for (const FoundChunk& chunk : file.chunks)
-                if (chunk.generation <= generation_) data_files_ = std::max<std::size_t>(data_files_, file.number + std::size_t(1));
+                if (chunk.generation <= generation_)
+                    data_files_ = std::max<std::size_t>(data_files_, file.number + std::size_t(1));
         }
     }
 
@@ -205,10 +217,11 @@ private:
         if (node.points == 0) return checked;
         try {
             const ColumnSet all = ColumnSet::all(info_.schema);
-            DecodedChunk decoded =
-                read_chunk(files[node.extent.file], node.extent.offset, node.extent.bytes, node.extent.header_bytes, all);
+            DecodedChunk decoded = read_chunk(files[node.extent.file], node.extent.offset, node.extent.bytes,
+                                              node.extent.header_bytes, all);
             if (!decoded.header.schema.is_beginning_of(info_.schema))
-                throw Error(ErrorCode::corrupt, files[node.extent.file].path(), "a chunk has attributes that the tree has not");
+                throw Error(ErrorCode::corrupt, files[node.extent.file].path(),
+                            "a chunk has attributes that the tree has not");
             Chunk chunk = std::move(decoded.chunk);
             add_missing_columns(chunk, info_.schema, all);
             Box3i box;
@@ -217,7 +230,9 @@ private:
                 box.extend(p);
                 checked.observed.see(p);
             }
-            if (!(box == node.box)) throw Error(ErrorCode::corrupt, files[node.extent.file].path(), "its box is not tight around its points");
+            if (!(box == node.box))
+                throw Error(ErrorCode::corrupt, files[node.extent.file].path(),
+                            "its box is not tight around its points");
             std::vector<std::byte> scratch;
             checked.observed.hash = hash_chunk(chunk, layout_, scratch);
         } catch (const Error& error) {
@@ -246,7 +261,8 @@ private:
                 whole.push_back(nodes[i]);
             },
             [&](std::size_t done) {
-                watch_.report("Checking chunks", 0.6 + 0.38 * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, nodes.size())));
+                watch_.report("Checking chunks", 0.6 + 0.38 * static_cast<double>(done) /
+                                                           static_cast<double>(std::max<std::size_t>(1, nodes.size())));
             });
         return whole;
     }
@@ -305,18 +321,22 @@ private:
             expected = old_->info.points;
         report_.outcome.points_in = expected.value_or(info.points);
         if (info.points == 0 && report_.outcome.points_in)
-            throw Error(ErrorCode::corrupt, folder_, "not one of its " + grouped(report_.outcome.points_in) + " points is in a chunk that is whole",
+            throw Error(ErrorCode::corrupt, folder_,
+                        "not one of its " + grouped(report_.outcome.points_in) + " points is in a chunk that is whole",
                         "bring its data files back");
         report_.outcome.points_out = info.points;
         if (report_.outcome.points_in > info.points) report_.points_lost = report_.outcome.points_in - info.points;
         if (report_.outcome.points_in < info.points)
-            report_.faults.push_back("there are " + grouped(info.points - report_.outcome.points_in) +
-                                     " points more than the tree had: deleted ones are back, whose nodes' newer chunks are lost");
+            report_.faults.push_back(
+                "there are " + grouped(info.points - report_.outcome.points_in) +
+                " points more than the tree had: deleted ones are back, whose nodes' newer chunks are lost");
         if (report_.outcome.points_in != info.points) info.coverage_kept = false;
         if (!about_)
-            report_.faults.push_back(about_fault_ + (old_ ? "; the index has what it said"
-                                                          : "; lost are the metadata, the names of sources, the number of skipped points, the "
-                                                            "position error and how levels were chosen"));
+            report_.faults.push_back(
+                about_fault_ +
+                (old_ ? "; the index has what it said"
+                      : "; lost are the metadata, the names of sources, the number of skipped points, the "
+                        "position error and how levels were chosen"));
         if (index.nodes.empty()) {
             info.spacings.clear();
             info.levels = 0;
@@ -328,7 +348,8 @@ private:
         watch_.report("Writing the index", 0.99);
         find_parts(index, folder_ / index_file_name);
         const std::vector<std::byte> bytes = encode_index(index);
-        decode_index(bytes, folder_ / index_file_name);  // what it must keep is checked before it takes the old one's place
+        decode_index(bytes,
+                     folder_ / index_file_name);  // what it must keep is checked before it takes the old one's place
         write_about(folder_, index.info);
         const fs::path path = folder_ / index_file_name, damaged = folder_ / damaged_index_name;
         if (fs::exists(path)) {

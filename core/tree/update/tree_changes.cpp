@@ -8,7 +8,10 @@
 
 namespace pcm {
 
-TreeChanges::TreeChanges(const std::filesystem::path& path) : update_(std::in_place, path), tree_(update_->tree()), hash_(tree_->info().content_hash) {}
+TreeChanges::TreeChanges(const std::filesystem::path& path)
+    : update_(std::in_place, path), tree_(update_->tree()), hash_(tree_->info().content_hash)
+{
+}
 
 std::shared_ptr<const Tree> TreeChanges::tree() const
 {
@@ -47,7 +50,8 @@ ChunkPart TreeChanges::read_part(NodeId node, const ColumnSet& columns,
     const auto place = place_of(node);
     if (!place) return tree_->read_chunk_part(node, columns, wanted);
     const Extent& extent = place->extent;
-    DecodedPart decoded = read_chunk_part(*place->file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+    DecodedPart decoded =
+        read_chunk_part(*place->file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
     add_missing_columns(decoded.chunk, tree_->info().schema, columns);
     ChunkPart part;
     for (const std::uint32_t s : decoded.kept) {
@@ -65,9 +69,11 @@ void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& chan
     check_open();
     const TreeInfo& info = tree_->info();
     Chunk chunk = written;  // its columns are shared
-    add_missing_columns(chunk, info.schema, ColumnSet::all(info.schema));  // an attribute may have been added since it was read
+    add_missing_columns(chunk, info.schema,
+                        ColumnSet::all(info.schema));  // an attribute may have been added since it was read
     if (chunk.points != tree_->node(node).points || !chunk.columns().contains(ColumnSet::all(info.schema)))
-        throw Error(ErrorCode::invalid_argument, tree_->folder(), "a chunk of other points was to take the place of that of node " + std::to_string(node));
+        throw Error(ErrorCode::invalid_argument, tree_->folder(),
+                    "a chunk of other points was to take the place of that of node " + std::to_string(node));
     if (chunk.points == 0) return;
     std::vector<std::byte> scratch;
     const RowLayout layout(info.schema, info.wide);
@@ -96,7 +102,8 @@ void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& chan
     const std::size_t number = place.extent.file - tree_->data_files().size();
     while (files_.size() <= number)
         files_.push_back(std::make_shared<const File>(
-            update_->folder() / data_file_name(static_cast<std::uint32_t>(tree_->data_files().size() + files_.size())), File::Mode::read));
+            update_->folder() / data_file_name(static_cast<std::uint32_t>(tree_->data_files().size() + files_.size())),
+            File::Mode::read));
     place.file = files_[number];
     const auto found = places_.find(node);
     hash_ += hash - (found == places_.end() ? hash_before : found->second.hash);
@@ -178,7 +185,8 @@ void TreeChanges::end()
 
 void TreeChanges::check_open() const
 {
-    if (!update_) throw Error(ErrorCode::invalid_argument, tree_->folder(), "this point cloud was closed", "open it again");
+    if (!update_)
+        throw Error(ErrorCode::invalid_argument, tree_->folder(), "this point cloud was closed", "open it again");
 }
 
 }  // namespace pcm

@@ -47,8 +47,8 @@ std::vector<fs::path> leftovers(const fs::path& folder, std::size_t data_files)
         const std::string name = entry.path().filename().string();
         unsigned number = 0;
         const bool data = std::sscanf(name.c_str(), "chunks-%u.bpc", &number) == 1 && name == data_file_name(number);
-        if ((data && number >= data_files) || name == update_scratch_name || name == std::string(index_file_name) + ".new" ||
-            name == std::string(about_file_name) + ".new")
+        if ((data && number >= data_files) || name == update_scratch_name ||
+            name == std::string(index_file_name) + ".new" || name == std::string(about_file_name) + ".new")
             found.push_back(entry.path());
     }
     std::sort(found.begin(), found.end());
@@ -70,8 +70,8 @@ ChunkIdentity identity_of(const PartNode& node, std::uint32_t generation)
 TreeUpdate::TreeUpdate(const fs::path& path) : lock_(checked(folder_of(path))), tree_(Tree::open(path))
 {
     generation_ = tree_->info().generation + 1;
-    // First what is told of the tree, then the chunks: whoever makes the index anew from them finds this generation, or the one that
-    // was all but finished.
+    // First what is told of the tree, then the chunks: whoever makes the index anew from them finds this generation, or
+    // the one that was all but finished.
     const std::vector<fs::path> left = leftovers(folder(), tree_->data_files().size());
     if (!left.empty() && !about_is_of(*tree_)) write_about(folder(), tree_->info());
     for (const fs::path& file : left) fs::remove_all(file);
@@ -94,7 +94,8 @@ fs::path TreeUpdate::scratch()
 {
     const fs::path path = folder() / update_scratch_name;
     std::error_code error;
-    if (!fs::create_directory(path, error) && error) throw Error::from_errno(error.value(), path, "creating the folder");
+    if (!fs::create_directory(path, error) && error)
+        throw Error::from_errno(error.value(), path, "creating the folder");
     return path;
 }
 
@@ -157,7 +158,8 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     index.nodes = std::move(joined.nodes);
     index.part_roots = std::move(joined.part_roots);
     // A part's number is not given again while there are others.
-    if (!index.nodes.empty()) index.part_roots.resize(std::max(index.part_roots.size(), tree_->part_roots().size()), no_node);
+    if (!index.nodes.empty())
+        index.part_roots.resize(std::max(index.part_roots.size(), tree_->part_roots().size()), no_node);
     index.data_files = tree_->data_files();
     index.data_files.insert(index.data_files.end(), files_.begin(), files_.end());
     find_parts(index, folder() / index_file_name);
@@ -177,7 +179,8 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     }
     about_ahead_ = true;
     write_about(folder(), index.info);
-    if (std::rename(ready.c_str(), path.c_str()) != 0) throw Error::from_errno(errno, path, "putting the new index in place");
+    if (std::rename(ready.c_str(), path.c_str()) != 0)
+        throw Error::from_errno(errno, path, "putting the new index in place");
     committed_ = true;
     sync_folder(folder());
 }

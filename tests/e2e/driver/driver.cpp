@@ -373,13 +373,16 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         return Done::yes;
     }
     if (command == "double-click") {  // fractions of the view
-        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()), int(argument.section(' ', 1, 1).toDouble() * area()->height()));
-        for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease, QEvent::MouseButtonDblClick, QEvent::MouseButtonRelease})
+        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()),
+                        int(argument.section(' ', 1, 1).toDouble() * area()->height()));
+        for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease, QEvent::MouseButtonDblClick,
+                                QEvent::MouseButtonRelease})
             mouse(type, at);
         return Done::yes;
     }
     if (command == "press-at" || command == "move-to" || command == "release-at") {  // fractions of the view
-        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()), int(argument.section(' ', 1, 1).toDouble() * area()->height()));
+        const QPoint at(int(argument.section(' ', 0, 0).toDouble() * area()->width()),
+                        int(argument.section(' ', 1, 1).toDouble() * area()->height()));
         mouse(command == "press-at"  ? QEvent::MouseButtonPress
               : command == "move-to" ? QEvent::MouseMove
                                      : QEvent::MouseButtonRelease,
@@ -417,11 +420,13 @@ TestDriver::Done TestDriver::run(const QString& command, const QString& argument
         const bool moving = area()->property("pcm_first_person").toMap()["moving"].toBool();
         return until(moving == (command == "wait-moving"), command);
     }
-    if (command == "wait-full-screen") return until(window()->isFullScreen() == (argument == "on"), "full screen " + argument);
+    if (command == "wait-full-screen")
+        return until(window()->isFullScreen() == (argument == "on"), "full screen " + argument);
     if (command == "print-camera") {  // of MeshLab, in the document's coordinates; argument: a name for it
         const vcg::Similarityf& track = area()->trackball.track;
-        const auto [distance, orthographic] =
-            area()->fov <= 5 ? std::pair(8.0, true) : std::pair(1.75 / std::tan(double(area()->fov) * M_PI / 360), false);
+        const auto [distance, orthographic] = area()->fov <= 5
+                                                  ? std::pair(8.0, true)
+                                                  : std::pair(1.75 / std::tan(double(area()->fov) * M_PI / 360), false);
         const auto to_scene = [&](const vcg::Point3f& p) {
             const vcg::Point3f q = track.rot.Inverse().Rotate(p) / track.sca - track.tra;
             return QJsonArray{q[0], q[1], q[2]};
