@@ -2,11 +2,11 @@
 // which is what the machine can do. Run with --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true and
 // compare medians.
 
-#include "bpc/column_codec.h"
-#include "generate/scene.h"
-#include "io/reader.h"
-#include "point_cloud.h"
-#include "tree/builder.h"
+#include "pcm/bpc/column_codec.h"
+#include "pcm/generate/scene.h"
+#include "pcm/io/reader.h"
+#include "pcm/point_cloud.h"
+#include "pcm/build/builder.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,12 +1,12 @@
 // Whether the order of a chunk's points in its VBO changes the time to draw them: as the tree stores them (level by
 // level, each in Morton order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz
 // et al., arXiv 2104.07526). Prints a table; see README.md.
-#include "cloud/error.h"
-#include "gl/l1_cache.h"
-#include "gl/splat_pass.h"
-#include "gl/vertex_discs.h"
-#include "offscreen/offscreen.h"
-#include "point_cloud.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/splat_pass.h"
+#include "pcm/gl/vertex_discs.h"
+#include "pcm/offscreen/offscreen.h"
+#include "pcm/point_cloud.h"
 
 #include <GL/glew.h>
 #include <CLI/CLI.hpp>

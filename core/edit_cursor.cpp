@@ -1,8 +1,8 @@
-#include "edit_cursor.h"
+#include "pcm/edit_cursor.h"
 
-#include "cloud/error.h"
-#include "cloud/with_type.h"
-#include "point_cloud.h"
+#include "pcm/system/error.h"
+#include "pcm/cloud/with_type.h"
+#include "pcm/point_cloud.h"
 
 #include <cmath>
 #include <limits>

@@ -1,8 +1,8 @@
 // Changing points of a cloud: see point_cloud.h.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "query/query.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/query/query.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,11 +1,11 @@
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
-#include "cloud/error.h"
-#include "io/transformed_reader.h"
-#include "query/chunk_stream.h"
-#include "tree/tree_reader.h"
-#include "tree/update/clone.h"
-#include "tree/update/tree_changes.h"
+#include "pcm/system/error.h"
+#include "pcm/io/pipe/transformed_reader.h"
+#include "pcm/query/chunk_stream.h"
+#include "pcm/tree/tree_reader.h"
+#include "pcm/update/clone.h"
+#include "pcm/update/tree_changes.h"
 
 namespace pcm {
 

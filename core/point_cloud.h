@@ -22,18 +22,18 @@
 // A PointCloud may be shared between threads; a cursor belongs to one thread.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "cloud/affine.h"
-#include "edit_cursor.h"
-#include "io/selection.h"
-#include "query/estimate.h"
-#include "query/nearest.h"
-#include "query/point_blocks.h"
-#include "query/query.h"
-#include "query/read_pool.h"
-#include "query/read_rates.h"
-#include "tree/builder.h"
-#include "tree/tree.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/cloud/affine.h"
+#include "pcm/edit_cursor.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/query/estimate.h"
+#include "pcm/query/nearest.h"
+#include "pcm/query/point_blocks.h"
+#include "pcm/query/query.h"
+#include "pcm/threads/task_pool.h"
+#include "pcm/query/read_rates.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
 
 #include <filesystem>
 #include <memory>
@@ -116,7 +116,7 @@ public:
     // Errors: those of Tree::open; with Access::write also Error(exists) when somebody else changes the tree.
     static std::shared_ptr<PointCloud> open(const std::filesystem::path& path, const L2Options& cache = {},
                                             Access access = Access::read);
-    // A new tree of all points of a reader, opened. Errors: those of build_tree() (tree/builder.h).
+    // A new tree of all points of a reader, opened. Errors: those of build_tree() (build/builder.h).
     static std::shared_ptr<PointCloud> create(const std::filesystem::path& path, PointReader& points,
                                               const BuildOptions& build = {}, const L2Options& cache = {},
                                               Access access = Access::write);
@@ -158,12 +158,12 @@ public:
     void close();
     // close() without flush(): what was changed since the last one is dropped.
     void abandon();
-    // The cloud as a tree of another name, in moments (tree/update/clone.h); what was changed is flushed first.
+    // The cloud as a tree of another name, in moments (update/clone.h); what was changed is flushed first.
     void save(const std::filesystem::path& path);
 
     // The cloud moved, turned or scaled, as a new tree, opened for reading; what was changed is flushed first. Where
     // the map only stretches and shifts along the axes, positions stay what they are on a grid that is mapped; else
-    // they are rounded by less than their own last bit. What happens to attributes is in io/transformed_reader.h.
+    // they are rounded by less than their own last bit. What happens to attributes is in io/pipe/transformed_reader.h.
     // Errors: those of build_tree(), and Error(invalid_argument) for a map that flattens space.
     std::shared_ptr<PointCloud> transform(const Affine& map, const std::filesystem::path& path,
                                           const BuildOptions& build = {}, const L2Options& cache = {});

@@ -10,16 +10,16 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # The public headers and all that they include; tests/install compiles each of them by itself out of the install.
 set(public_headers
   edit_cursor.h point_cloud.h
-  io/reader.h io/grid_choice.h io/selection.h io/text_layout.h io/transformed_reader.h io/writer.h
+  io/reader.h io/pipe/grid_choice.h cloud/selection.h io/text/text_layout.h io/pipe/transformed_reader.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
-  tree/chunk_points.h tree/tree.h tree/tree_reader.h tree/selected_nodes.h tree/builder.h tree/verify.h tree/verify_levels.h
-  tree/update/append.h tree/update/compact.h tree/update/erase.h tree/update/repair.h
-  query/estimate.h query/nearest.h query/point_blocks.h query/query.h query/read_pool.h query/read_rates.h
+  tree/chunk_size.h tree/tree.h tree/tree_reader.h tree/selected_nodes.h build/builder.h tree/verify.h tree/verify_levels.h
+  update/append.h update/compact.h update/erase.h update/repair.h
+  query/estimate.h query/nearest.h query/point_blocks.h query/query.h threads/task_pool.h query/read_rates.h
   convert/convert.h
   cache/chunk_store.h cache/l2_cache.h cache/load_times.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS
-     ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
-set(gl_headers gl/renderer.h gl/splat_style.h gl/vertex_format.h gl/vertex_groups.h gl/gpu_cursor.h gl/l1_cache.h cache/l1_table.h)
+     ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/system/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
+set(gl_headers gl/renderer.h gl/splat_style.h gl/vertex_format.h gl/vertex_groups.h gl/gpu_cursor.h gl/l1_cache.h gl/l1_table.h)
 
 function(install_public_headers)
   foreach(header ${ARGN})

@@ -1,7 +1,7 @@
 // Small clouds for tests, and files of them written byte by byte, apart from the library's own writers.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 #include <cstdint>
 #include <cstring>

@@ -1,7 +1,8 @@
 // Runs a command while the system fails it: see faults/preload.cpp.
 #pragma once
 
-#include "support.h"
+#include "tests/support.h"
+#include "tests/paths.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -31,7 +32,7 @@ inline Faulty run_with_fault(const std::vector<std::string>& command, const std:
     const std::string folder = std::filesystem::weakly_canonical(under).string();
     const pid_t child = fork();
     if (child == 0) {
-        setenv("LD_PRELOAD", PCM_FAULTS, 1);
+        setenv("LD_PRELOAD", paths::faults, 1);
         // The sanitizers' libraries need not be the first then.
         const char* asan = std::getenv("ASAN_OPTIONS");
         setenv("ASAN_OPTIONS", (std::string(asan ? asan : "") + ":verify_asan_link_order=0:detect_leaks=0").c_str(), 1);

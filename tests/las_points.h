@@ -1,7 +1,7 @@
 // A LAS file of simple points in a few lines.
 #pragma once
 
-#include "io/las_writer.h"
+#include "pcm/io/las/las_writer.h"
 
 #include <algorithm>
 #include <cstring>

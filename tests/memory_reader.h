@@ -1,8 +1,8 @@
 // A cloud in memory, read like a file: for tests of what stands between readers and their users.
 #pragma once
 
-#include "io/batch_shape.h"
-#include "io/reader.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/reader.h"
 
 #include <algorithm>
 #include <cstring>

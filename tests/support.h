@@ -1,6 +1,8 @@
 // What tests share: a folder that cleans up after itself, the sample clouds, small clouds written in a line.
 #pragma once
 
+#include "tests/paths.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -33,7 +35,7 @@ private:
     std::filesystem::path path_;
 };
 
-inline std::filesystem::path sample(const std::string& name) { return std::filesystem::path(PCM_TEST_DATA) / name; }
+inline std::filesystem::path sample(const std::string& name) { return std::filesystem::path(paths::sample_clouds) / name; }
 
 }  // namespace pcm::test
 

@@ -2,11 +2,11 @@
 // process of its own.
 //   bench_caches replay|scan|hits|neighbours|decoding|disk TREE [options]     see --help
 //   bench_caches about                                                        what it draws with
-#include "modes.h"
+#include "bench/caches/modes.h"
 
-#include "cache/l2_cache.h"
-#include "tree/builder.h"
-#include "tree/tree.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
 
 #include <CLI/CLI.hpp>
 

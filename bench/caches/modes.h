@@ -2,7 +2,7 @@
 // figures to the row. They throw pcm::Error and std::runtime_error.
 #pragma once
 
-#include "row.h"
+#include "bench/caches/row.h"
 
 #include <cstdint>
 #include <filesystem>

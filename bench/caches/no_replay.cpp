@@ -1,5 +1,5 @@
 // In builds that cannot draw offscreen.
-#include "modes.h"
+#include "bench/caches/modes.h"
 
 #include <stdexcept>
 

@@ -1,8 +1,8 @@
 // The modes without a picture: disk, decoding, scan, hits, neighbours.
-#include "modes.h"
-#include "storage.h"
+#include "bench/caches/modes.h"
+#include "bench/caches/storage.h"
 
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <atomic>
 #include <random>

@@ -1,10 +1,10 @@
 // A camera path, drawn offscreen: what both caches do for a viewer.
-#include "modes.h"
-#include "storage.h"
+#include "bench/caches/modes.h"
+#include "bench/caches/storage.h"
 
-#include "gl/renderer.h"
-#include "offscreen/offscreen.h"
-#include "view/camera_path.h"
+#include "pcm/gl/renderer.h"
+#include "pcm/offscreen/offscreen.h"
+#include "pcm/view/camera_path.h"
 
 #include <GL/glew.h>
 

@@ -1,7 +1,7 @@
 // One row of figures, printed as a line of JSON; and what is said of many times.
 #pragma once
 
-#include "cache/load_times.h"
+#include "pcm/cache/load_times.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
-#include "storage.h"
+#include "bench/caches/storage.h"
 
-#include "row.h"
+#include "bench/caches/row.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -1,7 +1,7 @@
 // MeshLab's own readers for bench/io/run.py: "read PATH" and "dump PATH FILE" (positions as doubles). The importers
 // that its plugins call (vcglib's PLY and PTX, its own XYZ, which takes PTS too), into vertices like MeshLab's: float
 // positions.
-#include "io/serve.h"
+#include "bench/io/serve.h"
 
 #include <vcg/complex/complex.h>
 #include <wrap/io_trimesh/import_ply.h>

@@ -1,6 +1,6 @@
 // PCL's readers for bench/io/run.py: "read PATH" and "dump PATH FILE" (positions as doubles). PCD and PLY, into
 // PCLPointCloud2: every field as it is in the file, the quicker of PCL's ways.
-#include "io/serve.h"
+#include "bench/io/serve.h"
 
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>

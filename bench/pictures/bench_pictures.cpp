@@ -4,11 +4,11 @@
 //   viewer has it bench_pictures about                                                what it draws with
 // Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are
 // transparent where nothing is drawn.
-#include "row.h"
+#include "bench/caches/row.h"
 
-#include "cloud/error.h"
-#include "offscreen/offscreen.h"
-#include "offscreen/scene.h"
+#include "pcm/system/error.h"
+#include "pcm/offscreen/offscreen.h"
+#include "pcm/offscreen/scene.h"
 
 #include <GL/glew.h>
 #include <CLI/CLI.hpp>

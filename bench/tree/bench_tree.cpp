@@ -6,7 +6,7 @@
 //       each time. Cold: the system's cache of the files is dropped before each.
 //
 // Prints one line of JSON, times in ms, of columns the medians.
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // Nearest neighbours at each level of a tree: the error against the exact answer beside the time it takes.
 //   bench_knn TREE QUERIES K THREADS
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,8 +1,8 @@
-#include "bpc/array_chunk.h"
+#include "pcm/bpc/array_chunk.h"
 
-#include "bpc/batch_chunk.h"
-#include "bpc/column_codec.h"
-#include "cloud/error.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/column_codec.h"
+#include "pcm/system/error.h"
 
 #include <unistd.h>
 

@@ -1,9 +1,9 @@
 // Columns of one chunk of a BpcArray, from where they are: the cloud's file, the scratch file, or nowhere yet.
 #pragma once
 
-#include "bpc/bpc_file.h"
-#include "cloud/file.h"
-#include "cloud/point_batch.h"
+#include "pcm/bpc/bpc_file.h"
+#include "pcm/system/file.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-#include "bpc/batch_chunk.h"
+#include "pcm/bpc/batch_chunk.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>

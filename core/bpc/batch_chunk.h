@@ -1,8 +1,8 @@
 // Points of a batch as an encoded chunk, and the points of a decoded chunk in a batch.
 #pragma once
 
-#include "bpc/bpc.h"
-#include "cloud/point_batch.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <array>
 #include <cstddef>

@@ -1,9 +1,9 @@
-#include "bpc/bpc_array.h"
+#include "pcm/bpc/bpc_array.h"
 
-#include "bpc/array_chunk.h"
-#include "bpc/batch_chunk.h"
-#include "bpc/bpc_file_writer.h"
-#include "cloud/error.h"
+#include "pcm/bpc/array_chunk.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/bpc_file_writer.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <chrono>

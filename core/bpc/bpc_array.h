@@ -12,8 +12,8 @@
 // columns that are touched are read. Changed columns that memory has no room for go to a scratch file, uncompressed.
 #pragma once
 
-#include "bpc/cloud_block.h"
-#include "cloud/point_batch.h"
+#include "pcm/bpc/cloud_block.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <array>
 #include <cstddef>

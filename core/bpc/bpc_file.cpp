@@ -1,8 +1,8 @@
-#include "bpc/bpc_file.h"
+#include "pcm/bpc/bpc_file.h"
 
-#include "bpc/batch_chunk.h"
-#include "bpc/commit_record.h"
-#include "cloud/error.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/commit_record.h"
+#include "pcm/system/error.h"
 
 #include <cmath>
 #include <string>

@@ -2,10 +2,10 @@
 // of a tree there may also be tombstones and commit records: they are passed over.
 #pragma once
 
-#include "bpc/bpc.h"
-#include "bpc/chunk_index.h"
-#include "bpc/cloud_block.h"
-#include "cloud/error.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_index.h"
+#include "pcm/bpc/cloud_block.h"
+#include "pcm/system/error.h"
 
 #include <cstdint>
 #include <filesystem>

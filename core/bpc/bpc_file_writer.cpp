@@ -1,7 +1,7 @@
-#include "bpc/bpc_file_writer.h"
+#include "pcm/bpc/bpc_file_writer.h"
 
-#include "bpc/batch_chunk.h"
-#include "cloud/error.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Writes a file of a whole cloud: cloud block, chunks, chunk table.
 #pragma once
 
-#include "bpc/bpc.h"
-#include "bpc/cloud_block.h"
-#include "cloud/output_file.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/cloud_block.h"
+#include "pcm/system/output_file.h"
 
 #include <cstddef>
 #include <filesystem>

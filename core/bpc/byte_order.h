@@ -2,7 +2,7 @@
 // is checked at compile time), so this is memcpy with a bounds check.
 #pragma once
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <cstddef>
 #include <cstdint>

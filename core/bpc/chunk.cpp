@@ -1,4 +1,4 @@
-#include "bpc/chunk.h"
+#include "pcm/bpc/chunk.h"
 
 namespace pcm {
 

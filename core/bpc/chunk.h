@@ -1,10 +1,10 @@
 // A chunk in memory, decoded: the points of one node.
 #pragma once
 
-#include "cloud/attribute.h"
-#include "cloud/geometry.h"
-#include "cloud/page_allocator.h"
-#include "cloud/point_batch.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/system/page_allocator.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <array>
 #include <cstdint>

@@ -1,8 +1,8 @@
-#include "bpc/cloud_block.h"
+#include "pcm/bpc/cloud_block.h"
 
-#include "bpc/bpc.h"
-#include "bpc/byte_order.h"
-#include "cloud/error.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

@@ -2,11 +2,11 @@
 // them. The layout of both is in FORMAT.md.
 #pragma once
 
-#include "bpc/chunk_index.h"
-#include "cloud/attribute.h"
-#include "cloud/file.h"
-#include "cloud/geometry.h"
-#include "cloud/metadata.h"
+#include "pcm/bpc/chunk_index.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/system/file.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/metadata.h"
 
 #include <cstddef>
 #include <cstdint>

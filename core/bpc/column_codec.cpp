@@ -1,6 +1,6 @@
-#include "bpc/column_codec.h"
+#include "pcm/bpc/column_codec.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <array>

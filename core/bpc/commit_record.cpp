@@ -1,9 +1,9 @@
-#include "bpc/commit_record.h"
+#include "pcm/bpc/commit_record.h"
 
-#include "bpc/bpc.h"
-#include "bpc/byte_order.h"
-#include "bpc/read_head.h"
-#include "cloud/error.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/read_head.h"
+#include "pcm/system/error.h"
 
 #include <cstring>
 #include <string>

@@ -2,7 +2,7 @@
 // The layout is in FORMAT.md.
 #pragma once
 
-#include "cloud/file.h"
+#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Doubles as integers and back, bit for bit: how a chunk keeps positions that lie on no grid.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 #include <array>
 #include <cstddef>

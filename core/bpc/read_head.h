@@ -1,8 +1,8 @@
 // The start of reading a chunk, and how its errors name where it lies.
 #pragma once
 
-#include "cloud/error.h"
-#include "cloud/file.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Raw scalars as unsigned words in the order of their values, so that near values have near words. Bijective.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // How the points of a tree's chunk are cut in segments. The rule is part of the format.
 #pragma once
 
-#include "bpc/bpc.h"
+#include "pcm/bpc/chunk_codec.h"
 
 #include <algorithm>
 #include <cstdint>

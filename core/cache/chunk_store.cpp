@@ -1,6 +1,6 @@
-#include "cache/chunk_store.h"
+#include "pcm/cache/chunk_store.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 namespace pcm {
 

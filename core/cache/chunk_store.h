@@ -1,7 +1,7 @@
 // Where a cache has its chunks from, and where it puts those that were changed.
 #pragma once
 
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
 #include <functional>
 #include <memory>

@@ -1,7 +1,7 @@
-#include "cache/l2_cache.h"
+#include "pcm/cache/l2_cache.h"
 
-#include "cache/l2_state.h"
-#include "cloud/error.h"
+#include "pcm/cache/l2_state.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <utility>

@@ -12,9 +12,9 @@
 // members are safe to call from any number of threads.
 #pragma once
 
-#include "cache/chunk_store.h"
-#include "cache/load_times.h"
-#include "tree/tree.h"
+#include "pcm/cache/chunk_store.h"
+#include "pcm/cache/load_times.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
-#include "cache/l2_state.h"
+#include "pcm/cache/l2_state.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <chrono>
 

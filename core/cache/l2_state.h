@@ -1,9 +1,9 @@
 // The inside of the L2 cache: its entries and what happens to them. For l2_cache.cpp and l2_state.cpp alone.
 #pragma once
 
-#include "cache/brief_mutex.h"
-#include "cache/l2_cache.h"
-#include "cloud/error.h"
+#include "pcm/threads/brief_mutex.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/system/error.h"
 
 #include <atomic>
 #include <bitset>

@@ -1,4 +1,4 @@
-#include "cache/load_times.h"
+#include "pcm/cache/load_times.h"
 
 #include <algorithm>
 #include <cmath>

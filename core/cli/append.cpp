@@ -1,8 +1,8 @@
-#include "tree/update/append.h"
+#include "pcm/update/append.h"
 
-#include "cli/common.h"
-#include "cli/reading.h"
-#include "convert/open_cloud.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/reading.h"
+#include "pcm/convert/open_cloud.h"
 
 #include <cstdio>
 #include <memory>

@@ -1,6 +1,6 @@
-#include "cli/common.h"
-#include "cli/reading.h"
-#include "tree/builder.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/reading.h"
+#include "pcm/build/builder.h"
 
 #include <cstdio>
 #include <memory>

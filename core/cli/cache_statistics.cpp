@@ -1,4 +1,4 @@
-#include "cli/cache_statistics.h"
+#include "pcm/cli/cache_statistics.h"
 
 #include <cstdio>
 

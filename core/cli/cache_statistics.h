@@ -1,8 +1,8 @@
 // What a cache did, in words and as JSON.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "cli/common.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/cli/common.h"
 
 namespace pcm::cli {
 

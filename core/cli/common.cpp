@@ -1,6 +1,6 @@
-#include "cli/common.h"
+#include "pcm/cli/common.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <sys/resource.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 // What the pcm commands share.
 #pragma once
 
-#include "cloud/progress.h"
-#include "cloud/text.h"
+#include "pcm/system/progress.h"
+#include "pcm/system/text.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>

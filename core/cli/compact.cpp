@@ -1,6 +1,6 @@
-#include "tree/update/compact.h"
+#include "pcm/update/compact.h"
 
-#include "cli/common.h"
+#include "pcm/cli/common.h"
 
 #include <cstdio>
 #include <memory>

@@ -1,10 +1,10 @@
-#include "convert/convert.h"
+#include "pcm/convert/convert.h"
 
-#include "cli/common.h"
-#include "cli/reading.h"
-#include "cli/region_options.h"
-#include "cloud/error.h"
-#include "tree/tree.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/reading.h"
+#include "pcm/cli/region_options.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdio>
 #include <memory>

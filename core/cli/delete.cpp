@@ -1,7 +1,7 @@
-#include "cli/common.h"
-#include "cli/region_options.h"
-#include "cloud/error.h"
-#include "tree/update/erase.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/region_options.h"
+#include "pcm/system/error.h"
+#include "pcm/update/erase.h"
 
 #include <cstdio>
 #include <memory>

@@ -1,7 +1,7 @@
-#include "generate/scene.h"
+#include "pcm/generate/scene.h"
 
-#include "cli/common.h"
-#include "cloud/error.h"
+#include "pcm/cli/common.h"
+#include "pcm/system/error.h"
 
 #include <cstdio>
 #include <memory>

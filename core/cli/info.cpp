@@ -1,9 +1,9 @@
-#include "cli/common.h"
-#include "cli/reading.h"
-#include "cloud/error.h"
-#include "io/merged_reader.h"
-#include "io/metadata_text.h"
-#include "tree/tree.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/reading.h"
+#include "pcm/system/error.h"
+#include "pcm/io/pipe/merged_reader.h"
+#include "pcm/io/metadata_text.h"
+#include "pcm/tree/tree.h"
 
 #include <cmath>
 #include <cstdio>

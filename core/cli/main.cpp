@@ -1,6 +1,6 @@
 // The pcm command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set,
 // transform.
-#include "cli/common.h"
+#include "pcm/cli/common.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
-#include "cli/reading.h"
+#include "pcm/cli/reading.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 namespace pcm::cli {
 

@@ -1,8 +1,8 @@
 // How inputs are read: options that the commands share.
 #pragma once
 
-#include "cli/common.h"
-#include "io/reader.h"
+#include "pcm/cli/common.h"
+#include "pcm/io/reader.h"
 
 #include <optional>
 #include <string>

@@ -1,6 +1,6 @@
-#include "cli/region_options.h"
+#include "pcm/cli/region_options.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 namespace pcm::cli {
 

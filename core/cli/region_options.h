@@ -1,7 +1,7 @@
 // Options that choose points.
 #pragma once
 
-#include "io/selection.h"
+#include "pcm/cloud/selection.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,6 +1,6 @@
 // `pcm render` is a program of its own beside this one, so that nothing else here needs OpenGL.
-#include "cli/common.h"
-#include "cloud/error.h"
+#include "pcm/cli/common.h"
+#include "pcm/system/error.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
-#include "tree/update/repair.h"
+#include "pcm/update/repair.h"
 
-#include "cli/common.h"
+#include "pcm/cli/common.h"
 
 #include <cstdio>
 #include <memory>

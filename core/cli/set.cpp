@@ -1,9 +1,9 @@
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
-#include "cli/cache_statistics.h"
-#include "cli/common.h"
-#include "cli/region_options.h"
-#include "cloud/error.h"
+#include "pcm/cli/cache_statistics.h"
+#include "pcm/cli/common.h"
+#include "pcm/cli/region_options.h"
+#include "pcm/system/error.h"
 
 #include <chrono>
 #include <cmath>

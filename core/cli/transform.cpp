@@ -1,9 +1,9 @@
-#include "io/transformed_reader.h"
+#include "pcm/io/pipe/transformed_reader.h"
 
-#include "cli/common.h"
-#include "cloud/error.h"
-#include "tree/builder.h"
-#include "tree/tree_reader.h"
+#include "pcm/cli/common.h"
+#include "pcm/system/error.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree_reader.h"
 
 #include <cstdio>
 #include <memory>

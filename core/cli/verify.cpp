@@ -1,7 +1,7 @@
-#include "tree/verify.h"
+#include "pcm/tree/verify.h"
 
-#include "cli/common.h"
-#include "tree/verify_levels.h"
+#include "pcm/cli/common.h"
+#include "pcm/tree/verify_levels.h"
 
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // Affine maps of space.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 #include <array>
 #include <cmath>

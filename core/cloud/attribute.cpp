@@ -1,6 +1,6 @@
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "cloud/point_batch.h"
+#include "pcm/cloud/point_batch.h"
 
-#include "cloud/with_type.h"
+#include "pcm/cloud/with_type.h"
 
 namespace pcm {
 

@@ -1,9 +1,9 @@
 // A few ten thousand points at a time, structure of arrays: the currency between readers, builder, queries and filters.
 #pragma once
 
-#include "cloud/attribute.h"
-#include "cloud/geometry.h"
-#include "cloud/page_allocator.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/system/page_allocator.h"
 
 #include <array>
 #include <cassert>

@@ -1,7 +1,7 @@
-#include "cloud/region.h"
+#include "pcm/cloud/region.h"
 
-#include "cloud/error.h"
-#include "cloud/text.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>

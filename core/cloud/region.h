@@ -12,7 +12,7 @@
 // Immutable; any number of threads. Lengths are in source units, angles in degrees.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Regions in words.
-#include "cloud/region.h"
+#include "pcm/cloud/region.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <charconv>
 #include <cmath>

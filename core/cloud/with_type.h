@@ -1,7 +1,7 @@
 // From a type's name to the type.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
 #include <cstdint>
 

@@ -1,12 +1,12 @@
-#include "convert/convert.h"
+#include "pcm/convert/convert.h"
 
-#include "cloud/error.h"
-#include "cloud/text.h"
-#include "convert/open_cloud.h"
-#include "convert/output_grid.h"
-#include "io/names.h"
-#include "tree/builder.h"
-#include "tree/crew.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/convert/open_cloud.h"
+#include "pcm/convert/output_grid.h"
+#include "pcm/io/names.h"
+#include "pcm/build/builder.h"
+#include "pcm/threads/crew.h"
 
 #include <algorithm>
 #include <cmath>

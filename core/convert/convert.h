@@ -1,11 +1,11 @@
 // Any cloud in, any format out: what `pcm convert` and the export of MeshLab call.
 #pragma once
 
-#include "cloud/progress.h"
-#include "io/reader.h"
-#include "io/selection.h"
-#include "io/writer.h"
-#include "tree/chunk_points.h"
+#include "pcm/system/progress.h"
+#include "pcm/io/reader.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/io/writer.h"
+#include "pcm/tree/chunk_size.h"
 
 #include <cstdint>
 #include <filesystem>

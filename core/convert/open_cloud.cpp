@@ -1,7 +1,7 @@
-#include "convert/open_cloud.h"
+#include "pcm/convert/open_cloud.h"
 
-#include "cloud/error.h"
-#include "tree/tree_reader.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree_reader.h"
 
 #include <algorithm>
 #include <optional>

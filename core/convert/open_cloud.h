@@ -1,8 +1,8 @@
 // The inputs of a conversion, which may be read more than once.
 #pragma once
 
-#include "convert/convert.h"
-#include "io/merged_reader.h"
+#include "pcm/convert/convert.h"
+#include "pcm/io/pipe/merged_reader.h"
 
 #include <filesystem>
 #include <memory>

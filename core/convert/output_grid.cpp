@@ -1,7 +1,7 @@
-#include "convert/output_grid.h"
+#include "pcm/convert/output_grid.h"
 
-#include "cloud/text.h"
-#include "io/grid_choice.h"
+#include "pcm/system/text.h"
+#include "pcm/io/pipe/grid_choice.h"
 
 #include <algorithm>
 #include <charconv>

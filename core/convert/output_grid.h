@@ -1,7 +1,7 @@
 // The grid for writing a cloud of doubles as LAS.
 #pragma once
 
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
 // Sets the intensity of all points below a height to 0, however large the file is:
 //   darken_below city.bpc 50
-#include "bpc/bpc_array.h"
+#include "pcm/bpc/bpc_array.h"
 
 #include <cstdio>
 #include <string>

@@ -1,7 +1,7 @@
 // Gives every point of a tree its height above a level, as a new attribute, and reads it back; however large the tree
 // is, in so much memory:
 //   height_above city.pct 92.5 256
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <cstdio>
 #include <string>

@@ -3,8 +3,8 @@
 //   height_above_plane city.pct  500000 4800000 90  0 0.1 1  256 64
 #include "compute_program.h"
 
-#include "gl/gpu_cursor.h"
-#include "offscreen/offscreen.h"
+#include "pcm/gl/gpu_cursor.h"
+#include "pcm/offscreen/offscreen.h"
 
 #include <algorithm>
 #include <cmath>

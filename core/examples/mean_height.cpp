@@ -1,6 +1,6 @@
 // How many points a tree holds in a box, and their mean height:
 //   mean_height city.pct 500000 4800000 0  500100 4800100 50
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <cstdio>
 #include <string>

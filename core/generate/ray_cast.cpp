@@ -1,6 +1,6 @@
-#include "generate/ray_cast.h"
+#include "pcm/generate/ray_cast.h"
 
-#include "generate/determinism.h"
+#include "pcm/generate/determinism.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Finds what a ray meets first on the site.
 #pragma once
 
-#include "generate/site.h"
+#include "pcm/generate/site.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,12 +1,12 @@
-#include "generate/scene.h"
+#include "pcm/generate/scene.h"
 
-#include "cloud/error.h"
-#include "cloud/file.h"
-#include "generate/determinism.h"
-#include "generate/ray_cast.h"
-#include "generate/site.h"
-#include "generate/surface.h"
-#include "io/las_writer.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
+#include "pcm/generate/determinism.h"
+#include "pcm/generate/ray_cast.h"
+#include "pcm/generate/site.h"
+#include "pcm/generate/surface.h"
+#include "pcm/io/las/las_writer.h"
 
 #include <algorithm>
 #include <atomic>

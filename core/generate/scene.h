@@ -2,8 +2,8 @@
 // range noise, occlusion and a density that falls with the square of the distance.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "cloud/progress.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <filesystem>

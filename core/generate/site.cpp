@@ -1,6 +1,6 @@
-#include "generate/site.h"
+#include "pcm/generate/site.h"
 
-#include "generate/determinism.h"
+#include "pcm/generate/determinism.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // What stands on the generated site: shapes, ground and scanner stations, in metres from the south-west corner.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "generate/scene.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/generate/scene.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "generate/surface.h"
+#include "pcm/generate/surface.h"
 
 #include <algorithm>
 #include <cmath>

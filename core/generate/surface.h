@@ -1,8 +1,8 @@
 // How the surfaces of the site look: colour with brick courses, windows, road markings, and reflectivity.
 #pragma once
 
-#include "generate/determinism.h"
-#include "generate/site.h"
+#include "pcm/generate/determinism.h"
+#include "pcm/generate/site.h"
 
 namespace pcm::scene {
 

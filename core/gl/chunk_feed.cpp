@@ -1,6 +1,6 @@
-#include "gl/chunk_feed.h"
+#include "pcm/gl/chunk_feed.h"
 
-#include "gl/vertex_discs.h"
+#include "pcm/gl/vertex_discs.h"
 
 #include <string_view>
 #include <utility>

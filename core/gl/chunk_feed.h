@@ -1,11 +1,11 @@
 // Brings the chunks that a view wants from L2 into L1: what is asked for, what has arrived, what cannot be had.
 #pragma once
 
-#include "gl/l1_cache.h"
-#include "gl/vertex_colours.h"
-#include "gl/vertex_format.h"
-#include "point_cloud.h"
-#include "view/level_of_detail.h"
+#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/vertex_colours.h"
+#include "pcm/gl/vertex_format.h"
+#include "pcm/point_cloud.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <chrono>
 #include <cstdint>

@@ -1,6 +1,6 @@
-#include "gl/frame.h"
+#include "pcm/gl/frame.h"
 
-#include "gl/gl_state.h"
+#include "pcm/gl/gl_state.h"
 
 #include <GL/glew.h>
 

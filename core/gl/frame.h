@@ -1,9 +1,9 @@
 // One frame of a Renderer: what it draws, and the steps that moving and resting views share.
 #pragma once
 
-#include "gl/picture_state.h"
-#include "gl/splat_pass.h"
-#include "gl/vertex_format.h"
+#include "pcm/gl/picture_state.h"
+#include "pcm/gl/splat_pass.h"
+#include "pcm/gl/vertex_format.h"
 
 #include <chrono>
 #include <cstdint>

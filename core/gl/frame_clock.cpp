@@ -1,6 +1,6 @@
-#include "gl/frame_clock.h"
+#include "pcm/gl/frame_clock.h"
 
-#include "gl/gl_state.h"
+#include "pcm/gl/gl_state.h"
 
 #include <GL/glew.h>
 

@@ -5,7 +5,7 @@
 // vertices' share and which shares the processor with us anyway, end() waits. GL thread only, one context.
 #pragma once
 
-#include "gl/frame_budget.h"
+#include "pcm/gl/frame_budget.h"
 
 #include <array>
 #include <chrono>

@@ -1,7 +1,7 @@
 // What the chunks of a frame cost to draw, before they are drawn.
 #pragma once
 
-#include "gl/frame.h"
+#include "pcm/gl/frame.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "gl/gl_state.h"
+#include "pcm/gl/gl_state.h"
 
 #include <GL/glew.h>
 

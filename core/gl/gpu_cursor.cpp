@@ -1,8 +1,8 @@
-#include "gl/gpu_cursor.h"
+#include "pcm/gl/gpu_cursor.h"
 
-#include "cloud/error.h"
-#include "gl/gl_state.h"
-#include "tree/selected_nodes.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/tree/selected_nodes.h"
 
 #include <GL/glew.h>
 

@@ -15,8 +15,8 @@
 // member may upload or read back.
 #pragma once
 
-#include "gl/l1_cache.h"
-#include "point_cloud.h"
+#include "pcm/gl/l1_cache.h"
+#include "pcm/point_cloud.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,8 +1,8 @@
-#include "gl/l1_cache.h"
+#include "pcm/gl/l1_cache.h"
 
-#include "cloud/error.h"
-#include "gl/gl_state.h"
-#include "gl/l1_read_back.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/gl/l1_read_back.h"
 
 #include <GL/glew.h>
 

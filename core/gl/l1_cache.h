@@ -13,13 +13,13 @@
 // first upload.
 #pragma once
 
-#include "bpc/chunk.h"
-#include "cache/l1_table.h"
-#include "cache/load_times.h"
-#include "cloud/geometry.h"
-#include "gl/vertex_format.h"
-#include "gl/vertex_groups.h"
-#include "tree/tree.h"
+#include "pcm/bpc/chunk.h"
+#include "pcm/gl/l1_table.h"
+#include "pcm/cache/load_times.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/gl/vertex_format.h"
+#include "pcm/gl/vertex_groups.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <exception>

@@ -1,5 +1,5 @@
 // How chunks become bytes in the pages of L1.
-#include "gl/l1_cache.h"
+#include "pcm/gl/l1_cache.h"
 
 #include <GL/glew.h>
 

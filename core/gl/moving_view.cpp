@@ -1,5 +1,5 @@
-#include "gl/frame_cost.h"
-#include "view/motion.h"
+#include "pcm/gl/frame_cost.h"
+#include "pcm/view/motion.h"
 
 #include <algorithm>
 #include <cmath>

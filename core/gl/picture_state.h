@@ -1,11 +1,11 @@
 // What a Picture and a DrawnCloud are made of; renderer.cpp works on them.
 #pragma once
 
-#include "gl/chunk_feed.h"
-#include "gl/frame_budget.h"
-#include "gl/frame_clock.h"
-#include "gl/render_target.h"
-#include "gl/renderer.h"
+#include "pcm/gl/chunk_feed.h"
+#include "pcm/gl/frame_budget.h"
+#include "pcm/gl/frame_clock.h"
+#include "pcm/gl/render_target.h"
+#include "pcm/gl/renderer.h"
 
 #include <memory>
 #include <optional>

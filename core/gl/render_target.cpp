@@ -1,6 +1,6 @@
-#include "gl/render_target.h"
+#include "pcm/gl/render_target.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 

@@ -6,9 +6,9 @@
 // belongs to one context, a Compositor to a share group.
 #pragma once
 
-#include "gl/gl_state.h"
-#include "gl/shader_program.h"
-#include "view/level_of_detail.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/gl/shader_program.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <cstdint>
 #include <map>

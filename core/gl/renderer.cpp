@@ -1,8 +1,8 @@
-#include "gl/renderer.h"
+#include "pcm/gl/renderer.h"
 
-#include "cloud/error.h"
-#include "gl/frame.h"
-#include "gl/gl_state.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/frame.h"
+#include "pcm/gl/gl_state.h"
 
 #include <GL/glew.h>
 

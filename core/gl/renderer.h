@@ -21,11 +21,11 @@
 // else call glewInit(), whose GLEW_ERROR_NO_GLX_DISPLAY under EGL is harmless).
 #pragma once
 
-#include "cloud/geometry.h"
-#include "gl/l1_cache.h"
-#include "gl/splat_style.h"
-#include "point_cloud.h"
-#include "view/level_of_detail.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/splat_style.h"
+#include "pcm/point_cloud.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <cstdint>
 #include <functional>

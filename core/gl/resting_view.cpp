@@ -1,4 +1,4 @@
-#include "gl/frame_cost.h"
+#include "pcm/gl/frame_cost.h"
 
 #include <algorithm>
 #include <set>

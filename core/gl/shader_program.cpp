@@ -1,6 +1,6 @@
-#include "gl/shader_program.h"
+#include "pcm/gl/shader_program.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 

@@ -1,4 +1,4 @@
-#include "gl/splat_camera.h"
+#include "pcm/gl/splat_camera.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // A view as the splats' shaders want it. No OpenGL here.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "view/level_of_detail.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <algorithm>
 #include <array>

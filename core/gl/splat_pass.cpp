@@ -1,9 +1,9 @@
-#include "gl/splat_pass.h"
+#include "pcm/gl/splat_pass.h"
 
-#include "gl/gl_state.h"
-#include "gl/shader_program.h"
-#include "gl/splat_camera.h"
-#include "gl/splat_sieve.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/gl/shader_program.h"
+#include "pcm/gl/splat_camera.h"
+#include "pcm/gl/splat_sieve.h"
 
 #include <GL/glew.h>
 

@@ -42,9 +42,9 @@
 // GL thread only. Works in compatibility and core contexts of OpenGL 3.3; programs are built on first use.
 #pragma once
 
-#include "gl/splat_sieve.h"
-#include "tree/tree.h"
-#include "view/level_of_detail.h"
+#include "pcm/gl/splat_sieve.h"
+#include "pcm/tree/tree.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <array>
 #include <cstdint>

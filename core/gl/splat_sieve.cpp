@@ -1,4 +1,4 @@
-#include "gl/splat_sieve.h"
+#include "pcm/gl/splat_sieve.h"
 
 #include <algorithm>
 #include <cmath>

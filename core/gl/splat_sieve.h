@@ -2,10 +2,10 @@
 // where their splats may be larger than the driver's points. No OpenGL here.
 #pragma once
 
-#include "gl/l1_cache.h"
-#include "gl/splat_camera.h"
-#include "gl/splat_style.h"
-#include "gl/vertex_groups.h"
+#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/splat_camera.h"
+#include "pcm/gl/splat_style.h"
+#include "pcm/gl/vertex_groups.h"
 
 #include <optional>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "gl/splat_style.h"
+#include "pcm/gl/splat_style.h"
 
 #include <string_view>
 

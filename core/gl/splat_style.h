@@ -1,7 +1,7 @@
 // How one cloud looks. No OpenGL here.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
 #include <array>
 #include <cstdint>

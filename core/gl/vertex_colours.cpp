@@ -1,6 +1,6 @@
-#include "gl/vertex_colours.h"
+#include "pcm/gl/vertex_colours.h"
 
-#include "cloud/with_type.h"
+#include "pcm/cloud/with_type.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Turns an attribute of any type into the bytes that the rasteriser reads.
 #pragma once
 
-#include "bpc/chunk.h"
-#include "cloud/attribute.h"
-#include "gl/vertex_format.h"
+#include "pcm/bpc/chunk.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/gl/vertex_format.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
-#include "gl/vertex_discs.h"
+#include "pcm/gl/vertex_discs.h"
 
-#include "cloud/with_type.h"
+#include "pcm/cloud/with_type.h"
 
 #include <algorithm>
 #include <cmath>

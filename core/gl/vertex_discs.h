@@ -1,8 +1,8 @@
 // Turns radii and normals of any type into the floats that the rasteriser reads.
 #pragma once
 
-#include "cloud/attribute.h"
-#include "cloud/point_batch.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // What is uploaded of a point for drawing. No OpenGL here.
 #pragma once
 
-#include "gl/splat_style.h"
+#include "pcm/gl/splat_style.h"
 
 #include <cstdint>
 

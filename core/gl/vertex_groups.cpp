@@ -1,4 +1,4 @@
-#include "gl/vertex_groups.h"
+#include "pcm/gl/vertex_groups.h"
 
 #include <algorithm>
 

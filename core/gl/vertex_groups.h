@@ -3,7 +3,7 @@
 // here.
 #pragma once
 
-#include "bpc/chunk.h"
+#include "pcm/bpc/chunk.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
-#include "io/carried_comments.h"
+#include "pcm/io/carried_comments.h"
 
-#include "cloud/text.h"
-#include "io/names.h"
+#include "pcm/system/text.h"
+#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <charconv>

@@ -10,8 +10,8 @@
 // the same double.
 #pragma once
 
-#include "cloud/attribute.h"
-#include "io/reader.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/io/reader.h"
 
 #include <string>
 #include <string_view>

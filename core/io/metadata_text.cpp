@@ -1,4 +1,4 @@
-#include "io/metadata_text.h"
+#include "pcm/io/metadata_text.h"
 
 #include <cstring>
 #include <string_view>

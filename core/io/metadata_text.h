@@ -1,7 +1,7 @@
 // Metadata in words, where they have some.
 #pragma once
 
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "io/names.h"
+#include "pcm/io/names.h"
 
 #include <utility>
 

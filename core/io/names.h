@@ -1,7 +1,7 @@
 // Text that comes out of files and paths: made printable before it enters a Schema or a message.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
 #include <filesystem>
 #include <string>

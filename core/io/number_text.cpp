@@ -1,7 +1,7 @@
-#include "io/number_text.h"
+#include "pcm/io/number_text.h"
 
-#include "cloud/with_type.h"
-#include "io/text_numbers.h"
+#include "pcm/cloud/with_type.h"
+#include "pcm/io/text/text_numbers.h"
 
 #include <fast_float/fast_float.h>
 

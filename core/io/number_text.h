@@ -1,7 +1,7 @@
 // Numbers in lines of text, as headers promise them: a type for each.
 #pragma once
 
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
 #include <cstddef>
 #include <string_view>

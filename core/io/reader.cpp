@@ -1,14 +1,14 @@
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
-#include "cloud/file.h"
-#include "io/bpc_reader.h"
-#include "io/e57_reader.h"
-#include "io/las_reader.h"
-#include "io/names.h"
-#include "io/pcd_reader.h"
-#include "io/ply_reader.h"
-#include "io/ptx_reader.h"
-#include "io/xyz_reader.h"
+#include "pcm/system/file.h"
+#include "pcm/io/bpc/bpc_reader.h"
+#include "pcm/io/e57/e57_reader.h"
+#include "pcm/io/las/las_reader.h"
+#include "pcm/io/names.h"
+#include "pcm/io/pcd/pcd_reader.h"
+#include "pcm/io/ply/ply_reader.h"
+#include "pcm/io/text/ptx_reader.h"
+#include "pcm/io/text/xyz_reader.h"
 
 #include <algorithm>
 #include <array>

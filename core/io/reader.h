@@ -5,13 +5,13 @@
 // against, not sizes to allocate.
 #pragma once
 
-#include "cloud/attribute.h"
-#include "cloud/error.h"
-#include "cloud/geometry.h"
-#include "cloud/metadata.h"
-#include "cloud/point_batch.h"
-#include "cloud/progress.h"
-#include "io/text_layout.h"
+#include "pcm/cloud/attribute.h"
+#include "pcm/system/error.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/metadata.h"
+#include "pcm/cloud/point_batch.h"
+#include "pcm/system/progress.h"
+#include "pcm/io/text/text_layout.h"
 
 #include <cstdint>
 #include <filesystem>

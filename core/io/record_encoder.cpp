@@ -1,8 +1,8 @@
-#include "io/record_encoder.h"
+#include "pcm/io/record_encoder.h"
 
-#include "cloud/error.h"
-#include "cloud/with_type.h"
-#include "io/text_output.h"
+#include "pcm/system/error.h"
+#include "pcm/cloud/with_type.h"
+#include "pcm/io/text/text_output.h"
 
 #include <algorithm>
 #include <charconv>

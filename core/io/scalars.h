@@ -1,7 +1,7 @@
 // Scalars of records as columns of a batch: of any type, at any distance from each other, in either byte order.
 #pragma once
 
-#include "cloud/with_type.h"
+#include "pcm/cloud/with_type.h"
 
 #include <cstddef>
 #include <cstdint>

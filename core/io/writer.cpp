@@ -1,13 +1,13 @@
-#include "io/writer.h"
+#include "pcm/io/writer.h"
 
-#include "cloud/error.h"
-#include "io/bpc_writer.h"
-#include "io/las_writer.h"
-#include "io/names.h"
-#include "io/pcd_writer.h"
-#include "io/ply_writer.h"
-#include "io/pts_writer.h"
-#include "io/xyz_writer.h"
+#include "pcm/system/error.h"
+#include "pcm/io/bpc/bpc_writer.h"
+#include "pcm/io/las/las_writer.h"
+#include "pcm/io/names.h"
+#include "pcm/io/pcd/pcd_writer.h"
+#include "pcm/io/ply/ply_writer.h"
+#include "pcm/io/text/pts_writer.h"
+#include "pcm/io/text/xyz_writer.h"
 
 #include <string_view>
 

@@ -3,7 +3,7 @@
 // One file a format: las_writer, ply_writer, ... create_writer() chooses by the extension.
 #pragma once
 
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
 #include <cstdint>
 #include <filesystem>

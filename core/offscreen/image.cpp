@@ -1,6 +1,6 @@
-#include "offscreen/image.h"
+#include "pcm/offscreen/image.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <png.h>
 

@@ -1,7 +1,7 @@
-#include "offscreen/offscreen.h"
+#include "pcm/offscreen/offscreen.h"
 
-#include "cloud/error.h"
-#include "gl/gl_state.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/gl_state.h"
 
 #include <GL/glew.h>
 

@@ -1,7 +1,7 @@
 // An OpenGL context without a window or a display server, by EGL, and a picture to draw into.
 #pragma once
 
-#include "offscreen/image.h"
+#include "pcm/offscreen/image.h"
 
 #include <array>
 #include <memory>

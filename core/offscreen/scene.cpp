@@ -1,6 +1,6 @@
-#include "offscreen/scene.h"
+#include "pcm/offscreen/scene.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <set>
 #include <string>

@@ -15,8 +15,8 @@
 // GL thread only: what it draws into, and the context that it is made and dies in, is the caller's.
 #pragma once
 
-#include "gl/renderer.h"
-#include "view/camera_path.h"
+#include "pcm/gl/renderer.h"
+#include "pcm/view/camera_path.h"
 
 #include <chrono>
 #include <condition_variable>

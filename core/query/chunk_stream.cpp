@@ -1,4 +1,4 @@
-#include "query/chunk_stream.h"
+#include "pcm/query/chunk_stream.h"
 
 #include <algorithm>
 #include <array>

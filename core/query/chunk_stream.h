@@ -2,11 +2,11 @@
 // of a pool.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "io/selection.h"
-#include "query/read_pool.h"
-#include "query/read_rates.h"
-#include "tree/selected_nodes.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/threads/task_pool.h"
+#include "pcm/query/read_rates.h"
+#include "pcm/tree/selected_nodes.h"
 
 #include <chrono>
 #include <cstdint>

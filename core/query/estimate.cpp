@@ -1,9 +1,9 @@
-#include "query/estimate.h"
+#include "pcm/query/estimate.h"
 
-#include "bpc/bpc.h"
-#include "query/chunk_stream.h"
-#include "tree/selected_nodes.h"
-#include "tree/tree_index.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/query/chunk_stream.h"
+#include "pcm/tree/selected_nodes.h"
+#include "pcm/tree/tree_index.h"
 
 #include <algorithm>
 #include <chrono>

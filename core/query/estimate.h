@@ -1,9 +1,9 @@
 // What a query will cost and find, said before a point is read.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "query/query.h"
-#include "query/read_rates.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/query/query.h"
+#include "pcm/query/read_rates.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,8 +1,8 @@
-#include "query/nearest.h"
+#include "pcm/query/nearest.h"
 
-#include "cloud/error.h"
-#include "cloud/text.h"
-#include "tree/crew.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/crew.h"
 
 #include <algorithm>
 #include <atomic>

@@ -6,10 +6,10 @@
 // reported.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "cloud/progress.h"
-#include "cloud/region.h"
-#include "query/point_blocks.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/system/progress.h"
+#include "pcm/cloud/region.h"
+#include "pcm/query/point_blocks.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "query/point_blocks.h"
+#include "pcm/query/point_blocks.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Boxes around short runs of a chunk's points, so that a search looks at few of them.
 #pragma once
 
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "query/read_rates.h"
+#include "pcm/query/read_rates.h"
 
 #include <algorithm>
 

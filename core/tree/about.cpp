@@ -1,8 +1,8 @@
-#include "tree/about.h"
+#include "pcm/tree/about.h"
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
-#include "cloud/file.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
 
 #include <cmath>
 #include <cstring>

@@ -2,8 +2,8 @@
 // again.
 #pragma once
 
-#include "bpc/byte_order.h"
-#include "tree/tree.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/tree/tree.h"
 
 #include <filesystem>
 

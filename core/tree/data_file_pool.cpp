@@ -1,7 +1,7 @@
-#include "tree/data_file_pool.h"
+#include "pcm/tree/data_file_pool.h"
 
-#include "cloud/error.h"
-#include "tree/tree_index.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree_index.h"
 
 #include <algorithm>
 #include <string>

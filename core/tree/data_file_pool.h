@@ -4,8 +4,8 @@
 // files as callers.
 #pragma once
 
-#include "cloud/file.h"
-#include "tree/tree.h"
+#include "pcm/system/file.h"
+#include "pcm/tree/tree.h"
 
 #include <cstddef>
 #include <cstdint>

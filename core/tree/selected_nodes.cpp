@@ -1,4 +1,4 @@
-#include "tree/selected_nodes.h"
+#include "pcm/tree/selected_nodes.h"
 
 namespace pcm {
 

@@ -1,8 +1,8 @@
 // Which nodes of a tree a selection touches.
 #pragma once
 
-#include "io/selection.h"
-#include "tree/tree.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <optional>

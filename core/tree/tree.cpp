@@ -1,10 +1,10 @@
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
-#include "tree/build_folder.h"
-#include "tree/data_file_pool.h"
-#include "tree/tree_index.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
+#include "pcm/build/build_folder.h"
+#include "pcm/tree/data_file_pool.h"
+#include "pcm/tree/tree_index.h"
 
 #include <sys/stat.h>
 

@@ -1,9 +1,9 @@
-#include "tree/tree_index.h"
+#include "pcm/tree/tree_index.h"
 
-#include "bpc/bpc.h"
-#include "bpc/byte_order.h"
-#include "cloud/error.h"
-#include "tree/about.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/about.h"
 
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // The index file of a tree folder, as bytes; the layout is in bpc/FORMAT.md.
 #pragma once
 
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
 #include <string>
 #include <vector>

@@ -1,9 +1,9 @@
 // A tree, or a part of it, read like a file.
 #pragma once
 
-#include "io/selection.h"
-#include "tree/selected_nodes.h"
-#include "tree/tree.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/tree/selected_nodes.h"
+#include "pcm/tree/tree.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,10 +1,10 @@
-#include "tree/verify.h"
+#include "pcm/tree/verify.h"
 
-#include "cloud/error.h"
-#include "tree/about.h"
-#include "tree/row.h"
-#include "tree/tree_index.h"
-#include "tree/update/tree_lock.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/about.h"
+#include "pcm/build/bins/row.h"
+#include "pcm/tree/tree_index.h"
+#include "pcm/tree/tree_lock.h"
 
 #include <algorithm>
 #include <atomic>

@@ -2,8 +2,8 @@
 // every point is there once, and the files around the index.
 #pragma once
 
-#include "cloud/progress.h"
-#include "tree/tree.h"
+#include "pcm/system/progress.h"
+#include "pcm/tree/tree.h"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
-#include "tree/verify_levels.h"
+#include "pcm/tree/verify_levels.h"
 
-#include "tree/crew.h"
+#include "pcm/threads/crew.h"
 
 #include <algorithm>
 #include <cmath>

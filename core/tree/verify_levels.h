@@ -1,8 +1,8 @@
 // Measures how even the levels of a tree are.
 #pragma once
 
-#include "cloud/progress.h"
-#include "tree/tree.h"
+#include "pcm/system/progress.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <string>

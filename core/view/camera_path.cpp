@@ -1,6 +1,6 @@
-#include "view/camera_path.h"
+#include "pcm/view/camera_path.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <nlohmann/json.hpp>
 

@@ -10,8 +10,8 @@
 // -1 to 1 across its box, z counts from the box's bottom in halves of its longest side, as `height` does.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "view/level_of_detail.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <filesystem>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "view/clearance.h"
+#include "pcm/view/clearance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // moving camera.
 #pragma once
 
-#include "cache/l2_cache.h"
-#include "cloud/geometry.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/cloud/geometry.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-#include "view/first_person.h"
+#include "pcm/view/first_person.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>

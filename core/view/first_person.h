@@ -11,7 +11,7 @@
 // Not for several threads at once.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "view/frustum.h"
+#include "pcm/view/frustum.h"
 
 #include <algorithm>
 #include <cmath>

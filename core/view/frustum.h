@@ -2,8 +2,8 @@
 // on any thread.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "view/matrix.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/matrix.h"
 
 #include <array>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "view/level_of_detail.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <algorithm>
 #include <limits>

@@ -8,8 +8,8 @@
 // All functions are pure: the same arguments give the same result on any thread.
 #pragma once
 
-#include "tree/tree.h"
-#include "view/frustum.h"
+#include "pcm/tree/tree.h"
+#include "pcm/view/frustum.h"
 
 #include <cstdint>
 #include <functional>

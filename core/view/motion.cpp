@@ -1,4 +1,4 @@
-#include "view/motion.h"
+#include "pcm/view/motion.h"
 
 namespace pcm {
 std::optional<View> predict(const View& before, const View& now, unsigned frames)

@@ -1,7 +1,7 @@
 // Where a moving view will be: what it will need can be loaded before.
 #pragma once
 
-#include "view/level_of_detail.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <optional>
 

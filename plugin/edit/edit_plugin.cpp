@@ -1,7 +1,7 @@
-#include "edit/edit_plugin.h"
+#include "plugin/edit/edit_plugin.h"
 
-#include "edit/first_person_tool.h"
-#include "edit/icon.h"
+#include "plugin/edit/walk/first_person_tool.h"
+#include "plugin/edit/icon.h"
 
 using namespace pcm::host;
 

@@ -1,4 +1,4 @@
-#include "edit/icon.h"
+#include "plugin/edit/icon.h"
 
 #include <QPainter>
 #include <QPainterPath>

@@ -1,13 +1,13 @@
-#include "filter/filter_plugin.h"
+#include "plugin/filter/filter_plugin.h"
 
-#include "filter/parameters.h"
-#include "filter/tree_information.h"
-#include "filter/tree_updates.h"
-#include "host/layer.h"
-#include "host/operation.h"
-#include "host/registry.h"
-#include "host/text.h"
-#include "tree/builder.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/tree_information.h"
+#include "plugin/filter/tree_updates.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/text.h"
+#include "pcm/build/builder.h"
 
 using namespace pcm;
 using namespace pcm::host;

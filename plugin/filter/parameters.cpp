@@ -1,9 +1,9 @@
-#include "filter/parameters.h"
+#include "plugin/filter/parameters.h"
 
-#include "cloud/error.h"
-#include "host/registry.h"
-#include "io/reader.h"
-#include "tree/tree.h"
+#include "pcm/system/error.h"
+#include "plugin/host/registry.h"
+#include "pcm/io/reader.h"
+#include "pcm/tree/tree.h"
 
 #include <QDir>
 #include <QFileInfo>

@@ -1,7 +1,7 @@
 // What several filters' parameters have in common.
 #pragma once
 
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
 #include <common/interfaces.h>
 

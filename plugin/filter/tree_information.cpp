@@ -1,6 +1,6 @@
-#include "filter/tree_information.h"
+#include "plugin/filter/tree_information.h"
 
-#include "host/text.h"
+#include "plugin/host/text.h"
 
 namespace pcm::host {
 

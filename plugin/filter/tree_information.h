@@ -1,7 +1,7 @@
 // What a tree holds, in lines for the log.
 #pragma once
 
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // A tree in a layer of MeshLab; points_layer.h has the clouds that a layer holds whole.
 #pragma once
 
-#include "host/registry.h"
+#include "plugin/host/registry.h"
 
 #include <string>
 #include <vector>

@@ -1,11 +1,11 @@
-#include "host/layer_reader.h"
+#include "plugin/host/layer_reader.h"
 
-#include "cloud/error.h"
-#include "cloud/with_type.h"
-#include "host/registry.h"
-#include "host/vertex_attributes.h"
-#include "io/batch_shape.h"
-#include "io/names.h"
+#include "pcm/system/error.h"
+#include "pcm/cloud/with_type.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/vertex_attributes.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <cmath>

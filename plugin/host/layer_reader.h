@@ -1,8 +1,8 @@
 // The vertices of an ordinary layer as a cloud in source coordinates, for whatever takes a PointReader.
 #pragma once
 
-#include "host/layer_source.h"
-#include "io/reader.h"
+#include "plugin/host/layer_source.h"
+#include "pcm/io/reader.h"
 
 #include <common/interfaces.h>
 

@@ -4,8 +4,8 @@
 // that a vertex that nobody has changed is written with the file's own digits.
 #pragma once
 
-#include "gl/vertex_colours.h"
-#include "io/reader.h"
+#include "pcm/gl/vertex_colours.h"
+#include "pcm/io/reader.h"
 
 #include <common/ml_mesh_type.h>
 

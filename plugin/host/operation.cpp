@@ -1,6 +1,6 @@
-#include "host/operation.h"
+#include "plugin/host/operation.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <QApplication>
 #include <QCoreApplication>

@@ -5,7 +5,7 @@
 // lives, keys, clicks and closing are held off, save for Esc, which cancels (MeshLab itself has no cancel).
 #pragma once
 
-#include "cloud/progress.h"
+#include "pcm/system/progress.h"
 
 #include <common/interfaces.h>
 

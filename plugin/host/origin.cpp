@@ -1,4 +1,4 @@
-#include "host/origin.h"
+#include "plugin/host/origin.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 // from us are shown relative to one origin, chosen for the first of them; what the user reads is in source coordinates.
 #pragma once
 
-#include "cloud/geometry.h"
+#include "pcm/cloud/geometry.h"
 
 namespace pcm::host {
 

@@ -1,10 +1,10 @@
-#include "host/points_layer.h"
+#include "plugin/host/points_layer.h"
 
-#include "host/layer.h"
-#include "host/origin.h"
-#include "host/proxy.h"
-#include "host/text.h"
-#include "host/vertex_attributes.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/origin.h"
+#include "plugin/host/proxy.h"
+#include "plugin/host/text.h"
+#include "plugin/host/vertex_attributes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // A cloud of moderate size as an ordinary layer of MeshLab, all its points and attributes.
 #pragma once
 
-#include "cloud/progress.h"
-#include "host/registry.h"
-#include "io/reader.h"
+#include "pcm/system/progress.h"
+#include "plugin/host/registry.h"
+#include "pcm/io/reader.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
-#include "host/proxy.h"
+#include "plugin/host/proxy.h"
 
-#include "gl/vertex_colours.h"
+#include "pcm/gl/vertex_colours.h"
 
 #include <cstring>
 #include <optional>

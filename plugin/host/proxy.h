@@ -1,8 +1,8 @@
 // The few points of a cloud that MeshLab itself gets to see.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "point_cloud.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/point_cloud.h"
 
 #include <array>
 #include <cstdint>

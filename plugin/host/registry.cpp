@@ -1,7 +1,7 @@
-#include "host/registry.h"
+#include "plugin/host/registry.h"
 
-#include "host/origin.h"
-#include "host/vertex_attributes.h"
+#include "plugin/host/origin.h"
+#include "plugin/host/vertex_attributes.h"
 
 #include <meshlab/glarea.h>
 

@@ -5,9 +5,9 @@
 // goes. GUI thread only.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "host/layer_source.h"
-#include "point_cloud.h"
+#include "pcm/cloud/geometry.h"
+#include "plugin/host/layer_source.h"
+#include "pcm/point_cloud.h"
 
 #include <common/interfaces.h>
 

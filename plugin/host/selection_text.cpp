@@ -1,6 +1,6 @@
-#include "host/selection_text.h"
+#include "plugin/host/selection_text.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <QStringList>
 

@@ -1,7 +1,7 @@
 // Points chosen by text that a user writes into parameters.
 #pragma once
 
-#include "io/selection.h"
+#include "pcm/cloud/selection.h"
 
 #include <QString>
 

@@ -1,6 +1,6 @@
-#include "host/shading.h"
+#include "plugin/host/shading.h"
 
-#include "host/registry.h"
+#include "plugin/host/registry.h"
 
 #include <meshlab/glarea.h>
 

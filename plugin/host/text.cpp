@@ -1,4 +1,4 @@
-#include "host/text.h"
+#include "plugin/host/text.h"
 
 #include <exception>
 #include <new>

@@ -1,7 +1,7 @@
-// Errors in words, for logs and messages; numbers are in cloud/text.h.
+// Errors in words, for logs and messages; numbers are in system/text.h.
 #pragma once
 
-#include "cloud/text.h"
+#include "pcm/system/text.h"
 
 #include <string>
 

@@ -1,4 +1,4 @@
-#include "host/vertex_attributes.h"
+#include "plugin/host/vertex_attributes.h"
 
 #include <map>
 #include <utility>

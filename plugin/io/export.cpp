@@ -1,13 +1,13 @@
-#include "io/export.h"
+#include "plugin/io/export.h"
 
-#include "cloud/error.h"
-#include "convert/convert.h"
-#include "host/layer_reader.h"
-#include "host/registry.h"
-#include "host/selection_text.h"
-#include "host/text.h"
-#include "io/formats.h"
-#include "tree/tree_reader.h"
+#include "pcm/system/error.h"
+#include "pcm/convert/convert.h"
+#include "plugin/host/layer_reader.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/selection_text.h"
+#include "plugin/host/text.h"
+#include "plugin/io/formats.h"
+#include "pcm/tree/tree_reader.h"
 
 #include <wrap/io_trimesh/io_mask.h>
 

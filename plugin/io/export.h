@@ -1,7 +1,7 @@
 // Writes a layer to a file: all of the tree that it stands for, or its vertices; in source coordinates.
 #pragma once
 
-#include "cloud/progress.h"
+#include "pcm/system/progress.h"
 
 #include <common/interfaces.h>
 

@@ -1,12 +1,12 @@
-#include "io/formats.h"
+#include "plugin/io/formats.h"
 
-#include "cloud/error.h"
-#include "cloud/file.h"
-#include "io/names.h"
-#include "io/ply_header.h"
-#include "io/reader.h"
-#include "io/writer.h"
-#include "tree/tree.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
+#include "pcm/io/names.h"
+#include "pcm/io/ply/ply_header.h"
+#include "pcm/io/reader.h"
+#include "pcm/io/writer.h"
+#include "pcm/tree/tree.h"
 
 #include <algorithm>
 #include <array>

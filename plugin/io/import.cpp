@@ -1,10 +1,10 @@
-#include "io/import.h"
+#include "plugin/io/import.h"
 
-#include "host/layer.h"
-#include "host/points_layer.h"
-#include "io/names.h"
-#include "io/tree_beside.h"
-#include "tree/tree.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/points_layer.h"
+#include "pcm/io/names.h"
+#include "plugin/io/tree_beside.h"
+#include "pcm/tree/tree.h"
 
 namespace pcm::host {
 

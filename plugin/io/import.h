@@ -1,8 +1,8 @@
 // Opens a point cloud in a layer: all of it when it is small, by way of a tree when it is large.
 #pragma once
 
-#include "cloud/progress.h"
-#include "io/import_settings.h"
+#include "pcm/system/progress.h"
+#include "plugin/io/import_settings.h"
 
 #include <filesystem>
 #include <string>

@@ -1,9 +1,9 @@
-#include "io/import_settings.h"
+#include "plugin/io/import_settings.h"
 
-#include "cloud/error.h"
-#include "io/formats.h"
-#include "io/names.h"
-#include "io/reader.h"
+#include "pcm/system/error.h"
+#include "plugin/io/formats.h"
+#include "pcm/io/names.h"
+#include "pcm/io/reader.h"
 
 #include <meshlab/glarea.h>
 

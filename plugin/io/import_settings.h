@@ -6,7 +6,7 @@
 // saved settings: there the defaults hold.
 #pragma once
 
-#include "io/text_layout.h"
+#include "pcm/io/text/text_layout.h"
 
 #include <common/interfaces.h>
 

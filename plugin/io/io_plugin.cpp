@@ -1,13 +1,13 @@
-#include "io/io_plugin.h"
+#include "plugin/io/io_plugin.h"
 
-#include "host/layer.h"
-#include "host/operation.h"
-#include "host/shading.h"
-#include "host/text.h"
-#include "io/export.h"
-#include "io/formats.h"
-#include "io/import.h"
-#include "io/stock.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/shading.h"
+#include "plugin/host/text.h"
+#include "plugin/io/export.h"
+#include "plugin/io/formats.h"
+#include "plugin/io/import.h"
+#include "plugin/io/stock.h"
 
 #include <wrap/io_trimesh/io_mask.h>
 

@@ -1,4 +1,4 @@
-#include "io/stock.h"
+#include "plugin/io/stock.h"
 
 #include <common/pluginmanager.h>
 

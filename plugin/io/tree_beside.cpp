@@ -1,8 +1,8 @@
-#include "io/tree_beside.h"
+#include "plugin/io/tree_beside.h"
 
-#include "host/text.h"
-#include "tree/builder.h"
-#include "tree/tree.h"
+#include "plugin/host/text.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
 
 #include <unistd.h>
 

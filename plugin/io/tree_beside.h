@@ -1,8 +1,8 @@
 // A large file is opened by way of a tree beside it, or in a folder for trees, which the first opening builds.
 #pragma once
 
-#include "cloud/progress.h"
-#include "io/reader.h"
+#include "pcm/system/progress.h"
+#include "pcm/io/reader.h"
 
 #include <filesystem>
 #include <optional>

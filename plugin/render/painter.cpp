@@ -1,4 +1,4 @@
-#include "render/painter.h"
+#include "plugin/render/painter.h"
 
 #include <QOpenGLContext>
 

@@ -1,8 +1,8 @@
-#include "render/render_plugin.h"
+#include "plugin/render/render_plugin.h"
 
-#include "host/registry.h"
-#include "host/text.h"
-#include "render/view.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/text.h"
+#include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
 

@@ -1,4 +1,4 @@
-#include "render/settings.h"
+#include "plugin/render/settings.h"
 
 #include <QColor>
 #include <QStringList>

@@ -1,8 +1,8 @@
 // What a user can set about the drawing of point clouds, as MeshLab's parameters.
 #pragma once
 
-#include "gl/renderer.h"
-#include "gl/splat_style.h"
+#include "pcm/gl/renderer.h"
+#include "pcm/gl/splat_style.h"
 
 #include <common/interfaces.h>
 

@@ -1,6 +1,6 @@
-#include "render/view.h"
+#include "plugin/render/view.h"
 
-#include "host/text.h"
+#include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
 

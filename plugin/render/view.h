@@ -4,9 +4,9 @@
 // budget, by what the eye sees.
 #pragma once
 
-#include "host/registry.h"
-#include "render/painter.h"
-#include "render/settings.h"
+#include "plugin/host/registry.h"
+#include "plugin/render/painter.h"
+#include "plugin/render/settings.h"
 
 #include <QObject>
 #include <QString>

@@ -1,10 +1,10 @@
-#include "bpc/bpc_array.h"
+#include "pcm/bpc/bpc_array.h"
 
-#include "bpc/batch_chunk.h"
-#include "bpc/bpc_file.h"
-#include "bpc/bpc_file_writer.h"
-#include "cloud/error.h"
-#include "support.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/bpc_file.h"
+#include "pcm/bpc/bpc_file_writer.h"
+#include "pcm/system/error.h"
+#include "tests/support.h"
 
 #include <malloc.h>
 #include <sys/resource.h>

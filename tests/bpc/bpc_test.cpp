@@ -1,7 +1,7 @@
-#include "bpc/bpc.h"
+#include "pcm/bpc/chunk_codec.h"
 
-#include "cloud/error.h"
-#include "support.h"
+#include "pcm/system/error.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,7 +1,7 @@
-#include "bpc/column_codec.h"
+#include "pcm/bpc/column_codec.h"
 
-#include "cloud/error.h"
-#include "support.h"
+#include "pcm/system/error.h"
+#include "tests/support.h"
 
 #include <cstring>
 #include <random>

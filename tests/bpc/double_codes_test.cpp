@@ -1,4 +1,4 @@
-#include "bpc/double_codes.h"
+#include "pcm/bpc/double_codes.h"
 
 #include <gtest/gtest.h>
 

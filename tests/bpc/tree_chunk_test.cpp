@@ -1,11 +1,11 @@
 // Chunks of version 3: the node they name, their segments, and reading some of these alone.
 
-#include "bpc/bpc.h"
-#include "bpc/bpc_file.h"
-#include "bpc/commit_record.h"
-#include "cloud/error.h"
-#include "io/bpc_reader.h"
-#include "support.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/bpc_file.h"
+#include "pcm/bpc/commit_record.h"
+#include "pcm/system/error.h"
+#include "pcm/io/bpc/bpc_reader.h"
+#include "tests/support.h"
 
 #include <cstring>
 #include <fstream>

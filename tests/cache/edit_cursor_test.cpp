@@ -1,14 +1,14 @@
 // Changing points of a cloud through PointCloud.
 
-#include "point_cloud.h"
+#include "pcm/point_cloud.h"
 
-#include "cloud/error.h"
-#include "clouds.h"
-#include "support.h"
-#include "tree/update/append.h"
-#include "tree/update/compact.h"
-#include "tree/update/repair.h"
-#include "tree/verify.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "pcm/update/append.h"
+#include "pcm/update/compact.h"
+#include "pcm/update/repair.h"
+#include "pcm/tree/verify.h"
 
 #include <map>
 #include <random>

@@ -1,11 +1,11 @@
 // The cache against a naive model, from one thread and from many, with a tree that is damaged under its hands.
 
-#include "cache/l2_cache.h"
+#include "pcm/cache/l2_cache.h"
 
-#include "cloud/error.h"
-#include "clouds.h"
-#include "support.h"
-#include "tree/builder.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
 
 #include <atomic>
 #include <condition_variable>

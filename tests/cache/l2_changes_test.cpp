@@ -1,12 +1,12 @@
 // Chunks that are changed: the cache against a naive model, one operation at a time, and many threads whose changes
 // must all arrive; on a store that now and then fails to read, to write or to commit.
 
-#include "cache/l2_cache.h"
+#include "pcm/cache/l2_cache.h"
 
-#include "cloud/error.h"
-#include "clouds.h"
-#include "support.h"
-#include "tree/builder.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
 
 #include <algorithm>
 #include <atomic>

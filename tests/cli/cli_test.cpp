@@ -1,7 +1,7 @@
 // The pcm command as a user meets it: output, JSON, exit codes.
 
-#include "cloud/region.h"
-#include "command.h"
+#include "pcm/cloud/region.h"
+#include "tests/cli/command.h"
 
 #include <fstream>
 

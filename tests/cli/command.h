@@ -1,8 +1,9 @@
 // Runs the pcm command.
 #pragma once
 
-#include "clouds.h"
-#include "support.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "tests/paths.h"
 
 #include <nlohmann/json.hpp>
 
@@ -28,7 +29,7 @@ protected:
     Result pcm(const std::string& arguments)
     {
         const std::filesystem::path err = folder_ / "stderr.txt";
-        const std::string command = std::string("'") + PCM_CLI + "' " + arguments + " 2>'" + err.string() + "'";
+        const std::string command = std::string("'") + paths::command + "' " + arguments + " 2>'" + err.string() + "'";
         Result result;
         FILE* pipe = popen(command.c_str(), "r");
         std::array<char, 4096> buffer;

@@ -1,7 +1,8 @@
 // The fault injection itself: that calls are counted and that each kind of fault does what it says.
 
-#include "faults.h"
-#include "clouds.h"
+#include "tests/faults.h"
+#include "tests/clouds.h"
+#include "tests/paths.h"
 
 namespace {
 
@@ -12,14 +13,14 @@ class Faults : public testing::Test {
 protected:
     Faults()
     {
-        const Faulty made = run_with_fault({PCM_CLI, "generate", "-n", "2000", (folder_ / "scene.las").string()},
+        const Faulty made = run_with_fault({paths::command, "generate", "-n", "2000", (folder_ / "scene.las").string()},
                                            folder_ / "none", "count");
         EXPECT_EQ(made.code, 0) << made.err;
         fs::create_directory(folder_ / "out");
     }
     std::vector<std::string> convert() const
     {
-        return {PCM_CLI, "convert", (folder_ / "scene.las").string(), (folder_ / "out/copy.xyz").string()};
+        return {paths::command, "convert", (folder_ / "scene.las").string(), (folder_ / "out/copy.xyz").string()};
     }
     bool empty() const { return fs::is_empty(folder_ / "out"); }
     TemporaryFolder folder_;

@@ -1,7 +1,7 @@
 // pcm query as a user meets it, against a look at the points.
 
-#include "cloud/region.h"
-#include "command.h"
+#include "pcm/cloud/region.h"
+#include "tests/cli/command.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // pcm render as a user meets it: pictures, JSON, exit codes.
 
-#include "command.h"
+#include "tests/cli/command.h"
+#include "tests/paths.h"
 
 #include <fstream>
 #include <iterator>
@@ -21,7 +22,7 @@ class RenderWithout : public CommandTest {};
 // Debian's packages and other people's scripts may take pcm alone.
 TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 {
-    fs::copy_file(PCM_CLI, folder_ / "pcm");
+    fs::copy_file(paths::command, folder_ / "pcm");
     const std::string command = path("pcm") + " render a.pct -o a.png 2>" + path("said.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     const std::string said = bytes_of(folder_ / "said.txt");
@@ -32,7 +33,7 @@ TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 
 TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
 {
-    const std::string program = bytes_of(PCM_CLI);
+    const std::string program = bytes_of(paths::command);
     for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"})
         EXPECT_EQ(program.find(library), std::string::npos) << library;
 }
@@ -41,7 +42,7 @@ TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
 
 #ifdef PCM_HAVE_RENDER
 
-#include "offscreen/image.h"
+#include "pcm/offscreen/image.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // pcm append, delete, compact, repair: output, JSON, exit codes.
 
-#include "command.h"
+#include "tests/cli/command.h"
 
 #include <fstream>
 

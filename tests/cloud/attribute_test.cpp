@@ -1,11 +1,11 @@
-#include "cloud/attribute.h"
+#include "pcm/cloud/attribute.h"
 
-#include "cloud/error.h"
-#include "cloud/file.h"
-#include "cloud/geometry.h"
-#include "cloud/point_batch.h"
-#include "cloud/text.h"
-#include "support.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/point_batch.h"
+#include "pcm/system/text.h"
+#include "tests/support.h"
 
 #include <fstream>
 

@@ -1,8 +1,8 @@
 // Regions: contains() against the formulas in extended precision, relation() against contains(), refusals, words.
 
-#include "cloud/region.h"
+#include "pcm/cloud/region.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // Any cloud in, any format out: nothing lost that is not told, nothing left of what fails.
 
-#include "convert/convert.h"
+#include "pcm/convert/convert.h"
 
-#include "cloud/error.h"
-#include "clouds.h"
-#include "memory_reader.h"
-#include "support.h"
-#include "tree/builder.h"
-#include "tree/tree_reader.h"
-#include "tree/verify.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree_reader.h"
+#include "pcm/tree/verify.h"
 
 #include <unistd.h>
 

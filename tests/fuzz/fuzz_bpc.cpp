@@ -1,7 +1,7 @@
-#include "bpc/bpc.h"
-#include "io/bpc_reader.h"
-#include "reader_input.h"
-#include "seal_tree_chunk.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/io/bpc/bpc_reader.h"
+#include "tests/fuzz/reader_input.h"
+#include "tests/fuzz/seal_tree_chunk.h"
 
 #include <cstring>
 #include <vector>

@@ -1,10 +1,10 @@
 // The records of a tree's data file: chunks, whole and in parts, and commit records.
 
-#include "bpc/batch_chunk.h"
-#include "bpc/bpc.h"
-#include "bpc/commit_record.h"
-#include "cloud/error.h"
-#include "seal_tree_chunk.h"
+#include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/commit_record.h"
+#include "pcm/system/error.h"
+#include "tests/fuzz/seal_tree_chunk.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
-#include "io/e57_pages.h"
-#include "io/e57_reader.h"
-#include "reader_input.h"
+#include "pcm/io/e57/e57_pages.h"
+#include "pcm/io/e57/e57_reader.h"
+#include "tests/fuzz/reader_input.h"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 // The index of a tree. One that is accepted is written again as the same bytes, and its nodes can be walked.
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
-#include "tree/tree_index.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree_index.h"
 
 #include <cstdlib>
 #include <cstring>

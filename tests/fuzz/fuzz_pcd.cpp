@@ -1,5 +1,5 @@
-#include "io/pcd_reader.h"
-#include "reader_input.h"
+#include "pcm/io/pcd/pcd_reader.h"
+#include "tests/fuzz/reader_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {

@@ -1,5 +1,5 @@
-#include "io/ptx_reader.h"
-#include "reader_input.h"
+#include "pcm/io/text/ptx_reader.h"
+#include "tests/fuzz/reader_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {

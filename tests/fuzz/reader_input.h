@@ -1,7 +1,7 @@
 // Bytes as a file that exists only in memory, read to the end.
 #pragma once
 
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 // Makes the checksums of a tree's chunk hold, or a fuzzer would never see what lies behind them.
 #pragma once
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
 
 #include <cstddef>
 #include <cstdint>

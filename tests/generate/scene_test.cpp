@@ -1,9 +1,9 @@
-#include "generate/scene.h"
+#include "pcm/generate/scene.h"
 
-#include "generate/determinism.h"
-#include "generate/site.h"
-#include "io/reader.h"
-#include "support.h"
+#include "pcm/generate/determinism.h"
+#include "pcm/generate/site.h"
+#include "pcm/io/reader.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <fstream>

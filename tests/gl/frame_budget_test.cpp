@@ -1,4 +1,4 @@
-#include "gl/frame_budget.h"
+#include "pcm/gl/frame_budget.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Frames are timed, in order, with queries and by waiting.
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
-#include "gl/frame_clock.h"
+#include "pcm/gl/frame_clock.h"
 
 #include <chrono>
 #include <thread>

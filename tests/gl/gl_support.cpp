@@ -1,6 +1,6 @@
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
-#include "tree/builder.h"
+#include "pcm/build/builder.h"
 
 #include <cmath>
 #include <random>

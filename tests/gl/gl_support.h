@@ -1,11 +1,11 @@
 // A framebuffer to draw into, and small trees to draw.
 #pragma once
 
-#include "las_points.h"
-#include "offscreen_support.h"
-#include "support.h"
+#include "tests/las_points.h"
+#include "tests/offscreen_support.h"
+#include "tests/support.h"
 
-#include "gl/renderer.h"
+#include "pcm/gl/renderer.h"
 
 #include <GL/glew.h>
 

@@ -1,10 +1,10 @@
 // Points in buffer objects against the processor's cursor; changes by compute shaders against the same formula in C++.
-#include "clouds.h"
-#include "gl_support.h"
+#include "tests/clouds.h"
+#include "tests/gl/gl_support.h"
 
-#include "cloud/error.h"
-#include "gl/gpu_cursor.h"
-#include "tree/builder.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/gpu_cursor.h"
+#include "pcm/build/builder.h"
 
 #include <algorithm>
 #include <cstring>

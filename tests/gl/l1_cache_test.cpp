@@ -1,10 +1,10 @@
 // L1 against a naive model of the same rules, and what lies in video memory against the chunk.
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
-#include "cloud/error.h"
-#include "gl/l1_cache.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/l1_cache.h"
 
-#include "cache/l1_model.h"
+#include "tests/gl/l1_model.h"
 
 #include <algorithm>
 #include <cmath>

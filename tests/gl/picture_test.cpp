@@ -1,5 +1,5 @@
 // What a picture becomes while its view rests, and how it comes into the host's framebuffer.
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Pictures of small trees against projections made here in double, and what the renderer promises to its host.
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
-#include "tree/builder.h"
-#include "tree/tree_index.h"
-#include "view/level_of_detail.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree_index.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,7 +1,7 @@
-#include "gl_support.h"
+#include "tests/gl/gl_support.h"
 
-#include "cloud/error.h"
-#include "gl/shader_program.h"
+#include "pcm/system/error.h"
+#include "pcm/gl/shader_program.h"
 
 #include <algorithm>
 #include <string>

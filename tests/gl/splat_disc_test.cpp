@@ -1,5 +1,5 @@
 // The perspective mode, fragment by fragment, against rays that are cast on the CPU in double.
-#include "splat_scene.h"
+#include "tests/gl/splat_scene.h"
 
 #include <gtest/gtest.h>
 

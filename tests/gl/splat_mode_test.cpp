@@ -1,8 +1,8 @@
 // Every kind of splat against its own formula in double; what they have in common; and how wrong each is.
-#include "splat_scene.h"
+#include "tests/gl/splat_scene.h"
 
-#include "gl/gl_state.h"
-#include "gl/vertex_colours.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/gl/vertex_colours.h"
 
 #include <gtest/gtest.h>
 

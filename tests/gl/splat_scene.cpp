@@ -1,7 +1,7 @@
-#include "splat_scene.h"
+#include "tests/gl/splat_scene.h"
 
-#include "gl/gl_state.h"
-#include "gl/vertex_discs.h"
+#include "pcm/gl/gl_state.h"
+#include "pcm/gl/vertex_discs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 // Discs in video memory, drawn by the splat pass alone, beside what the oracle knows of them.
 #pragma once
 
-#include "gl_support.h"
-#include "oracle/disc_oracle.h"
+#include "tests/gl/gl_support.h"
+#include "tests/oracle/disc_oracle.h"
 
-#include "gl/splat_pass.h"
+#include "pcm/gl/splat_pass.h"
 
 #include <memory>
 #include <vector>

@@ -1,8 +1,8 @@
-#include "gl/vertex_format.h"
-#include "gl/vertex_colours.h"
-#include "gl/vertex_discs.h"
+#include "pcm/gl/vertex_format.h"
+#include "pcm/gl/vertex_colours.h"
+#include "pcm/gl/vertex_discs.h"
 
-#include "gl/l1_cache.h"
+#include "pcm/gl/l1_cache.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Boxes of a few points each: what is left out because of them is never seen.
-#include "splat_scene.h"
+#include "tests/gl/splat_scene.h"
 
-#include "gl/vertex_groups.h"
-#include "view/random_views.h"
+#include "pcm/gl/vertex_groups.h"
+#include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 //                                FOLDER/0, 1, ... (attributes in the order of the line)
 //
 // An error goes to the standard error, and the exit code is 1.
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
 #include <nlohmann/json.hpp>
 

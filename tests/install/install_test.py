@@ -77,7 +77,7 @@ def check_headers(cmake, work, prefix, with_gl, options):
     sources = []
     for header in headers:
         name = header.replace("/", "_")[:-2] + ".cpp"
-        (project / name).write_text(f'#include "{header}"\n')
+        (project / name).write_text(f'#include "pcm/{header}"\n')
         sources.append(name)
     components = ["core"] + ["gl"] * with_gl + ["offscreen"] * (include / "offscreen").exists()
     libraries = " ".join(f"pcm::{component}" for component in components)

@@ -1,9 +1,9 @@
 // Random clouds for the tests of BPC: any schema, any bit pattern, points on a grid or doubles of several kinds.
 #pragma once
 
-#include "bytes.h"
+#include "tests/io/bytes.h"
 
-#include "io/writer.h"
+#include "pcm/io/writer.h"
 
 #include <cmath>
 #include <cstring>

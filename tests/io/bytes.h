@@ -1,8 +1,8 @@
 // What the tests of readers share: files made byte by byte, and the whole of a file read back.
 #pragma once
 
-#include "io/reader.h"
-#include "support.h"
+#include "pcm/io/reader.h"
+#include "tests/support.h"
 
 #include <cstdint>
 #include <cstring>

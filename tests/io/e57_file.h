@@ -1,7 +1,7 @@
 // E57 files made byte by byte: byte streams of any width, cut into packets at random, pages with their checksums.
 #pragma once
 
-#include "bytes.h"
+#include "tests/io/bytes.h"
 
 #include <algorithm>
 #include <optional>

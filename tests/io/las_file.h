@@ -1,7 +1,7 @@
 // LAS files of every version and point format, written from the tables of the specification, not with the library.
 #pragma once
 
-#include "bytes.h"
+#include "tests/io/bytes.h"
 
 #include <array>
 #include <optional>

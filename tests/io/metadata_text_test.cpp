@@ -1,8 +1,8 @@
 // Blocks of metadata, as people read them.
 
-#include "io/metadata_text.h"
+#include "pcm/io/metadata_text.h"
 
-#include "bytes.h"
+#include "tests/io/bytes.h"
 
 namespace {
 

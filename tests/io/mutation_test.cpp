@@ -1,6 +1,6 @@
 // Damaged files must be read or refused, never crash, and never take memory because a header says so.
-#include "las_file.h"
-#include "lzf.h"
+#include "tests/io/las_file.h"
+#include "tests/io/lzf.h"
 
 #include <atomic>
 #include <cstdlib>

@@ -1,6 +1,6 @@
-#include "io/reader.h"
+#include "pcm/io/reader.h"
 
-#include "las_file.h"
+#include "tests/io/las_file.h"
 
 #include <sys/stat.h>
 

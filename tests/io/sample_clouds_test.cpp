@@ -1,5 +1,5 @@
 // Real files, against what other readers found in them.
-#include "bytes.h"
+#include "tests/io/bytes.h"
 
 #include <cmath>
 #include <map>

@@ -1,8 +1,8 @@
-#include "offscreen/image.h"
+#include "pcm/offscreen/image.h"
 
-#include "support.h"
+#include "tests/support.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <fstream>
 #include <random>

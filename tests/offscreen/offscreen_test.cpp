@@ -1,7 +1,7 @@
-#include "offscreen_support.h"
-#include "support.h"
+#include "tests/offscreen_support.h"
+#include "tests/support.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 

@@ -1,4 +1,4 @@
-#include "oracle/disc_oracle.h"
+#include "tests/oracle/disc_oracle.h"
 
 #include <cmath>
 #include <utility>

@@ -2,8 +2,8 @@
 // the shaders do.
 #pragma once
 
-#include "cloud/geometry.h"
-#include "view/level_of_detail.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <cstdint>
 #include <limits>

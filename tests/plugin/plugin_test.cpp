@@ -1,19 +1,19 @@
 // What the plugins do apart from MeshLab's window: documents and layers are MeshLab's own, without a view.
-#include "las_points.h"
-#include "support.h"
+#include "tests/las_points.h"
+#include "tests/support.h"
 
-#include "filter/tree_information.h"
-#include "generate/scene.h"
-#include "host/layer.h"
-#include "host/layer_reader.h"
-#include "host/operation.h"
-#include "host/origin.h"
-#include "host/points_layer.h"
-#include "host/proxy.h"
-#include "host/text.h"
-#include "host/vertex_attributes.h"
-#include "io/tree_beside.h"
-#include "tree/builder.h"
+#include "plugin/filter/tree_information.h"
+#include "pcm/generate/scene.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/layer_reader.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/origin.h"
+#include "plugin/host/points_layer.h"
+#include "plugin/host/proxy.h"
+#include "plugin/host/text.h"
+#include "plugin/host/vertex_attributes.h"
+#include "plugin/io/tree_beside.h"
+#include "pcm/build/builder.h"
 
 #include <QApplication>
 #include <QKeyEvent>

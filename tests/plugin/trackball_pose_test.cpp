@@ -1,5 +1,5 @@
 // MeshLab's camera as a pose and back, against MeshLab's own matrices.
-#include "edit/trackball_pose.h"
+#include "plugin/edit/walk/trackball_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,15 @@
 // What is on disk of a tree: parts, segments, many data files, and damage that only verifying finds.
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
-#include "clouds.h"
-#include "support.h"
-#include "tree/about.h"
-#include "tree/builder.h"
-#include "tree/data_file_pool.h"
-#include "tree/tree.h"
-#include "tree/tree_index.h"
-#include "tree/verify.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "pcm/tree/about.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/data_file_pool.h"
+#include "pcm/tree/tree.h"
+#include "pcm/tree/tree_index.h"
+#include "pcm/tree/verify.h"
 
 #include <sys/resource.h>
 

@@ -1,13 +1,13 @@
 // What a tree gives back when it is read like a file, against the cloud that it was built from.
 
-#include "tree/tree_reader.h"
+#include "pcm/tree/tree_reader.h"
 
-#include "cloud/error.h"
-#include "clouds.h"
-#include "memory_reader.h"
-#include "support.h"
-#include "tree/builder.h"
-#include "tree/verify.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/verify.h"
 
 #include <cmath>
 #include <fstream>

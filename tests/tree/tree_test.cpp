@@ -1,14 +1,14 @@
 // Opening and verifying trees, whole and damaged ones.
 
-#include "tree/tree.h"
+#include "pcm/tree/tree.h"
 
-#include "bpc/byte_order.h"
-#include "cloud/error.h"
-#include "clouds.h"
-#include "support.h"
-#include "tree/builder.h"
-#include "tree/tree_index.h"
-#include "tree/verify.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree_index.h"
+#include "pcm/tree/verify.h"
 
 #include <fstream>
 #include <random>

@@ -1,9 +1,9 @@
-#include "tree/update/append.h"
+#include "pcm/update/append.h"
 
-#include "cloud/error.h"
-#include "model.h"
-#include "tree/tree_reader.h"
-#include "tree/update/tree_lock.h"
+#include "pcm/system/error.h"
+#include "tests/update/model.h"
+#include "pcm/tree/tree_reader.h"
+#include "pcm/tree/tree_lock.h"
 
 #include <cmath>
 #include <fstream>

@@ -1,8 +1,8 @@
-#include "tree/update/erase.h"
+#include "pcm/update/erase.h"
 
-#include "cloud/error.h"
-#include "model.h"
-#include "tree/update/tree_lock.h"
+#include "pcm/system/error.h"
+#include "tests/update/model.h"
+#include "pcm/tree/tree_lock.h"
 
 #include <random>
 

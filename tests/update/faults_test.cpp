@@ -1,11 +1,12 @@
 // Updates that are killed, or whose disk fails them, at any of their file-changing calls.
 
-#include "faults.h"
-#include "clouds.h"
-#include "tree/builder.h"
-#include "tree/tree.h"
-#include "tree/update/tree_update.h"
-#include "tree/verify.h"
+#include "tests/faults.h"
+#include "tests/clouds.h"
+#include "tests/paths.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
+#include "pcm/update/tree_update.h"
+#include "pcm/tree/verify.h"
 
 #include <fstream>
 #include <map>
@@ -90,13 +91,13 @@ protected:
     {
         const std::string name = GetParam();
         if (name == "append")
-            return {PCM_CLI, "append",         tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m",
+            return {paths::command, "append",         tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m",
                     "64M",   "--chunk-points", "1000"};
         // A cache of few chunks: most are written long before the end.
         if (name == "set")
-            return {PCM_CLI,       "set",     tree_.string(),        "--new",   "height:f32", "height=1.5",
+            return {paths::command,       "set",     tree_.string(),        "--new",   "height:f32", "height=1.5",
                     "intensity=7", "--where", "classification=1..9", "--cache", "100K"};
-        return {PCM_CLI, "delete", tree_.string(), "--where", "classification=1..9", "-t", "1"};
+        return {paths::command, "delete", tree_.string(), "--where", "classification=1..9", "-t", "1"};
     }
 
     // The tree is whole, and the old one or the new one; returns whether it is the new one.

@@ -1,8 +1,8 @@
-#include "tree/update/fitted_reader.h"
+#include "pcm/update/fitted_reader.h"
 
-#include "cloud/error.h"
-#include "memory_reader.h"
-#include "support.h"
+#include "pcm/system/error.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <limits>

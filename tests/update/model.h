@@ -1,14 +1,14 @@
 // A tree's points as a plain multiset of rows, and clouds to append: what updates are checked against.
 #pragma once
 
-#include "bpc/chunk.h"
-#include "io/selection.h"
-#include "memory_reader.h"
-#include "support.h"
-#include "tree/builder.h"
-#include "tree/tree.h"
-#include "tree/verify.h"
-#include "tree/verify_levels.h"
+#include "pcm/bpc/chunk.h"
+#include "pcm/cloud/selection.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
+#include "pcm/tree/verify.h"
+#include "pcm/tree/verify_levels.h"
 
 #include <algorithm>
 #include <cstring>

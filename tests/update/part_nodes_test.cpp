@@ -1,6 +1,6 @@
-#include "tree/update/part_nodes.h"
+#include "pcm/update/part_nodes.h"
 
-#include "model.h"
+#include "tests/update/model.h"
 
 #include <cmath>
 #include <random>

@@ -1,10 +1,10 @@
-#include "tree/update/repair.h"
+#include "pcm/update/repair.h"
 
-#include "bpc/bpc.h"
-#include "cloud/error.h"
-#include "model.h"
-#include "tree/about.h"
-#include "tree/update/erase.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/system/error.h"
+#include "tests/update/model.h"
+#include "pcm/tree/about.h"
+#include "pcm/update/erase.h"
 
 #include <fstream>
 

@@ -1,10 +1,10 @@
 // Updates in any order, against a plain list of rows.
 
-#include "model.h"
-#include "tree/update/append.h"
-#include "tree/update/compact.h"
-#include "tree/update/erase.h"
-#include "tree/update/repair.h"
+#include "tests/update/model.h"
+#include "pcm/update/append.h"
+#include "pcm/update/compact.h"
+#include "pcm/update/erase.h"
+#include "pcm/update/repair.h"
 
 #include <atomic>
 #include <fstream>

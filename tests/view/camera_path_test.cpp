@@ -1,8 +1,8 @@
-#include "view/camera_path.h"
+#include "pcm/view/camera_path.h"
 
-#include "support.h"
+#include "tests/support.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <array>
 #include <cmath>

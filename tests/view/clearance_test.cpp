@@ -1,10 +1,10 @@
 // Distances to the nearest points against a look at every point, whatever of the tree is in memory.
-#include "view/clearance.h"
+#include "pcm/view/clearance.h"
 
-#include "clouds.h"
-#include "point_cloud.h"
-#include "support.h"
-#include "tree/builder.h"
+#include "tests/clouds.h"
+#include "pcm/point_cloud.h"
+#include "tests/support.h"
+#include "pcm/build/builder.h"
 
 #include <cmath>
 #include <limits>

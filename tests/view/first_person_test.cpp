@@ -1,8 +1,8 @@
 // An eye that walks: nothing jumps when it takes over a camera, the horizon gets level, and where it ends does not hang
 // on the steps.
-#include "view/first_person.h"
+#include "pcm/view/first_person.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Node choice against brute force over random trees, and culling and projected sizes against plain projection.
-#include "random_views.h"
+#include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
 

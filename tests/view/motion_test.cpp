@@ -1,6 +1,6 @@
-#include "view/motion.h"
+#include "pcm/view/motion.h"
 
-#include "support.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // Random trees and views of them, and projection by plain matrix products.
 #pragma once
 
-#include "view/level_of_detail.h"
+#include "pcm/view/level_of_detail.h"
 
 #include <array>
 #include <cmath>

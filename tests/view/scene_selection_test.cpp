@@ -1,5 +1,5 @@
 // Node choice over several trees at once: one order by what the eye sees, one budget; and hysteresis.
-#include "random_views.h"
+#include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "cli/render/arguments.h"
+#include "pcm/cli/render/arguments.h"
 
-#include "cloud/error.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cctype>

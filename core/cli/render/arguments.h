@@ -1,9 +1,9 @@
 // What the command line of `pcm render` says.
 #pragma once
 
-#include "cli/common.h"
-#include "gl/renderer.h"
-#include "view/camera_path.h"
+#include "pcm/cli/common.h"
+#include "pcm/gl/renderer.h"
+#include "pcm/view/camera_path.h"
 
 #include <array>
 #include <filesystem>

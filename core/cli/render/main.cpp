@@ -1,8 +1,8 @@
 // pcm render: draws trees to PNG without a window. `pcm` starts it; exit codes are those of `pcm`.
-#include "cli/render/arguments.h"
-#include "cloud/error.h"
-#include "offscreen/offscreen.h"
-#include "offscreen/scene.h"
+#include "pcm/cli/render/arguments.h"
+#include "pcm/system/error.h"
+#include "pcm/offscreen/offscreen.h"
+#include "pcm/offscreen/scene.h"
 
 #include <algorithm>
 #include <chrono>

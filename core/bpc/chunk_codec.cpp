@@ -1,0 +1,246 @@
+#include "pcm/bpc/chunk_codec.h"
+
+#include "pcm/bpc/column_codec.h"
+#include "pcm/bpc/layout.h"
+#include "pcm/bpc/read_head.h"
+#include "pcm/bpc/scalar_words.h"
+#include "pcm/system/error.h"
+#include "pcm/cloud/with_type.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+// Decodes pieces of columns into the columns of a chunk, whose points are those of the kept segments.
+class ChunkDecoder {
+public:
+    ChunkDecoder(const BpcHeader& header, const ColumnSet& columns, const std::vector<std::uint32_t>& kept)
+        : header_(header), kept_(kept)
+    {
+        for (const std::uint32_t s : kept) {
+            at_.push_back(points_);
+            points_ += header.segments[s].count;
+        }
+        chunk_.points = static_cast<std::uint32_t>(points_);
+        chunk_.attributes.resize(header.schema.size());
+        if (columns.positions) {
+            want(header.positions, -1);
+            positions_ = std::make_shared<ChunkPositions>();
+            positions_->origin = header.box.min;
+            positions_->wide = header.wide;
+        }
+        for (std::size_t i = 0; i < header.schema.size(); ++i) {
+            if (!columns.attributes.test(i)) continue;
+            want(header.attributes[i], static_cast<int>(i));
+        }
+    }
+
+    // A piece to be read: of which column, and which of the kept segments.
+    struct Wanted {
+        const BpcPiece* piece;
+        int attribute;  // -1: positions
+        std::size_t kept;
+    };
+    const std::vector<Wanted>& wanted() const { return wanted_; }
+
+    // `data` is followed by codec_slack bytes.
+    void decode(const Wanted& wanted, const std::byte* data)
+    {
+        const auto size = static_cast<std::size_t>(wanted.piece->bytes);
+        if (checksum(data, size) != wanted.piece->checksum)
+            throw Error(ErrorCode::corrupt, {}, "the checksum of '" + name(wanted) + "' does not hold");
+        const std::size_t used =
+            wanted.attribute < 0 ? decode_positions(wanted.kept, data, size) : decode_scalars(wanted, data, size);
+        if (used != size) throw Error(ErrorCode::corrupt, {}, "'" + name(wanted) + "' is followed by stray bytes");
+    }
+
+    Chunk finish()
+    {
+        chunk_.positions = std::move(positions_);
+        for (std::size_t i = 0; i < columns_.size(); ++i) chunk_.attributes[i] = std::move(columns_[i]);
+        return std::move(chunk_);
+    }
+
+private:
+    std::string name(const Wanted& wanted) const
+    {
+        return wanted.attribute < 0 ? "positions" : header_.schema[static_cast<std::size_t>(wanted.attribute)].name;
+    }
+
+    void want(const BpcColumn& column, int attribute)
+    {
+        if (attribute >= 0) {
+            const auto i = static_cast<std::size_t>(attribute);
+            columns_.resize(header_.schema.size());
+            columns_[i] = std::make_shared<Column>(header_.schema[i]);
+            if (!column.constant.empty()) {
+                columns_[i]->resize(points_);
+                fill(*columns_[i], column.constant);
+                return;
+            }
+        }
+        for (std::size_t k = 0; k < kept_.size(); ++k) wanted_.push_back({&column.pieces[kept_[k]], attribute, k});
+    }
+
+    static void fill(Column& column, const std::vector<std::uint64_t>& words)
+    {
+        with_type(column.type(), [&](auto scalar) {
+            using T = decltype(scalar);
+            T* values = column.as<T>();
+            const std::size_t n = words.size(), points = column.size();
+            for (std::size_t c = 0; c < n; ++c) {
+                const T value = from_word<T>(static_cast<WordOf<T>>(words[c]));
+                if (n == 1)
+                    std::fill_n(values, points, value);
+                else
+                    for (std::size_t i = 0; i < points; ++i) values[i * n + c] = value;
+            }
+            return 0;
+        });
+    }
+
+    std::size_t decode_positions(std::size_t kept, const std::byte* data, std::size_t size)
+    {
+        return header_.wide ? decode_axes(positions_->wide_xyz, kept, data, size)
+                            : decode_axes(positions_->narrow_xyz, kept, data, size);
+    }
+
+    template <class Word>
+    std::size_t decode_axes(std::array<PageVector<Word>, 3>& axes, std::size_t kept, const std::byte* data,
+                            std::size_t size)
+    {
+        const BpcSegment& segment = header_.segments[kept_[kept]];
+        std::size_t used = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (axes[a].size() < points_) axes[a].resize(points_);  // once the first piece has proved whole
+            Word* to = axes[a].data() + at_[kept];
+            used += unpack(data + used, size - used, to, segment.count, {});
+            Word low = to[0], high = low;
+            for (std::size_t i = 1; i < segment.count; ++i) {
+                low = std::min(low, to[i]);
+                high = std::max(high, to[i]);
+            }
+            const auto limit = [&](std::int64_t corner) {
+                return static_cast<std::uint64_t>(corner) - static_cast<std::uint64_t>(header_.box.min[a]);
+            };
+            if (low < limit(segment.box.min[a]) || high > limit(segment.box.max[a]))
+                throw Error(ErrorCode::corrupt, {}, "a chunk's point lies outside the box that its header tells");
+        }
+        return used;
+    }
+
+    std::size_t decode_scalars(const Wanted& wanted, const std::byte* data, std::size_t size)
+    {
+        Column& column = *columns_[static_cast<std::size_t>(wanted.attribute)];
+        if (column.size() < points_) column.resize(points_);
+        const std::size_t count = header_.segments[kept_[wanted.kept]].count, first = at_[wanted.kept];
+        return with_type(column.type(), [&](auto scalar) {
+            using T = decltype(scalar);
+            std::vector<WordOf<T>>& words = scratch(WordOf<T>());
+            words.resize(count);
+            const std::size_t n = column.components();
+            T* values = column.as<T>() + first * n;
+            std::size_t used = 0;
+            for (std::size_t c = 0; c < n; ++c) {
+                used += unpack(data + used, size - used, words.data(), count, {});
+                for (std::size_t i = 0; i < count; ++i) values[i * n + c] = from_word<T>(words[i]);
+            }
+            return used;
+        });
+    }
+
+    std::vector<std::uint32_t>& scratch(std::uint32_t) { return narrow_words_; }
+    std::vector<std::uint64_t>& scratch(std::uint64_t) { return wide_words_; }
+
+    const BpcHeader& header_;
+    const std::vector<std::uint32_t>& kept_;
+    std::vector<std::size_t> at_;  // where the points of each kept segment go
+    std::size_t points_ = 0;
+    std::vector<Wanted> wanted_;
+    Chunk chunk_;
+    std::shared_ptr<ChunkPositions> positions_;
+    std::vector<std::shared_ptr<Column>> columns_;
+    std::vector<std::uint32_t> narrow_words_;
+    std::vector<std::uint64_t> wide_words_;
+};
+
+// Bytes between two pieces that are read along, since that takes less time than a second read.
+constexpr std::uint64_t join_gap = 16384;
+
+// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie at most `gap`
+// bytes apart come in one read. Returns the bytes read.
+std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHeader& header, const ColumnSet& columns,
+                            const std::vector<std::uint32_t>& kept, std::uint64_t gap, Chunk& chunk)
+{
+    ChunkDecoder decoder(header, columns, kept);
+    const auto& wanted = decoder.wanted();
+    const auto end = [&](std::size_t i) { return wanted[i].piece->offset + wanted[i].piece->bytes; };
+    std::vector<std::byte> buffer;
+    std::uint64_t bytes_read = 0;
+    for (std::size_t from = 0; from < wanted.size();) {
+        std::size_t to = from + 1;
+        while (to < wanted.size() && wanted[to].piece->offset >= end(to - 1) &&
+               wanted[to].piece->offset - end(to - 1) <= gap)
+            ++to;
+        const std::uint64_t start = wanted[from].piece->offset;
+        const auto bytes = static_cast<std::size_t>(end(to - 1) - start);
+        buffer.resize(bytes + codec_slack);
+        file.read_at(buffer.data(), bytes, offset + start);
+        bytes_read += bytes;
+        for (; from < to; ++from) decoder.decode(wanted[from], buffer.data() + (wanted[from].piece->offset - start));
+    }
+    chunk = decoder.finish();
+    return bytes_read;
+}
+
+// The header of a chunk of which the caller knows the length.
+BpcHeader read_known_header(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes)
+{
+    if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
+    if (header_bytes > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
+    const std::vector<std::byte> head = read_head(file, offset, bytes, header_bytes ? header_bytes : 65536);
+    BpcHeader header = decode_header(head.data(), head.size(), {});
+    if (header.total_bytes != bytes) throw Error(ErrorCode::corrupt, {}, "its length is not the one in the index");
+    return header;
+}
+
+}  // namespace
+
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                            const ColumnSet& columns, const WantedSegment& wanted)
+{
+    try {
+        DecodedPart result;
+        result.header = read_known_header(file, offset, bytes, header_bytes);
+        if (result.header.doubles)
+            throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
+        for (std::uint32_t s = 0; s < result.header.segments.size(); ++s)
+            if (wanted(result.header.segments[s].box, result.header.segments[s].level)) result.kept.push_back(s);
+        result.bytes_read = result.header.header_bytes;
+        result.bytes_read += read_segments(file, offset, result.header, columns, result.kept, join_gap, result.chunk);
+        return result;
+    } catch (const Error& error) {
+        rethrow_naming(error, file, offset);
+    }
+}
+
+DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                        const ColumnSet& columns, ChunkPositionsMayBe positions_may_be)
+{
+    try {
+        DecodedChunk result;
+        result.header = read_known_header(file, offset, bytes, header_bytes);
+        if (result.header.doubles && positions_may_be == ChunkPositionsMayBe::on_grid)
+            throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
+        std::vector<std::uint32_t> all(result.header.segments.size());
+        std::iota(all.begin(), all.end(), 0u);
+        read_segments(file, offset, result.header, columns, all, 0, result.chunk);
+        return result;
+    } catch (const Error& error) {
+        rethrow_naming(error, file, offset);
+    }
+}
+
+}  // namespace pcm

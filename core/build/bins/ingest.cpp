@@ -1,0 +1,86 @@
+#include "pcm/build/bins/ingest.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+
+std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count)
+{
+    // Runs of neighbours cost one read; a run holds few points, so that all parts of the cloud are seen.
+    constexpr std::uint64_t run = 512;
+    const std::uint64_t end = cloud.info().points;
+    const std::uint64_t runs = std::max<std::uint64_t>(1, count / run);
+    const std::uint64_t stride = std::max(run, end / runs);
+    std::vector<Vec3i> points;
+    points.reserve(count + run);
+    PointBatch batch;
+    for (std::uint64_t next = 0; next < end; next += stride) {
+        cloud.seek(next);
+        if (!cloud.read(batch, static_cast<std::size_t>(std::min(run, end - next)))) break;
+        for (std::size_t i = 0; i < batch.size; ++i)
+            points.push_back({batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]});
+    }
+    cloud.seek(0);
+    return points;
+}
+
+namespace {
+
+// A column's values to their places in the rows; sizes that occur often get a copy the compiler can see through.
+template <std::size_t Size>
+void scatter(const std::byte* from, std::size_t count, std::byte* to, std::size_t stride)
+{
+    for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * stride, from + i * Size, Size);
+}
+
+}  // namespace
+
+void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows)
+{
+    for (std::size_t k = 0; k < layout.offsets.size(); ++k) {
+        const std::byte* from = batch.attributes[k].data();
+        const std::size_t size = layout.sizes[k];
+        std::byte* to = rows + layout.offsets[k];
+        switch (size) {
+            case 1:
+                scatter<1>(from, batch.size, to, layout.bytes);
+                break;
+            case 2:
+                scatter<2>(from, batch.size, to, layout.bytes);
+                break;
+            case 3:
+                scatter<3>(from, batch.size, to, layout.bytes);
+                break;
+            case 4:
+                scatter<4>(from, batch.size, to, layout.bytes);
+                break;
+            case 6:
+                scatter<6>(from, batch.size, to, layout.bytes);
+                break;
+            case 8:
+                scatter<8>(from, batch.size, to, layout.bytes);
+                break;
+            case 12:
+                scatter<12>(from, batch.size, to, layout.bytes);
+                break;
+            default:
+                for (std::size_t i = 0; i < batch.size; ++i) std::memcpy(to + i * layout.bytes, from + i * size, size);
+        }
+    }
+}
+
+double power_of_two_step(double largest_magnitude)
+{
+    int exponent = 0;
+    if (largest_magnitude > 0) std::frexp(largest_magnitude, &exponent);  // magnitude < 2^exponent
+    // Steps below the smallest normal double would not be doubles themselves.
+    return std::ldexp(1.0, std::max(exponent, -900) - 61);
+}
+
+std::int64_t to_grid_position(double value, double scale, double offset)
+{
+    return static_cast<std::int64_t>(std::llrint((value - offset) / scale));
+}
+
+}  // namespace pcm

@@ -1,0 +1,28 @@
+// The input of a build: points sampled ahead, batches as rows, doubles on a grid.
+#pragma once
+
+#include "pcm/io/reader.h"
+#include "pcm/build/bins/row.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// `count` points spread evenly over a cloud, in order: grid coordinates. Only of a reader that is seekable and gridded
+// and knows its number of points; the next read() starts at the beginning again.
+std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count);
+
+// The attributes of batch.size points to their places in as many rows; coordinates stay as they are.
+void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows);
+
+// The step of an axis' power-of-two grid for float sources: 2^(e-61) where every |coordinate| < 2^e, offset 0. A double
+// of the size of the largest coordinate is exact on it with 8 bits to spare; any coordinate is off by at most half a
+// step.
+double power_of_two_step(double largest_magnitude);
+
+// Nearest grid position. Throws nothing; |value| must be below the magnitude the grid was made for.
+std::int64_t to_grid_position(double value, double scale, double offset);
+
+}  // namespace pcm

@@ -1,0 +1,45 @@
+// What the points of a cloud say about themselves while they stream by.
+#pragma once
+
+#include "pcm/cloud/geometry.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace pcm {
+
+struct Observed {
+    std::uint64_t points = 0;
+    std::uint64_t hash = 0;
+    double position_error = 0;
+    std::array<Vec3i, 6> extremes{};
+
+    // Ties go to the smallest point, so that the answer does not depend on the order.
+    void see(const Vec3i& p)
+    {
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (points == 0 || p[a] < extremes[2 * a][a] || (p[a] == extremes[2 * a][a] && p < extremes[2 * a]))
+                extremes[2 * a] = p;
+            if (points == 0 || p[a] > extremes[2 * a + 1][a] ||
+                (p[a] == extremes[2 * a + 1][a] && p < extremes[2 * a + 1]))
+                extremes[2 * a + 1] = p;
+        }
+        ++points;
+    }
+    void merge(const Observed& other)
+    {
+        if (other.points == 0) return;
+        for (std::size_t k = 0; k < 6; ++k) {
+            const std::size_t a = k / 2;
+            const Vec3i &p = other.extremes[k], &q = extremes[k];
+            const bool beyond = k % 2 ? p[a] > q[a] : p[a] < q[a];
+            if (points == 0 || beyond || (p[a] == q[a] && p < q)) extremes[k] = p;
+        }
+        points += other.points;
+        hash += other.hash;
+        position_error = std::max(position_error, other.position_error);
+    }
+};
+
+}  // namespace pcm

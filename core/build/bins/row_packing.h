@@ -1,0 +1,65 @@
+// Rows of points in few bytes: how the builder keeps them on disk while it works.
+//
+// Made for speed, not for least size: the columns of a block of rows are not taken apart. A row is read as a few words
+// of 64 bits, each of some whole fields; every field is stored against the block's smallest value, with the bits that
+// vary in the block alone, so what is constant takes nothing. Bits of words that fit into 64 together lie together.
+//
+// Block: per word u64 (the smallest values, each at its field's place), per field u8 (lowest bit that varies) and u8
+// (how many bits from there are stored); then per group of words the rows' bits, padded to 8 bytes.
+#pragma once
+
+#include "pcm/cloud/attribute.h"
+#include "pcm/build/bins/row.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace pcm {
+
+class RowPacking {
+public:
+    static constexpr std::size_t block_rows = 512;
+
+    RowPacking() = default;
+    // What a row of this layout holds: the coordinates if asked for (`signed_coordinates`: as signed numbers), then the
+    // attributes.
+    RowPacking(const RowLayout& layout, const Schema& schema, bool coordinates, bool signed_coordinates = false);
+
+    // Appends `count` rows, which begin row_bytes apart.
+    void pack(const std::byte* rows, std::size_t count, std::vector<std::byte>& out) const;
+    // The same of rows in the order of `order`.
+    void pack(const std::byte* rows, const std::uint32_t* order, std::size_t count, std::vector<std::byte>& out) const;
+    // Reads `count` rows back from exactly `size` bytes; what was not packed stays as it is in the rows. Never reads or
+    // writes outside, whatever the bytes are; throws Error(corrupt) naming `path` for bytes that pack() cannot have
+    // written.
+    void unpack(const std::byte* data, std::size_t size, std::byte* rows, std::size_t count,
+                const std::filesystem::path& path) const;
+
+private:
+    struct Field {
+        int shift, bits;  // within the word
+    };
+    struct Word {
+        std::size_t offset = 0;  // of its first byte in the row
+        std::size_t bytes = 0;
+        std::uint64_t sign = 0;  // turns signed numbers into unsigned ones of the same order
+        std::vector<Field> fields;
+    };
+    struct Part {  // bits of a field as they are stored
+        int from, length, to;
+    };
+
+    void add(std::size_t offset, std::size_t bytes, bool is_signed);
+    template <class RowAt>
+    void pack_block(const RowAt& row_at, std::size_t count, std::vector<std::byte>& out) const;
+    const std::byte* unpack_block(const std::byte* data, const std::byte* end, std::byte* rows, std::size_t count,
+                                  const std::filesystem::path& path) const;
+
+    std::size_t row_bytes_ = 0;
+    std::size_t header_bytes_ = 0;
+    std::vector<Word> words_;
+};
+
+}  // namespace pcm

@@ -1,0 +1,160 @@
+#include "pcm/build/build_checkpoint.h"
+
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+// One more whenever the same files and options would make another tree, or scratch files are laid out in another way.
+constexpr std::uint32_t build_version = 2;
+
+template <class T>
+void put_all(ByteWriter& out, const T& values)
+{
+    for (const auto v : values) out.put(v);
+}
+template <class T>
+void get_all(ByteReader& in, T& values)
+{
+    for (auto& v : values) v = in.get<std::decay_t<decltype(v)>>();
+}
+
+void put_bytes(ByteWriter& out, const std::vector<std::byte>& bytes)
+{
+    out.put(static_cast<std::uint64_t>(bytes.size()));
+    out.put_bytes(bytes.data(), bytes.size());
+}
+std::vector<std::byte> get_bytes(ByteReader& in)
+{
+    const auto count = in.get<std::uint64_t>();
+    if (count > in.left()) throw Error(ErrorCode::corrupt, {}, "a checkpoint is cut off");
+    const std::byte* from = in.get_bytes(count);
+    return {from, from + count};
+}
+
+template <class Coord>
+Bins<Coord> get_bins(BuildState& state, ByteReader& in)
+{
+    Bins<Coord> bins;
+    const auto nodes = in.get<std::uint64_t>();
+    bins.top.nodes.clear();
+    for (std::uint64_t n = 0; n < nodes; ++n) {
+        auto& node = bins.top.nodes.emplace_back();
+        node.axis = in.get<std::uint8_t>();
+        node.value = in.get<Coord>();
+        get_all(in, node.children);
+        node.bin = in.get<std::uint64_t>();
+        if (node.axis > 2 || node.children[0] >= nodes || node.children[1] >= nodes ||
+            (node.children[0] && (node.children[0] <= n || node.children[1] <= n)))
+            throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    }
+    bins.scratch = std::make_unique<Scratch>(state.folder / scratch_file_name, state.nodes.layout, state.nodes.schema,
+                                             state.space, in);
+    for (const auto& node : bins.top.nodes)
+        if (nodes == 0 || node.bin >= bins.scratch->bins())
+            throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    return bins;
+}
+
+}  // namespace
+
+void save_bins(const BuildState& state, const AnyBins& any, ByteWriter& out)
+{
+    put_all(out, state.nodes.grid.scale);
+    put_all(out, state.nodes.grid.offset);
+    out.put(static_cast<std::uint8_t>(state.nodes.layout.coordinate_bytes));
+    out.put(static_cast<std::uint8_t>(state.position_type));
+    out.put(state.observed.points);
+    out.put(state.observed.hash);
+    out.put(state.observed.position_error);
+    for (const Vec3i& p : state.observed.extremes) put_all(out, p);
+    out.put(state.points_in);
+    out.put(state.points_skipped);
+    out.put(static_cast<std::uint64_t>(state.notes.size()));
+    for (const std::string& note : state.notes) out.put_string(note);
+    out.put(static_cast<std::uint64_t>(state.metadata.size()));
+    for (const Metadata& metadata : state.metadata) {
+        out.put_string(metadata.key);
+        put_bytes(out, metadata.value);
+    }
+    std::visit(
+        [&](const auto& bins) {
+            out.put(static_cast<std::uint64_t>(bins.top.nodes.size()));
+            for (const auto& node : bins.top.nodes) {
+                out.put(static_cast<std::uint8_t>(node.axis));
+                out.put(node.value);
+                put_all(out, node.children);
+                out.put(static_cast<std::uint64_t>(node.bin));
+            }
+            bins.scratch->save(out);
+        },
+        any);
+}
+
+AnyBins load_bins(BuildState& state, const Schema& schema, ByteReader& in)
+{
+    Grid grid;
+    get_all(in, grid.scale);
+    get_all(in, grid.offset);
+    state.nodes.grid = grid;
+    state.nodes.lattice = Lattice(grid);
+    state.nodes.schema = schema;
+    const bool wide = in.get<std::uint8_t>() == 8;
+    state.nodes.layout = RowLayout(schema, wide);
+    state.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
+    state.observed.points = in.get<std::uint64_t>();
+    state.observed.hash = in.get<std::uint64_t>();
+    state.observed.position_error = in.get<double>();
+    for (Vec3i& p : state.observed.extremes) get_all(in, p);
+    state.points_in = in.get<std::uint64_t>();
+    state.points_skipped = in.get<std::uint64_t>();
+    const auto notes = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < notes; ++i) state.notes.push_back(in.get_string());
+    const auto items = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < items; ++i) {
+        Metadata metadata;
+        metadata.key = in.get_string();
+        metadata.value = get_bytes(in);
+        state.metadata.push_back(std::move(metadata));
+    }
+    if (wide) return get_bins<std::uint64_t>(state, in);
+    return get_bins<std::uint32_t>(state, in);
+}
+
+std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, const BuildOptions& options)
+{
+    ByteWriter out;
+    out.put(build_version);
+    out.put(options.memory_bytes);
+    out.put(options.chunk_points);
+    out.put(static_cast<std::uint8_t>(options.sampling));
+    const TextLayout& text = options.read.text;
+    out.put(static_cast<std::uint8_t>(text.separator.has_value()));
+    out.put(text.separator.value_or(0));
+    out.put(static_cast<std::uint8_t>(text.skip_lines.has_value()));
+    out.put(static_cast<std::uint64_t>(text.skip_lines.value_or(0)));
+    out.put(static_cast<std::uint64_t>(text.columns.size()));
+    for (const std::string& column : text.columns) out.put_string(column);
+    out.put(text.colour_range.value_or(-1));
+    out.put(static_cast<std::uint64_t>(files.size()));
+    for (const fs::path& file : files) {
+        struct stat status {};
+        if (::stat(file.c_str(), &status) != 0) throw Error::from_errno(errno, file, "looking at the file");
+        std::error_code error;
+        const fs::path absolute = fs::absolute(file, error);
+        out.put_string((error ? file : absolute.lexically_normal()).string());
+        out.put(static_cast<std::uint64_t>(status.st_size));
+        out.put(static_cast<std::int64_t>(status.st_mtim.tv_sec));
+        out.put(static_cast<std::int64_t>(status.st_mtim.tv_nsec));
+    }
+    return std::move(out.bytes());
+}
+
+}  // namespace pcm

@@ -1,0 +1,125 @@
+// Which level each point of a cloud belongs to.
+//
+// Levels lie on one ladder of spacings for the whole cloud, each half of the one before. The points of levels 0..k
+// together are a maximal Poisson-disk sample at the spacing of k: no two of them are nearer, no input point is as far
+// from all of them, across the borders of bins too. The last level, the rest, holds all others, with spacing 0.
+//
+// Points can be added to a cloud that has its levels already and keeps them (`GivenLevels`). Then
+// - both clouds' levels 0..k together have no two points nearer than the spacing of k, as above;
+// - no point of the cloud that was there is as far from them (it has its own);
+// - an added point is as far as the spacing only if all levels up to k were barred to it: where a given point of a
+// finer level
+//   m is nearer than the spacing of m, the added one may come only after m. It is then nearer than 1.5 spacings,
+//   because that given point has one of level 0..k near. No choice of levels does without this while the given ones
+//   stay.
+#pragma once
+
+#include "pcm/threads/crew.h"
+#include "pcm/build/levels/poisson_pass.h"
+#include "pcm/build/levels/sorted_points.h"
+#include "pcm/tree/tree.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+// The levels of a cloud to which points are added.
+template <class Coord>
+struct GivenLevels {
+    using Visit = std::function<void(const Point<Coord>* points, std::size_t count)>;
+
+    std::vector<double> spacings;  // as LevelSampler::spacings(), on the same grid; at least one that is not 0
+    // Calls visit() with every point of levels first..last in the box [low, high], in any order and pieces of any size;
+    // points of these levels outside of the box do no harm. The rest is never asked for. Any thread, several at once.
+    std::function<void(const Point<Coord>& low, const Point<Coord>& high, std::size_t first, std::size_t last,
+                       const Visit& visit)>
+        list;
+};
+
+template <class Coord>
+class LevelSampler {
+public:
+    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes; a new one is
+    // removed in the end, one that is opened in another way stays.
+    LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
+                 const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
+    ~LevelSampler();
+
+    // Before run(): the points are added to these. Error(invalid_argument) for spacings that are not of the lattice.
+    void add_to(GivenLevels<Coord> given);
+
+    // `progress(fraction)` is called now and then on the calling thread and may throw.
+    void run(unsigned threads, const std::function<void(double)>& progress);
+
+    // What run() found, and the reverse, in place of it (the file must be the same). load() throws Error(corrupt).
+    void save(ByteWriter& out) const;
+    void load(ByteReader& in);
+    void sync() { file_.sync(); }
+    // Of the sampler's notes on disk.
+    std::uint64_t bytes() const { return end_; }
+    // Of each level; 0 for the rest. Of a given cloud its own, and the rest where it had none and is needed now.
+    const std::vector<double>& spacings() const { return spacings_; }
+    // Number of points of each level in a bin.
+    const std::vector<std::uint64_t>& histogram(std::size_t bin) const { return bins_[bin].histogram; }
+    // Level of every point of a bin, in its order. Any thread.
+    std::vector<std::uint8_t> levels(std::size_t bin) const;
+
+private:
+    struct List {  // indices that one pass chose
+        int size;
+        std::uint64_t offset;
+        std::uint32_t count;
+        std::uint64_t checksum;
+    };
+    struct Bin {
+        std::vector<List> lists;
+        std::vector<Point<Coord>> border;  // chosen points that are nearer than the spacing to another bin
+        std::uint64_t chosen = 0;
+        std::vector<std::uint64_t> histogram;
+        // Where in the file a byte for each point is, if the bin has that. Poisson: the smallest size that is barred to
+        // it by given points, as are all larger ones; 255 for none. Grid, with a given cloud: its level.
+        std::uint64_t bytes = no_bytes;
+    };
+    static constexpr std::uint64_t no_bytes = ~std::uint64_t(0);
+
+    double squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box,
+                               bool farthest) const;
+    double squared_distance_between(std::size_t bin, std::size_t other) const;
+    void pass(int size, unsigned threads);
+    void sample_bin(std::size_t bin, int size, const std::vector<std::size_t>& neighbours);
+    void sample_by_grid(int top, unsigned threads);
+    void for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work);
+    void sample_given_bin_by_grid(std::size_t bin);
+    void bar_points(std::size_t bin);
+    std::vector<Point<Coord>> given_near(std::size_t bin, int size, std::size_t first_level, std::size_t last_level,
+                                         typename SortedPoints<Coord>::Reader& points) const;
+    std::vector<std::uint8_t> read_bytes(std::size_t bin) const;
+    std::uint64_t write(const void* data, std::size_t bytes);
+    std::vector<std::uint32_t> read(const List& list) const;
+    bool fine_enough() const;
+    void choose_levels(const std::vector<int>& sizes);
+    void count_levels();
+
+    const SortedPoints<Coord>& points_;
+    const Lattice lattice_;
+    const Sampling sampling_;
+    GivenLevels<Coord> given_;
+    Vec3d squared_scale_;
+    File file_;
+    const bool remove_;
+    std::mutex mutex_;
+    std::uint64_t end_ = 0;
+    std::vector<Bin> bins_;
+    std::vector<double> spacings_;
+    std::vector<int> sizes_;  // of the cells, of each level but the rest
+    std::function<void(double)> progress_;
+    double fraction_ = 0;
+};
+
+extern template class LevelSampler<std::uint32_t>;
+extern template class LevelSampler<std::uint64_t>;
+
+}  // namespace pcm

@@ -1,0 +1,23 @@
+// Rows of a bin in Morton order.
+#pragma once
+
+#include "pcm/build/levels/lattice.h"
+#include "pcm/build/bins/row.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// The order (lattice.h: morton_before; equal coordinates by their rows' bytes) of `count` rows: indices of rows. It
+// depends on the set of rows alone. Fewer than 2^32 rows.
+template <class Coord>
+std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count, const RowLayout& layout,
+                                        const AxisShift& finer);
+
+extern template std::vector<std::uint32_t> morton_order<std::uint32_t>(const std::byte*, std::size_t, const RowLayout&,
+                                                                       const AxisShift&);
+extern template std::vector<std::uint32_t> morton_order<std::uint64_t>(const std::byte*, std::size_t, const RowLayout&,
+                                                                       const AxisShift&);
+
+}  // namespace pcm

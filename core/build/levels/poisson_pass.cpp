@@ -1,0 +1,464 @@
+#include "pcm/build/levels/poisson_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace pcm {
+namespace {
+
+// Squared distances in float, in spacings, are right within this: coordinates are below 36 cells (a block of 32, and a
+// bucket of at most 4 more), of which each is less than 0.9 wide, so they are off by less than 2e-6 and their
+// differences by 4e-6; there are three of them that are at most about 1 where it matters.
+constexpr float error = 5e-5f;
+constexpr float surely_inside = 1 - error, surely_outside = 1 + error;
+constexpr float nowhere = 1e18f;
+constexpr std::size_t few_points = 6;  // tested one by one
+
+using Four = float __attribute__((vector_size(16)));
+using FourFlags = std::int32_t __attribute__((vector_size(16)));
+
+Four four_at(const float* from)
+{
+    Four v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+
+bool any(FourFlags flags)
+{
+    std::array<std::uint64_t, 2> halves;
+    std::memcpy(halves.data(), &flags, sizeof halves);
+    return (halves[0] | halves[1]) != 0;
+}
+
+// As ==, which calls memcmp.
+template <class Coord>
+bool same(const Point<Coord>& p, const Point<Coord>& q)
+{
+    return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
+}
+
+// A place in a table of 2^bits.
+template <class Coord>
+std::size_t hash_of(const Point<Coord>& p, int bits)
+{
+    // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
+    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u +
+                               static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
+                               static_cast<std::uint64_t>(p[2]) * 0x165667B19E3779F9u;
+    return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
+}
+
+// c >> shift, for shifts of 64 and more too.
+template <class Coord>
+std::uint64_t down(Coord c, int shift)
+{
+    if constexpr (sizeof(Coord) == 8)
+        if (shift >= 64) return 0;
+    return static_cast<std::uint64_t>(c) >> std::min(shift, 63);
+}
+
+template <class Coord>
+Point<Coord> cell_of(const Point<Coord>& p, const std::array<int, 3>& shifts)
+{
+    return {static_cast<Coord>(down(p[0], shifts[0])), static_cast<Coord>(down(p[1], shifts[1])),
+            static_cast<Coord>(down(p[2], shifts[2]))};
+}
+
+// As Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of equal
+// numbers.
+std::array<int, 3> all_shifts(const Lattice& lattice, int size)
+{
+    return {size + lattice.finer[0], size + lattice.finer[1], size + lattice.finer[2]};
+}
+
+// Buckets are cubes of cells, as wide as the spacing along every axis. On grids as fine along all axes two cells are.
+int bucket_bits(const Lattice& lattice)
+{
+    double least = std::ldexp(lattice.scale[0], lattice.finer[0]);
+    for (std::size_t a = 1; a < 3; ++a) least = std::min(least, std::ldexp(lattice.scale[a], lattice.finer[a]));
+    return 2 * least > lattice.spacing(0) ? 1 : 2;
+}
+
+}  // namespace
+
+template <class Coord>
+void PoissonPass<Coord>::NearPoints::make_room(std::size_t more)
+{
+    if (size + more + 3 <= x.size()) return;
+    for (auto* axis : {&x, &y, &z}) axis->resize(2 * (size + more) + 64);
+    chosen.resize(x.size());
+}
+
+template <class Coord>
+void PoissonPass<Coord>::NearPoints::fill_four()
+{
+    while (size % 4) add(nowhere, nowhere, nowhere, none);
+}
+
+template <class Coord>
+PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
+                                const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others)
+    : points_(points),
+      lattice_(lattice),
+      size_(size),
+      bucket_bits_(bucket_bits(lattice)),
+      own_(own),
+      cell_(all_shifts(lattice, size)),
+      bucket_(all_shifts(lattice, size + bucket_bits_)),
+      block_(all_shifts(lattice, size + block_bits)),
+      table_(std::size_t(1) << table_bits_),
+      taken_(std::size_t(1) << (3 * block_bits - 6))
+{
+    const double spacing = lattice.spacing(size);
+    squared_spacing_ = spacing * spacing;
+    for (std::size_t a = 0; a < 3; ++a) {
+        squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
+        unit_[a] = lattice.scale[a] / spacing;
+    }
+    const std::size_t along = ((std::size_t(1) << block_bits) - 1) >> bucket_bits_ << bucket_bits_;
+    bucket_mask_ = along | along << block_bits | along << (2 * block_bits);
+    chosen_.reserve(own.size() + others.size());
+    for (const std::uint32_t i : own) add(points_[i]);
+    for (const Point<Coord>& p : others) add(p);
+}
+
+template <class Coord>
+std::size_t PoissonPass<Coord>::slot(const Point<Coord>& block) const
+{
+    std::size_t i = hash_of(block, table_bits_);
+    while (table_[i].used() && !same(table_[i].at, block)) i = (i + 1) & (table_.size() - 1);
+    return i;
+}
+
+template <class Coord>
+void PoissonPass<Coord>::grow()
+{
+    std::vector<Block> old(table_.size() * 2);
+    old.swap(table_);
+    ++table_bits_;
+    for (const Block& block : old)
+        if (block.used()) table_[slot(block.at)] = block;
+}
+
+template <class Coord>
+std::uint32_t PoissonPass<Coord>::add(const Point<Coord>& p)
+{
+    const Point<Coord> at = cell_of(p, block_);
+    std::size_t i = last_slot_;  // points come in Morton order
+    if (!table_[i].used() || !same(table_[i].at, at)) i = slot(at);
+    if (!table_[i].used()) {
+        if (2 * ++used_ > table_.size()) {
+            grow();
+            i = slot(at);
+        }
+        table_[i].at = at;
+    }
+    last_slot_ = i;
+    const std::uint64_t buckets = (std::uint64_t(1) << (block_bits - bucket_bits_)) - 1;
+    bool core = true;
+    for (std::size_t a = 0; a < 3; ++a) core = core && ((down(p[a], bucket_[a]) + 1) & buckets) >= 2;
+    std::uint32_t& head = core ? table_[i].core : table_[i].rim;
+    chosen_.push_back({p, head});
+    return head = static_cast<std::uint32_t>(chosen_.size() - 1);
+}
+
+template <class Coord>
+float PoissonPass<Coord>::relative(Coord c, std::size_t axis) const
+{
+    double steps;
+    if constexpr (sizeof(Coord) == 4)
+        steps = static_cast<double>(static_cast<std::int64_t>(c) - static_cast<std::int64_t>(origin_[axis]));
+    else
+        steps = c >= origin_[axis] ? static_cast<double>(c - origin_[axis]) : -static_cast<double>(origin_[axis] - c);
+    return static_cast<float>(steps * unit_[axis]);
+}
+
+// Of a point in the block at hand: its cell among all of the block, an index of bits in taken_.
+template <class Coord>
+std::size_t PoissonPass<Coord>::cell_at(const Point<Coord>& p) const
+{
+    constexpr std::uint64_t mask = (std::uint64_t(1) << block_bits) - 1;
+    std::uint64_t index = 0;
+    for (std::size_t a = 3; a-- > 0;) index = index << block_bits | (down(p[a], cell_[a]) & mask);
+    return index;
+}
+
+template <class Coord>
+void PoissonPass<Coord>::add_local(std::uint32_t chosen)
+{
+    const Point<Coord>& p = chosen_[chosen].point;
+    const std::uint64_t buckets = (std::uint64_t(1) << (block_bits - bucket_bits_)) + 2;
+    std::array<std::uint64_t, 3> along;
+    for (std::size_t a = 0; a < 3; ++a) {
+        along[a] = down(p[a], bucket_[a]) - down(origin_[a], bucket_[a]) + 1;
+        if (along[a] >= buckets) return;
+    }
+    const std::size_t row = along[2] * side + along[1], bucket = row * side + along[0];
+    const std::uint32_t bit = 1u << along[0];
+    local_.push_back(
+        {relative(p[0], 0), relative(p[1], 1), relative(p[2], 2), chosen, rows_[row] & bit ? heads_[bucket] : none});
+    heads_[bucket] = static_cast<std::uint32_t>(local_.size() - 1);
+    rows_[row] |= bit;
+}
+
+template <class Coord>
+void PoissonPass<Coord>::enter_block(const Point<Coord>& p)
+{
+    const Point<Coord> at = cell_of(p, block_);
+    // The cell of a point that is not in the first one is less than 64 bits wide.
+    for (std::size_t a = 0; a < 3; ++a)
+        origin_[a] = at[a] ? static_cast<Coord>(static_cast<std::uint64_t>(at[a]) << block_[a]) : 0;
+    local_.clear();
+    rows_.fill(0);
+    std::fill(taken_.begin(), taken_.end(), 0);
+    for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x) {
+                if (!x && !y && !z) continue;
+                const Point<Coord> beside{static_cast<Coord>(at[0] + static_cast<Coord>(x)),
+                                          static_cast<Coord>(at[1] + static_cast<Coord>(y)),
+                                          static_cast<Coord>(at[2] + static_cast<Coord>(z))};
+                for (std::uint32_t n = table_[slot(beside)].rim; n != none; n = chosen_[n].next) add_local(n);
+            }
+    const Block& own = table_[slot(at)];
+    for (const std::uint32_t head : {own.rim, own.core})
+        for (std::uint32_t n = head; n != none; n = chosen_[n].next) {
+            add_local(n);
+            const std::size_t cell = cell_at(chosen_[n].point);
+            taken_[cell / 64] |= std::uint64_t(1) << cell % 64;
+        }
+}
+
+// What is in and beside the bucket of a cell.
+template <class Coord>
+auto PoissonPass<Coord>::gather(std::size_t cell) -> Range
+{
+    near_.size = 0;
+    near_.make_room(local_.size());
+    constexpr std::size_t mask = (std::size_t(1) << block_bits) - 1;
+    const std::size_t x = (cell & mask) >> bucket_bits_, y = (cell >> block_bits & mask) >> bucket_bits_,
+                      z = cell >> (2 * block_bits) >> bucket_bits_;
+    for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t row = (z + k) * side + y + j;
+            for (std::uint32_t used = rows_[row] >> x & 7; used; used &= used - 1) {
+                const std::size_t bucket = row * side + x + static_cast<std::size_t>(__builtin_ctz(used));
+                for (std::uint32_t n = heads_[bucket]; n != none;) {
+                    const Local& local = local_[n];
+                    near_.add(local.x, local.y, local.z, local.chosen);
+                    n = local.next;
+                }
+            }
+        }
+    const Range near{0, near_.size};
+    near_.fill_four();
+    return near;
+}
+
+template <class Coord>
+bool PoissonPass<Coord>::covered(const Point<Coord>& p, Range near)
+{
+    const float px = relative(p[0], 0), py = relative(p[1], 1), pz = relative(p[2], 2);
+    const Four x{px, px, px, px}, y{py, py, py, py}, z{pz, pz, pz, pz};
+    const Four outside{surely_outside, surely_outside, surely_outside, surely_outside};
+    const auto four_cover = [&](std::size_t n) {
+        const Four dx = four_at(&near_.x[n]) - x, dy = four_at(&near_.y[n]) - y, dz = four_at(&near_.z[n]) - z;
+        const Four squared = dx * dx + dy * dy + dz * dz;
+        if (!any(squared < outside)) return false;
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (squared[k] < surely_inside) return true;
+            if (squared[k] < surely_outside &&
+                squared_distance(p, chosen_[near_.chosen[n + k]].point, squared_scale_) < squared_spacing_)
+                return true;
+        }
+        return false;
+    };
+    if (hint_ >= near.from && hint_ < near.to && four_cover(hint_)) return true;
+    for (std::size_t n = near.from; n < near.to; n += 4)
+        if (four_cover(n)) {
+            hint_ = n;
+            return true;
+        }
+    return false;
+}
+
+template <class Coord>
+std::size_t PoissonPass<Coord>::first_free(std::size_t i, std::size_t end) const
+{
+    if (barred_)
+        while (i < end && barred_[i] <= size_) ++i;
+    return i;
+}
+
+template <class Coord>
+std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, int size, Range near)
+{
+    if (near.from == near.to) return first_free(i, end);
+    if (end - i <= few_points || size == 0) {
+        Point<Coord> last{};
+        bool tested = false;
+        for (; i < end; ++i) {
+            const Point<Coord> p = points_[i];
+            if (tested && same(p, last)) continue;
+            if (barred_ && barred_[i] <= size_) continue;
+            if (!covered(p, near)) return i;
+            last = p;
+            tested = true;
+        }
+        return end;
+    }
+    // The cell's box; of a chosen point, how near and how far its points can be.
+    std::array<int, 3> shifts = lattice_.shifts(size);
+    const Point<Coord> cell = cell_of(points_[i], shifts);
+    std::array<float, 3> low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = relative(static_cast<Coord>(static_cast<std::uint64_t>(cell[a]) << shifts[a]), a);
+        high[a] = low[a] + static_cast<float>(std::ldexp(unit_[a], shifts[a]));
+    }
+    const std::size_t kept = near_.size;
+    near_.make_room(near.to - near.from);
+    for (std::size_t n = near.from; n < near.to; ++n) {
+        const std::array<float, 3> at{near_.x[n], near_.y[n], near_.z[n]};
+        float nearest = 0, farthest = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float below = low[a] - at[a], above = at[a] - high[a];
+            const float gap = std::max(0.0f, std::max(below, above));
+            const float reach = std::max(std::fabs(below), std::fabs(above));
+            nearest += gap * gap;
+            farthest += reach * reach;
+        }
+        if (farthest < surely_inside) {
+            near_.size = kept;
+            return end;
+        }
+        if (nearest < surely_outside) near_.add(at[0], at[1], at[2], near_.chosen[n]);
+    }
+    const Range left{kept, near_.size};
+    near_.fill_four();
+    std::size_t found = end;
+    if (left.from == left.to) {
+        found = first_free(i, end);
+    } else {
+        shifts = lattice_.shifts(size - 1);
+        while (i < end) {
+            const std::size_t part = points_.end_of_cell(i, end, shifts);
+            found = first_uncovered(i, part, size - 1, left);
+            if (found < part) break;
+            i = part;
+            found = end;
+        }
+    }
+    near_.size = kept;
+    return found;
+}
+
+template <class Coord>
+std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_t>& barred)
+{
+    barred_ = barred.empty() ? nullptr : barred.data();
+    std::vector<std::uint32_t> found;
+    const auto cell_shifts = lattice_.shifts(size_), block_shifts = lattice_.shifts(size_ + block_bits);
+    const std::size_t count = points_.size();
+    std::size_t own = 0, end = 0;
+    for (std::size_t i = 0; i < count; i = end) {
+        end = points_.end_of_cell(i, count, block_shifts);
+        const std::size_t own_before = own;
+        while (own < own_.size() && own_[own] < end) ++own;
+        if (own - own_before == end - i) continue;  // nothing to choose
+        enter_block(points_[i]);
+        std::size_t bucket = none;
+        Range near{0, 0};
+        for (std::size_t next; i < end; i = next) {
+            const Point<Coord> p = points_[i];
+            next = points_.end_of_cell(i, end, cell_shifts);
+            const std::size_t cell = cell_at(p);
+            if (taken_[cell / 64] >> cell % 64 & 1) continue;
+            if (bucket != (cell & bucket_mask_)) {
+                bucket = cell & bucket_mask_;
+                near = gather(cell);
+            }
+            const std::size_t first = first_uncovered(i, next, size_, near);
+            if (first == next) continue;
+            found.push_back(static_cast<std::uint32_t>(first));
+            taken_[cell / 64] |= std::uint64_t(1) << cell % 64;
+            add_local(add(points_[first]));
+            near_.size = near.to;
+            near_.make_room(1);
+            near_.add(local_.back().x, local_.back().y, local_.back().z, local_.back().chosen);
+            near.to = near_.size;
+            near_.fill_four();
+        }
+    }
+    return found;
+}
+
+template <class Coord>
+void PoissonPass<Coord>::mark(std::vector<std::uint8_t>& barred)
+{
+    const auto block_shifts = lattice_.shifts(size_ + block_bits);
+    const std::size_t count = points_.size();
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < count; i = end) {
+        end = points_.end_of_cell(i, count, block_shifts);
+        enter_block(points_[i]);
+        if (local_.empty()) continue;
+        std::size_t bucket = none;
+        Range near{0, 0};
+        for (; i < end; ++i) {
+            const Point<Coord> p = points_[i];
+            const std::size_t cell = cell_at(p);
+            if (bucket != (cell & bucket_mask_)) {
+                bucket = cell & bucket_mask_;
+                near = gather(cell);
+            }
+            if (covered(p, near)) barred[i] = static_cast<std::uint8_t>(size_);
+        }
+    }
+}
+
+template <class Coord>
+PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size)
+    : bucket_(all_shifts(lattice, size + bucket_bits(lattice)))
+{
+    const auto shifts = lattice.shifts(size + bucket_bits(lattice));
+    for (std::size_t i = 0; i < points.size(); i = points.end_of_cell(i, points.size(), shifts))
+        buckets_.push_back(cell_of(points[i], bucket_));
+    while ((std::size_t(1) << table_bits_) < 2 * buckets_.size()) ++table_bits_;
+    table_.assign(std::size_t(1) << table_bits_, 0);
+    for (std::size_t b = 0; b < buckets_.size(); ++b) {
+        std::size_t i = hash_of(buckets_[b], table_bits_);
+        while (table_[i]) i = (i + 1) & (table_.size() - 1);
+        table_[i] = static_cast<std::uint32_t>(b + 1);
+    }
+}
+
+template <class Coord>
+bool PointsNear<Coord>::has(const Point<Coord>& bucket) const
+{
+    for (std::size_t i = hash_of(bucket, table_bits_); table_[i]; i = (i + 1) & (table_.size() - 1))
+        if (same(buckets_[table_[i] - 1], bucket)) return true;
+    return false;
+}
+
+template <class Coord>
+bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
+{
+    const Point<Coord> own = cell_of(p, bucket_);
+    if (has(own)) return true;
+    for (int n = 0; n < 27; ++n) {
+        const Point<Coord> at{static_cast<Coord>(own[0] + static_cast<Coord>(n % 3 - 1)),
+                              static_cast<Coord>(own[1] + static_cast<Coord>(n / 3 % 3 - 1)),
+                              static_cast<Coord>(own[2] + static_cast<Coord>(n / 9 - 1))};
+        if (has(at)) return true;
+    }
+    return false;
+}
+
+template class PoissonPass<std::uint32_t>;
+template class PoissonPass<std::uint64_t>;
+template class PointsNear<std::uint32_t>;
+template class PointsNear<std::uint64_t>;
+
+}  // namespace pcm

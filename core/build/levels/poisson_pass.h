@@ -1,0 +1,138 @@
+// One pass of sampling: to the points that are chosen already, further ones are added until every point of a bin has
+// one nearer than the spacing, while no two are nearer than it: a maximal Poisson-disk sample that contains a given
+// one.
+//
+// The method is that of dart throwing on a background grid (Cook 1986; Ebeida et al. 2011 for maximality), with points
+// for darts and Morton order for their order: a cell's diagonal is the spacing, so a cell holds at most one chosen
+// point, and one that does holds no uncovered point; of any other cell the first uncovered point in Morton order is
+// chosen. Cells are told covered as a whole, or halved, where a ball around a chosen point contains them.
+//
+// Covered means squared_distance < spacing², evaluated in double; so the distances of a sample are exact, not nearly
+// right. Distances are looked at in float first, which decides where it does so by more than its error.
+//
+// Cells are grouped twice. A bucket is as wide as the spacing at least, so that what is near a point is in its bucket
+// or in one of the 26 around; a block is 32 x 32 x 32 cells. A hash table knows the blocks that hold chosen points. For
+// the block at hand the chosen points in and around it are put into an array of buckets, small enough for the first
+// cache.
+#pragma once
+
+#include "pcm/build/levels/sorted_points.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+template <class Coord>
+class PoissonPass {
+public:
+    // `own`: the points of the bin that are chosen already, rising. `others`: every point elsewhere chosen so far that
+    // is nearer than the spacing to some point of the bin (more do no harm).
+    PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
+                const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others);
+
+    // Indices of the points that are chosen now, rising. Where `barred` is not empty it says of each point the smallest
+    // size that may not choose it, as may no larger one: such points are left out, covered or not.
+    std::vector<std::uint32_t> run(const std::vector<std::uint8_t>& barred);
+
+    // Instead of run(): sets to this size what the points that are covered have in `barred`.
+    void mark(std::vector<std::uint8_t>& barred);
+
+private:
+    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr int block_bits = 5;  // a block is 2^block_bits cells wide
+    static constexpr std::size_t side =
+        18;  // of the array of buckets: a block's 16 at most, and one more on either side
+    struct Chosen {
+        Point<Coord> point;
+        std::uint32_t next;  // of its block
+    };
+    struct Block {
+        Point<Coord> at{};
+        // Its chosen points, two lists: in the outer buckets, which the blocks around look at, and in the others. Both
+        // none: the slot is not in use.
+        std::uint32_t rim = none, core = none;
+        bool used() const { return rim != none || core != none; }
+    };
+    struct Local {  // a chosen point in or around the block at hand, in spacings from its corner
+        float x, y, z;
+        std::uint32_t chosen, next;  // next of its bucket
+    };
+    struct NearPoints {  // what is near the bucket at hand, then parts of that, each in fours
+        std::vector<float> x, y, z;
+        std::vector<std::uint32_t> chosen;
+        std::size_t size = 0;
+        void make_room(std::size_t more);  // for add() and fill_four()
+        void add(float px, float py, float pz, std::uint32_t n)
+        {
+            x[size] = px;
+            y[size] = py;
+            z[size] = pz;
+            chosen[size++] = n;
+        }
+        void fill_four();
+    };
+    struct Range {  // of NearPoints
+        std::size_t from, to;
+    };
+
+    std::size_t slot(const Point<Coord>& block) const;
+    void grow();
+    std::uint32_t add(const Point<Coord>& p);
+    float relative(Coord c, std::size_t axis) const;
+    void enter_block(const Point<Coord>& p);
+    void add_local(std::uint32_t chosen);
+    std::size_t cell_at(const Point<Coord>& p) const;
+    Range gather(std::size_t cell);
+    bool covered(const Point<Coord>& p, Range near);
+    std::size_t first_free(std::size_t i, std::size_t end) const;
+    // The first point of [i, end), all of one cell of `size`, that none of `near` covers and none bars; `end` if none.
+    std::size_t first_uncovered(std::size_t i, std::size_t end, int size, Range near);
+
+    typename SortedPoints<Coord>::Reader& points_;
+    const Lattice& lattice_;
+    const int size_;
+    const int bucket_bits_;  // a bucket is 2^bucket_bits cells wide, 1 or 2
+    const std::vector<std::uint32_t>& own_;
+    Vec3d squared_scale_, unit_;  // unit: spacings a grid step
+    double squared_spacing_;
+    std::array<int, 3> cell_, bucket_, block_;
+    std::vector<Chosen> chosen_;
+    int table_bits_ = 6;
+    std::vector<Block> table_;  // 2^table_bits_
+    std::size_t used_ = 0, last_slot_ = 0;
+    const std::uint8_t* barred_ = nullptr;
+
+    // Of the block at hand.
+    Point<Coord> origin_{};
+    std::vector<Local> local_;
+    std::array<std::uint32_t, side * side * side> heads_;  // of buckets; only where rows_ says that there is one
+    std::array<std::uint32_t, side * side> rows_;  // of buckets along x, a bit for each that holds a chosen point
+    std::vector<std::uint64_t> taken_;             // a bit a cell: holds a chosen point
+    std::size_t bucket_mask_;                      // of a cell's index: its bucket
+    NearPoints near_;
+    std::size_t hint_ = 0;  // the four among which the last point had its cover
+};
+
+// Whether the bin has points in the bucket of a point or in one beside it, which is where all are that are nearer than
+// the spacing.
+template <class Coord>
+class PointsNear {
+public:
+    PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size);
+    bool operator()(const Point<Coord>& p) const;
+
+private:
+    bool has(const Point<Coord>& bucket) const;
+    std::array<int, 3> bucket_;
+    std::vector<Point<Coord>> buckets_;
+    int table_bits_ = 1;
+    std::vector<std::uint32_t> table_;  // by hash: one more than the number of a bucket; 0 for none
+};
+
+extern template class PoissonPass<std::uint32_t>;
+extern template class PoissonPass<std::uint64_t>;
+extern template class PointsNear<std::uint32_t>;
+extern template class PointsNear<std::uint64_t>;
+
+}  // namespace pcm

@@ -1,0 +1,103 @@
+#include "pcm/build/levels/sorted_bins.h"
+
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
+
+#include <cstring>
+
+namespace pcm {
+
+template <class Coord>
+SortedBins<Coord>::SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema,
+                              ScratchSpace& space, bool go_on)
+    : layout_(layout),
+      packing_(layout, schema, false),
+      space_(space),
+      points_(folder / "points.tmp", go_on ? File::Mode::change : File::Mode::create_or_truncate),
+      file_(folder / "attributes.tmp", space, go_on)
+{
+    space_.take(points_.bytes());
+}
+
+template <class Coord>
+void SortedBins<Coord>::save(std::size_t bin, ByteWriter& out) const
+{
+    points_.save(bin, out);
+    out.put(attributes_[bin].offset);
+    out.put(attributes_[bin].bytes);
+    out.put(attributes_[bin].checksum);
+}
+
+template <class Coord>
+void SortedBins<Coord>::load(std::size_t bin, ByteReader& in)
+{
+    points_.load(bin, in);
+    Attributes& to = attributes_[bin];
+    to.offset = in.get<std::uint64_t>();
+    to.bytes = in.get<std::uint64_t>();
+    to.checksum = in.get<std::uint64_t>();
+    if (to.offset > file_.bytes() || to.bytes > file_.bytes() - to.offset)
+        throw Error(ErrorCode::corrupt, file_.path(), "a bin's attributes lie outside the file");
+}
+
+template <class Coord>
+void SortedBins<Coord>::sync()
+{
+    points_.sync();
+    file_.sync();
+}
+
+template <class Coord>
+void SortedBins<Coord>::resize(std::size_t bins)
+{
+    points_.resize(bins);
+    attributes_.resize(bins);
+}
+
+template <class Coord>
+void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows,
+                            const std::vector<std::uint32_t>& order)
+{
+    std::vector<std::byte> packed;
+    if (layout_.bytes > 3 * sizeof(Coord)) packing_.pack(rows.data(), order.data(), order.size(), packed);
+    Attributes& to = attributes_[bin];
+    to.bytes = packed.size();
+    to.checksum = checksum(packed.data(), packed.size());
+    to.offset = file_.reserve(to.bytes);
+    file_.take(to.bytes);
+    file_.write_at(packed.data(), packed.size(), to.offset);
+    packed = {};
+
+    std::vector<Point<Coord>> positions(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        positions[i] = coordinates_of<Coord>(rows.data() + order[i] * layout_.bytes);
+    space_.take(points_.put(bin, positions));
+}
+
+template <class Coord>
+std::vector<std::byte> SortedBins<Coord>::read(std::size_t bin) const
+{
+    const Attributes& from = attributes_[bin];
+    std::vector<std::byte> packed(from.bytes);
+    file_.read_at(packed.data(), packed.size(), from.offset);
+    if (checksum(packed.data(), packed.size()) != from.checksum)
+        throw Error(ErrorCode::corrupt, file_.path(),
+                    "what was written at byte " + std::to_string(from.offset) + " is not what is there now",
+                    "the disk may be failing; build again");
+    const std::size_t count = rows(bin);
+    std::vector<std::byte> all(count * layout_.bytes);
+    if (layout_.bytes > 3 * sizeof(Coord))
+        packing_.unpack(packed.data(), packed.size(), all.data(), count, file_.path());
+    typename SortedPoints<Coord>::Reader positions(points_, bin);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point<Coord> p = positions[i];
+        std::memcpy(all.data() + i * layout_.bytes, p.data(), sizeof p);
+    }
+    return all;
+}
+
+template class SortedBins<std::uint32_t>;
+template class SortedBins<std::uint64_t>;
+
+}  // namespace pcm

@@ -1,0 +1,49 @@
+// The bins of a build in Morton order, packed on disk: positions by themselves, for sampling, and the attributes.
+#pragma once
+
+#include "pcm/build/bins/row_packing.h"
+#include "pcm/build/bins/scratch_file.h"
+#include "pcm/build/levels/sorted_points.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace pcm {
+
+template <class Coord>
+class SortedBins {
+public:
+    // Two files in `folder`, which stay; `go_on`: they are there, and load() says what they hold.
+    SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
+               bool go_on);
+
+    void resize(std::size_t bins);
+    // Where a bin lies, and the reverse. load() throws Error(corrupt) when it does not lie within the files.
+    void save(std::size_t bin, ByteWriter& out) const;
+    void load(std::size_t bin, ByteReader& in);
+    void sync();
+    const SortedPoints<Coord>& points() const { return points_; }
+    std::uint64_t rows(std::size_t bin) const { return points_.box(bin).points; }
+
+    // Any thread, each bin once: its `rows`, of which there are some, in the order that `order` says.
+    void put(std::size_t bin, const std::vector<std::byte>& rows, const std::vector<std::uint32_t>& order);
+    // All rows of a bin, in order. Any thread. Throws Error(corrupt) when they are not what was written.
+    std::vector<std::byte> read(std::size_t bin) const;
+
+private:
+    struct Attributes {  // of a bin, where they lie
+        std::uint64_t offset = 0, bytes = 0, checksum = 0;
+    };
+    const RowLayout& layout_;
+    const RowPacking packing_;  // of attributes alone
+    ScratchSpace& space_;
+    SortedPoints<Coord> points_;
+    ScratchFile file_;
+    std::vector<Attributes> attributes_;
+};
+
+extern template class SortedBins<std::uint32_t>;
+extern template class SortedBins<std::uint64_t>;
+
+}  // namespace pcm

@@ -1,0 +1,128 @@
+#include "pcm/build/nodes/data_files.h"
+
+#include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree_index.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a new data file is begun beyond this
+constexpr std::uint16_t front_depth = 6;  // chunks above this depth lie together at the front, parents first
+
+std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
+{
+    auto file = std::make_shared<File>(path, File::Mode::change);
+    if (file->size() < bytes)
+        throw Error(
+            ErrorCode::truncated, path,
+            "the file has " + std::to_string(file->size()) + " bytes, " + std::to_string(bytes) + " were expected");
+    int result;
+    do result = ::ftruncate(file->descriptor(), static_cast<off_t>(bytes));
+    while (result != 0 && errno == EINTR);
+    if (result != 0) throw Error::from_errno(errno, path, "cutting the file off");
+    return file;
+}
+
+}  // namespace
+
+DataFiles::DataFiles(const fs::path& folder, const fs::path& work, std::uint32_t first)
+    : folder_(folder), front_path_(work / "front.tmp"), first_(first)
+{
+    bytes_.push_back(0);  // the first file is the front, written last
+}
+
+void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
+{
+    appended_ += size;
+    if (draft.path.depth <= front_depth) {
+        if (!front_) front_ = std::make_shared<File>(front_path_, File::Mode::create_or_truncate);
+        front_->write_at(bytes, size, front_bytes_);
+        draft.extent.file = first_;
+        draft.extent.offset = front_bytes_;
+        front_bytes_ += size;
+        fronted_.push_back(&draft);
+        return;
+    }
+    if (!file_ || bytes_.back() + size > data_file_limit) {
+        finish_file();
+        file_ = std::make_shared<File>(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(bytes_.size())),
+                                       File::Mode::create_or_truncate);
+        bytes_.push_back(0);
+    }
+    file_->write_at(bytes, size, bytes_.back());
+    draft.extent.file = first_ + static_cast<std::uint32_t>(bytes_.size() - 1);
+    draft.extent.offset = bytes_.back();
+    bytes_.back() += size;
+}
+
+void DataFiles::finish()
+{
+    finish_file();
+    std::sort(fronted_.begin(), fronted_.end(), [](const Draft* p, const Draft* q) {
+        if (p->path.depth != q->path.depth) return p->path.depth < q->path.depth;
+        return p->path.bits < q->path.bits;
+    });
+    File front(folder_ / data_file_name(first_), File::Mode::create_or_truncate);
+    std::vector<std::byte> buffer;
+    for (Draft* draft : fronted_) {
+        buffer.resize(draft->extent.bytes);
+        front_->read_at(buffer.data(), buffer.size(), draft->extent.offset);
+        front.write_at(buffer.data(), buffer.size(), bytes_[0]);
+        draft->extent.offset = bytes_[0];
+        bytes_[0] += buffer.size();
+    }
+    front.sync();
+    front.close();
+    front_.reset();
+}
+
+void DataFiles::finish_file()
+{
+    if (!file_) return;
+    file_->sync();
+    file_.reset();
+}
+
+void DataFiles::save(ByteWriter& out) const
+{
+    out.put(front_bytes_);
+    out.put(static_cast<std::uint64_t>(bytes_.size()));
+    for (const std::uint64_t bytes : bytes_) out.put(bytes);
+}
+
+void DataFiles::load(ByteReader& in)
+{
+    front_bytes_ = in.get<std::uint64_t>();
+    const auto files = in.get<std::uint64_t>();
+    bytes_.clear();
+    for (std::uint64_t i = 0; i < files; ++i) bytes_.push_back(in.get<std::uint64_t>());
+    if (bytes_.empty()) throw Error(ErrorCode::corrupt, folder_, "a checkpoint without data files");
+    bytes_[0] = 0;
+    if (front_bytes_) front_ = cut_off(front_path_, front_bytes_);
+    for (std::size_t number = 1; number < bytes_.size(); ++number)
+        file_ = cut_off(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(number)), bytes_[number]);
+}
+
+void DataFiles::written(Draft& draft)
+{
+    if (draft.extent.bytes && draft.extent.file == first_) fronted_.push_back(&draft);
+}
+
+std::function<void()> DataFiles::syncer() const
+{
+    return [folder = folder_, front = front_, file = file_] {
+        if (front) front->sync();
+        if (file) file->sync();
+        sync_folder(folder);
+    };
+}
+
+}  // namespace pcm

@@ -1,0 +1,13 @@
+// Writes BPC: chunks of some 100,000 points in the order in which they come, after a cloud block that keeps everything
+// else that is known about the cloud. Nothing is lost: integers keep their grid, doubles their bits. With more than one
+// thread chunks are encoded side by side; the bytes do not depend on it.
+#pragma once
+
+#include "pcm/io/writer.h"
+
+namespace pcm {
+
+std::unique_ptr<PointWriter> create_bpc(const std::filesystem::path& path, const FileInfo& cloud,
+                                        const WriteOptions& options);
+
+}  // namespace pcm

@@ -1,0 +1,81 @@
+// The grid for writing doubles as 32-bit integers, as LAS does: the coarsest that keeps every digit, where there is
+// one.
+#pragma once
+
+#include "pcm/cloud/geometry.h"
+#include "pcm/system/progress.h"
+#include "pcm/io/reader.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+struct GridProposal {
+    Grid grid;
+    bool exact = false;  // every watched coordinate v has a q of 32 bits with q * scale + offset == v, bit for bit
+    double largest_error = 0;      // source units: 0 when exact, else what no coordinate's rounding exceeds
+    std::uint64_t not_finite = 0;  // points with a NaN or infinite coordinate; they are not watched
+};
+
+// Watches all coordinates of a cloud, then proposes. Axes are chosen one by one, in this order:
+// 1. the coarsest step 10^-k, k = -3..12, on which all coordinates are exact, from offset 0 or from the first
+// coordinate
+//    rounded to a multiple of 1000;
+// 2. the coarsest power of two with which they are: always there for coordinates that were integers times such a step;
+// 3. the coarsest step 10^-k on which all coordinates are right to the last bits that arithmetic in double loses:
+// decimal
+//    numbers from a text, of which 3 * 0.1 != 0.3 is one;
+// 4. the finest step 1, 2 or 5 times 10^-k whose 32-bit integers span the coordinates.
+// One thread.
+class GridChoice {
+public:
+    GridChoice();
+
+    // A batch of doubles.
+    void watch(const PointBatch& batch);
+    GridProposal propose() const;
+
+private:
+    struct Candidate {
+        double scale = 1, offset = 0;
+        bool from_first = false;
+        double error = 0;  // the largest so far, which no more than rounding in double explains
+    };
+    struct Axis {
+        bool any = false;
+        double min = 0, max = 0;
+        std::vector<Candidate> decimal;  // on which all coordinates were right so far, coarsest first
+        int lowest_bit = 0;              // all coordinates are multiples of 2^lowest_bit
+        bool all_zero = true;
+    };
+    void watch(Axis& axis, double v);
+
+    std::array<Axis, 3> axes_;
+    std::uint64_t not_finite_ = 0;
+};
+
+// Reads all points of a cloud of doubles. Throws what read() throws, Error(cancelled), and Error(invalid_argument) for
+// a cloud that is on a grid already.
+GridProposal choose_grid(PointReader& reader, const ProgressFunction& progress = {});
+
+// The integer whose position on the grid is nearest to v; `v` is finite. It may need more than 32 bits, and saturates
+// at
+// +-2^62.
+inline std::int64_t nearest_on_grid(const Grid& grid, std::size_t axis, double v)
+{
+    constexpr double most = 4611686018427387904.0;
+    const double steps = std::nearbyint((v - grid.offset[axis]) / grid.scale[axis]);
+    if (!(steps > -most)) return -(std::int64_t{1} << 62);
+    if (!(steps < most)) return std::int64_t{1} << 62;
+    const auto q = static_cast<std::int64_t>(steps);
+    const double error = std::abs(grid.to_source(q, axis) - v);
+    if (error == 0) return q;
+    // The quotient is rounded too: a neighbour may be nearer.
+    if (std::abs(grid.to_source(q + 1, axis) - v) < error) return q + 1;
+    if (std::abs(grid.to_source(q - 1, axis) - v) < error) return q - 1;
+    return q;
+}
+
+}  // namespace pcm

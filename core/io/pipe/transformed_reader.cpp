@@ -1,0 +1,115 @@
+#include "pcm/io/pipe/transformed_reader.h"
+
+#include "pcm/io/pipe/batch_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+template <class T>
+void turn(Column& column, const std::array<Vec3d, 3>& by)
+{
+    T* values = column.as<T>();
+    for (std::size_t i = 0; i < column.size(); ++i, values += 3) {
+        const Vec3d n{static_cast<double>(values[0]), static_cast<double>(values[1]), static_cast<double>(values[2])};
+        Vec3d turned;
+        for (std::size_t a = 0; a < 3; ++a) turned[a] = by[a][0] * n[0] + by[a][1] * n[1] + by[a][2] * n[2];
+        const double before = std::hypot(n[0], n[1], n[2]), now = std::hypot(turned[0], turned[1], turned[2]);
+        if (!(now > 0)) continue;  // no direction
+        for (std::size_t a = 0; a < 3; ++a) values[a] = static_cast<T>(turned[a] * (before / now));
+    }
+}
+
+template <class T>
+void stretch(Column& column, double by)
+{
+    T* const values = column.as<T>();
+    for (std::size_t i = 0; i < column.size(); ++i) values[i] = static_cast<T>(static_cast<double>(values[i]) * by);
+}
+
+}  // namespace
+
+TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const Affine& map)
+    : cloud_(std::move(cloud)), map_(map)
+{
+    const auto& m = map_.linear;
+    const double determinant = map_.determinant();
+    double volume = 1;  // of a box with the rows' lengths
+    bool finite = std::isfinite(determinant), stretches = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        volume *= std::hypot(m[i][0], m[i][1], m[i][2]);
+        finite = finite && std::isfinite(map_.pivot[i]) && std::isfinite(map_.target[i]);
+        for (std::size_t j = 0; j < 3; ++j) {
+            stretches = stretches && (i == j ? m[i][j] > 0 : m[i][j] == 0);
+        }
+    }
+    if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has numbers that are not finite");
+    if (std::fabs(determinant) <= 1e-12 * volume)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a transformation flattens the cloud: its determinant is " + std::to_string(determinant),
+                    "give one that keeps three dimensions");
+    // Cofactors over the determinant are the inverse transposed; the length is the normal's own.
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t r1 = (i + 1) % 3, r2 = (i + 2) % 3, c1 = (j + 1) % 3, c2 = (j + 2) % 3;
+            of_normals_[i][j] = (m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]) / determinant;
+        }
+    of_lengths_ = std::cbrt(std::fabs(determinant));
+    const FileInfo& info = cloud_->info();
+    if (info.grid && stretches) {
+        grid_ = *info.grid;
+        for (std::size_t a = 0; a < 3; ++a) {
+            grid_->scale[a] = info.grid->scale[a] * m[a][a];
+            grid_->offset[a] = m[a][a] * (info.grid->offset[a] - map_.pivot[a]) + map_.target[a];
+        }
+    }
+}
+
+const FileInfo& TransformedReader::info() const
+{
+    info_ = cloud_->info();
+    info_.grid = grid_;
+    info_.near_grid.reset();
+    info_.promised_box.reset();
+    if (!grid_) info_.position_type = ScalarType::f64;
+    return info_;
+}
+
+bool TransformedReader::read(PointBatch& batch, std::size_t max_points)
+{
+    const FileInfo& info = cloud_->info();
+    const std::optional<Grid> grid = info.grid;
+    const Schema schema = info.schema;
+    if (grid_) {
+        if (!cloud_->read(batch, max_points)) return false;
+    } else {
+        const bool more = cloud_->read(from_, max_points);
+        shape_batch(batch, schema, false, from_.size);
+        if (!more) return false;
+        for (std::size_t i = 0; i < from_.size; ++i) {
+            Vec3d p;
+            for (std::size_t a = 0; a < 3; ++a)
+                p[a] = from_.gridded ? grid->to_source(from_.grid_xyz[a][i], a) : from_.xyz[a][i];
+            p = map_(p);
+            for (std::size_t a = 0; a < 3; ++a) batch.xyz[a][i] = p[a];
+        }
+        std::swap(batch.attributes, from_.attributes);
+    }
+    for (std::size_t k = 0; k < schema.size(); ++k) {
+        const Attribute& attribute = schema[k];
+        const bool floats = attribute.type == ScalarType::f32, doubles = attribute.type == ScalarType::f64;
+        if (attribute.name == attribute_name::normal && attribute.components == 3) {
+            if (floats) turn<float>(batch.attributes[k], of_normals_);
+            if (doubles) turn<double>(batch.attributes[k], of_normals_);
+        }
+        if (attribute.name == attribute_name::radius && attribute.components == 1) {
+            if (floats) stretch<float>(batch.attributes[k], of_lengths_);
+            if (doubles) stretch<double>(batch.attributes[k], of_lengths_);
+        }
+    }
+    return true;
+}
+
+}  // namespace pcm

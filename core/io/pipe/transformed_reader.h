@@ -1,0 +1,38 @@
+// A cloud, moved, turned or scaled while it is read.
+#pragma once
+
+#include "pcm/cloud/affine.h"
+#include "pcm/io/reader.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+
+namespace pcm {
+
+// Where the map only stretches and shifts along the axes, points on a grid stay on one, with the same integers; else
+// positions become doubles. An attribute `normal` of three floats is turned along (as planes are: by the inverse
+// transposed) and keeps its length, `radius` grows with the cube root of the volume. One thread, as the reader that is
+// read.
+class TransformedReader final : public PointReader {
+public:
+    // Throws Error(invalid_argument) for a map that is not finite or flattens space.
+    TransformedReader(std::unique_ptr<PointReader> cloud, const Affine& map);
+
+    const FileInfo& info() const override;
+    bool read(PointBatch& batch, std::size_t max_points) override;
+    bool seekable() const override { return cloud_->seekable(); }
+    void seek(std::uint64_t index) override { cloud_->seek(index); }
+    double fraction_read() const override { return cloud_->fraction_read(); }
+
+private:
+    const std::unique_ptr<PointReader> cloud_;
+    const Affine map_;
+    std::array<Vec3d, 3> of_normals_{};
+    double of_lengths_ = 1;
+    std::optional<Grid> grid_;  // where points stay on one
+    mutable FileInfo info_;
+    PointBatch from_;
+};
+
+}  // namespace pcm

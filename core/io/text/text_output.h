@@ -1,0 +1,61 @@
+// Points as lines of text: what the writers of XYZ and PTS share.
+#pragma once
+
+#include "pcm/system/output_file.h"
+#include "pcm/cloud/point_batch.h"
+#include "pcm/io/writer.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace pcm {
+
+// One thread. Lines are collected in a small buffer and appended to the file.
+class TextOutput {
+public:
+    // Throws Error(invalid_argument) for more decimals than most_decimals, and what opening a file can throw.
+    TextOutput(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options);
+
+    OutputFile& file() { return file_; }
+
+    // Throws Error(invalid_argument) unless the batch has the shape that the cloud's info promised.
+    void check(const PointBatch& batch) const;
+
+    void put(char c);
+    void put(std::string_view text);
+    void put_integer(std::uint64_t value);
+    // x, y and z of a point with `separator` between them: the fewest digits that give back the same double, or as many
+    // behind the point as the options ask for. NaN is "nan", the infinities are "inf" and "-inf".
+    void put_position(const PointBatch& batch, std::size_t point, char separator);
+    // The value that a user sees of the raw scalar `index` of a column, in the fewest digits that give back the same
+    // number: an integer or float of the column's own type, or the double raw * scale + offset where they are not 1 and
+    // 0.
+    void put_scalar(const Attribute& attribute, const Column& column, std::size_t index);
+    void put_number(double value);
+
+    // Largest difference of a coordinate as written from the coordinate itself, source units.
+    double position_error() const { return position_error_; }
+    // Writes out what is collected; the file itself is finished by its owner.
+    void flush();
+
+    static constexpr unsigned most_decimals = 30;
+
+private:
+    // Room for one more number or short word; longer words are put in pieces.
+    char* room();
+
+    const Schema schema_;
+    const std::optional<Grid> grid_;
+    const std::optional<unsigned> decimals_;
+    OutputFile file_;
+    double position_error_ = 0;
+    std::array<char, 65536> buffer_;
+    std::size_t used_ = 0;
+};
+
+}  // namespace pcm

@@ -1,0 +1,60 @@
+// The lines of a text file, block by block.
+#pragma once
+
+#include "pcm/system/file.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace pcm {
+
+inline constexpr std::size_t longest_text_line = std::size_t{1} << 20;
+
+// Lines end with LF, CRLF or CR; a byte order mark of UTF-8 is passed over. One thread; memory for one block, at most
+// the longest line.
+//
+// Parsers work on at()..end() directly: whole lines, each with its end (the last of a file gets one), behind which one
+// more byte can be read. They say with advance() how far they got.
+class TextSource {
+public:
+    // `start` is the first byte of a line, `lines_before` the number of lines before it.
+    explicit TextSource(const File& file, std::uint64_t start = 0, std::uint64_t lines_before = 0);
+
+    // Makes sure that there is an unread line, reading on if need be. False at the end of the file. Throws
+    // Error(bad_format) for a line longer than longest_text_line, and Error(io).
+    bool fill();
+
+    const char* at() const { return at_; }
+    const char* end() const { return end_; }
+    // Everything before `to`, a first byte of a line in at()..end(), is read; it was that many lines.
+    void advance(const char* to, std::uint64_t lines)
+    {
+        at_ = to;
+        lines_ += lines;
+    }
+
+    // The next line without its end, valid until the next call. False at the end of the file.
+    bool next(std::string_view& line);
+
+    std::uint64_t lines_read() const { return lines_; }
+    std::uint64_t bytes_read() const;
+
+private:
+    const File& file_;
+    std::uint64_t next_byte_;    // of the file, behind what the buffer holds
+    std::uint64_t padding_ = 0;  // bytes of the buffer that are not the file's
+    std::uint64_t lines_;
+    bool at_end_ = false;  // of the file
+    std::vector<char> buffer_;
+    const char* at_ = nullptr;
+    const char* end_ = nullptr;   // of the whole lines
+    const char* held_ = nullptr;  // end of all bytes in the buffer
+};
+
+// The line that begins at `at`, without its end; `at` moves to the next line. For bytes as TextSource has them: the
+// line has an end, and behind it is one more byte.
+std::string_view take_line(const char*& at);
+
+}  // namespace pcm

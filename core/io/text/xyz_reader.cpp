@@ -1,0 +1,326 @@
+#include "pcm/io/text/xyz_reader.h"
+
+#include "pcm/system/file.h"
+#include "pcm/system/text.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/names.h"
+#include "pcm/io/text/text_columns.h"
+#include "pcm/io/text/text_numbers.h"
+#include "pcm/io/text/text_rows.h"
+#include "pcm/io/text/text_sample.h"
+#include "pcm/io/text/text_source.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr const char* override_hint =
+    "if the columns are others say what they are, for example \"x y z intensity r g b\" or with types \"x y z id:u64 "
+    "intensity:f64\"; - stands for one that is not read";
+
+std::optional<std::uint64_t> count_in(std::string_view line)
+{
+    std::vector<std::string_view> words;
+    split_fields(line, {}, words);
+    std::uint64_t count = 0;
+    const auto digits = [](std::string_view word) { return std::all_of(word.begin(), word.end(), text::is_digit); };
+    if (words.size() != 1 || !digits(words[0]) || !text::parse_number(words[0], count)) return std::nullopt;
+    return count;
+}
+
+std::string separator_text(const TextDialect& dialect)
+{
+    const std::string point = dialect.point == ',' ? ", with decimal commas" : "";
+    switch (dialect.separator) {
+        case ',':
+            return "commas" + point;
+        case ';':
+            return "semicolons" + point;
+        case '\t':
+            return "tabs" + point;
+        default:
+            return "blanks" + point;
+    }
+}
+
+class TextPointReader final : public PointReader {
+public:
+    TextPointReader(const std::filesystem::path& path, const ReadOptions& options, bool pts)
+        : file_(path, File::Mode::read), file_size_(file_.size()), pts_(pts)
+    {
+        const TextLayout& layout = options.text;
+        check_layout(layout);
+        const auto sample = sample_text(file_, {layout.separator, layout.skip_lines});
+        if (sample)
+            plan(layout, *sample);
+        else
+            plan_without_rows(layout);
+    }
+
+    const FileInfo& info() const override { return info_; }
+    bool read(PointBatch& batch, std::size_t max_points) override;
+    double fraction_read() const override
+    {
+        return finished_ || !file_size_ ? 1.0
+                                        : static_cast<double>(source_->bytes_read()) / static_cast<double>(file_size_);
+    }
+
+private:
+    [[noreturn]] void fail(ErrorCode code, const std::string& what, const std::string& hint = override_hint) const
+    {
+        throw Error(code, file_.path(), what, hint);
+    }
+    void plan(const TextLayout& layout, const TextSample& sample);
+    void plan_without_rows(const TextLayout& layout);
+    void start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
+               std::uint64_t line);
+    void find_count(const std::vector<std::string>& head, std::size_t skipped);
+    std::vector<TextColumn> columns_of(const TextLayout& layout, const TextSample& sample);
+    std::optional<std::vector<TextColumn>> find_header(const TextSample& sample);
+    void refuse_grids(const std::vector<std::string>& head) const;
+    bool begins_list(std::uint64_t line, const std::vector<std::string_view>& fields);
+    void end_list(const std::string& where);
+    void finish();
+
+    File file_;
+    std::uint64_t file_size_;
+    bool pts_;
+    FileInfo info_;
+    std::optional<TextSource> source_;
+    std::optional<TextRows> rows_;
+    std::size_t batch_points_ = 1;
+    std::size_t header_line_ = 0;  // counted from 1; 0 without
+    // The list of points that is being read: what its first line promised.
+    std::optional<std::uint64_t> promised_;
+    std::uint64_t promise_line_ = 0;
+    std::uint64_t rows_before_list_ = 0;
+    bool finished_ = false;
+};
+
+void TextPointReader::refuse_grids(const std::vector<std::string>& head) const
+{
+    for (const std::string& line : head) {
+        std::string start = line.substr(0, 5);
+        for (char& c : start) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        if (start == "ncols")
+            fail(ErrorCode::unsupported, "this is a grid of heights (ESRI ASCII raster), not a list of points",
+                 "convert it to points, x y z a line");
+    }
+}
+
+std::optional<std::vector<TextColumn>> TextPointReader::find_header(const TextSample& sample)
+{
+    for (std::size_t i = sample.head.size(); i-- > 0;)
+        if (auto columns = header_columns(sample.head[i], sample.dialect)) {
+            header_line_ = i + 1;
+            return columns;
+        }
+    for (std::size_t i = 0; i < sample.head.size(); ++i)
+        if (!is_blank_or_comment(sample.head[i]) && is_half_a_header(sample.head[i], sample.dialect))
+            fail(ErrorCode::bad_format, "line " + std::to_string(i + 1) + " is " + quote_bytes(sample.head[i]) +
+                                            ", expected the names of the columns with x, y and z once each");
+    return std::nullopt;
+}
+
+std::vector<TextColumn> TextPointReader::columns_of(const TextLayout& layout, const TextSample& sample)
+{
+    const std::string first = "line " + std::to_string(sample.first_row + 1);
+    std::vector<TextColumn> columns;
+    if (!layout.columns.empty()) {
+        for (const std::string& column : layout.columns) {
+            const NamedColumn named = named_column(column);
+            columns.push_back({named.name, named.type, false});
+        }
+        if (columns.size() != sample.columns)
+            fail(ErrorCode::bad_format, std::to_string(columns.size()) + " columns were named, most lines from " +
+                                            first + " on have " + std::to_string(sample.columns));
+        return columns;
+    }
+    if (auto header = find_header(sample)) {
+        if (header->size() != sample.columns)
+            fail(ErrorCode::bad_format, "line " + std::to_string(header_line_) + " names " +
+                                            std::to_string(header->size()) + " columns, most lines from " + first +
+                                            " on have " + std::to_string(sample.columns));
+        return *header;
+    }
+    if (pts_ || extension_of(file_.path()) == "pwn") {
+        static constexpr const char* by_count[][7] = {{"x", "y", "z"},
+                                                      {"x", "y", "z", "intensity"},
+                                                      {"x", "y", "z", "r", "g", "b"},
+                                                      {"x", "y", "z", "intensity", "r", "g", "b"},
+                                                      {"x", "y", "z", "nx", "ny", "nz"}};
+        const std::size_t n = sample.columns;
+        const int which = pts_ ? (n == 3 ? 0 : n == 4 ? 1 : n == 6 ? 2 : n == 7 ? 3 : -1) : n == 6 ? 4 : -1;
+        if (!pts_ && which < 0)
+            fail(ErrorCode::unsupported,
+                 first + " has " + std::to_string(n) + " numbers, expected x y z nx ny nz in a .pwn file",
+                 "lists of points and normals one behind the other are not read");
+        if (which >= 0) {
+            for (std::size_t c = 0; c < n; ++c) columns.push_back({by_count[which][c], std::nullopt, false});
+            return columns;
+        }
+    }
+    return guess_columns(sample.looks, sample.rows);
+}
+
+// In the lines before the first row that the user did not want to be skipped.
+void TextPointReader::find_count(const std::vector<std::string>& head, std::size_t skipped)
+{
+    for (std::size_t i = skipped; i < head.size(); ++i)
+        if (const auto count = count_in(head[i])) {
+            promised_ = count;
+            promise_line_ = i + 1;
+        }
+}
+
+void TextPointReader::plan(const TextLayout& layout, const TextSample& sample)
+{
+    refuse_grids(sample.head);
+    const std::vector<TextColumn> columns = columns_of(layout, sample);
+    TextPlan plan = plan_columns(columns, sample.looks, layout.colour_range, pts_);
+    find_count(sample.head, layout.skip_lines.value_or(0));
+
+    std::string names;
+    for (const TextColumn& column : columns) names += " " + printable_name(column.name);
+    std::string note = "columns" + names;
+    if (!plan.colours.empty()) note += " (" + plan.colours + ")";
+    if (header_line_) note += " as line " + std::to_string(header_line_) + " names them";
+    note += ", separated by " + separator_text(sample.dialect);
+    const std::uint64_t skipped = sample.first_row;
+    if (skipped) note += ", " + grouped(skipped) + (skipped == 1 ? " line skipped" : " lines skipped");
+    if (layout.columns.empty()) note += "; say otherwise with the columns option";
+    info_.notes.push_back(note);
+    info_.notes.insert(info_.notes.end(), plan.notes.begin(), plan.notes.end());
+
+    info_.points = sample.estimated_rows(file_size_);
+    // A promise is a better guess than the lengths of some lines, unless it cannot be true.
+    if (promised_ && *promised_ <= file_size_ / (2 * columns.size()) + 1) info_.points = *promised_;
+    start(plan, sample.dialect, header_line_ != 0, sample.first_row_byte, sample.first_row);
+}
+
+// A header of columns, or a count of none, and nothing behind it: a cloud without points.
+void TextPointReader::plan_without_rows(const TextLayout& layout)
+{
+    if (file_size_ == 0) fail(ErrorCode::bad_format, "the file is empty", "");
+    TextDialect dialect;
+    std::vector<std::string> head;
+    TextSource lines(file_);
+    std::string_view line;
+    std::optional<std::string> odd;
+    std::uint64_t odd_line = 0;
+    while (!odd && lines.bytes_read() < 65536 && lines.next(line)) {
+        head.emplace_back(line);
+        if (is_blank_or_comment(line) || count_in(line) == std::uint64_t(0)) continue;
+        for (const char separator : {',', ';', '\t', ' '})
+            if (header_columns(head.back(), {separator, '.'})) line = {};
+        if (line.empty()) continue;
+        odd = head.back();
+        odd_line = lines.lines_read();
+    }
+    refuse_grids(head);
+    std::vector<TextColumn> columns;
+    bool counted = false;
+    for (const std::string& text : head) {
+        counted = counted || count_in(text) == std::uint64_t(0);
+        if (auto header = header_columns(text, dialect)) columns = *header;
+    }
+    if (odd || lines.fill() || (columns.empty() && !counted)) {
+        const std::string from = layout.skip_lines ? " behind line " + std::to_string(*layout.skip_lines) : "";
+        fail(ErrorCode::bad_format,
+             odd ? "line " + std::to_string(odd_line) + " is " + quote_bytes(*odd) +
+                       ", expected lines of three numbers or more" + from
+                 : "no line of three numbers or more was found" + from,
+             "the separator, the lines to skip and the columns can be said, where detecting them fails");
+    }
+    if (columns.empty()) columns = {{"x", {}, false}, {"y", {}, false}, {"z", {}, false}};
+    const TextPlan plan = plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range, pts_);
+    start(plan, dialect, false, file_size_, head.size());
+}
+
+void TextPointReader::start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
+                            std::uint64_t line)
+{
+    info_.format = pts_ ? "PTS" : "text separated by " + separator_text(dialect);
+    info_.points_known = false;
+    info_.schema = plan.schema;
+    info_.position_type = ScalarType::f64;
+    batch_points_ = std::min(points_that_fit_a_batch(info_.schema), default_batch_points);
+    source_.emplace(file_, byte, line);
+    rows_.emplace(file_.path(), TextForm{dialect, plan.fields, has_header, override_hint},
+                  [this](std::uint64_t at, const auto& fields) { return begins_list(at, fields); });
+}
+
+// A line with nothing but a count, between the points.
+bool TextPointReader::begins_list(std::uint64_t line, const std::vector<std::string_view>& fields)
+{
+    if (fields.size() != 1 || !promised_) return false;
+    const auto count = count_in(fields[0]);
+    if (!count) return false;
+    end_list("line " + std::to_string(line) + " begins another list");
+    promised_ = count;
+    promise_line_ = line;
+    rows_before_list_ = rows_->counts().rows;
+    return true;
+}
+
+void TextPointReader::end_list(const std::string& where)
+{
+    if (!promised_) return;
+    const std::uint64_t found = rows_->counts().rows - rows_before_list_;
+    const std::string promise =
+        "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
+    if (found < *promised_) fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
+    if (found > *promised_ && info_.notes.size() < 100)
+        info_.notes.push_back(promise + ", " + grouped(found) + " follow: all are read");
+}
+
+void TextPointReader::finish()
+{
+    if (finished_) return;
+    end_list("the file ends");
+    finished_ = true;
+    for (std::string& note : rows_->counts().notes()) info_.notes.push_back(std::move(note));
+}
+
+bool TextPointReader::read(PointBatch& batch, std::size_t max_points)
+{
+    const std::uint64_t left = file_size_ - std::min(file_size_, source_->bytes_read());
+    const std::size_t most = finished_ ? 0 : rows_->most_rows(left, std::min(max_points, batch_points_));
+    shape_batch(batch, info_.schema, false, most);
+    if (most == 0) return false;
+    const std::size_t count = rows_->read(*source_, batch, 0, most);
+    if (count < most) batch.resize(count);
+    if (count == 0) finish();
+    return count > 0;
+}
+
+}  // namespace
+
+std::unique_ptr<PointReader> open_xyz(const std::filesystem::path& path, const ReadOptions& options)
+{
+    return std::make_unique<TextPointReader>(path, options, false);
+}
+
+std::unique_ptr<PointReader> open_pts(const std::filesystem::path& path, const ReadOptions& options)
+{
+    return std::make_unique<TextPointReader>(path, options, true);
+}
+
+bool looks_like_points(const std::filesystem::path& path)
+{
+    try {
+        const File file(path, File::Mode::read);
+        const auto sample = sample_text(file);
+        if (!sample || sample->odd_lines || sample->longer_rows) return false;
+        for (const std::string& line : sample->head)
+            if (!is_blank_or_comment(line) && !count_in(line) && !header_columns(line, sample->dialect)) return false;
+        return true;
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::bad_format || error.code() == ErrorCode::unsupported) return false;
+        throw;
+    }
+}
+
+}  // namespace pcm

@@ -1,0 +1,54 @@
+#include "pcm/system/error.h"
+
+#include <cerrno>
+#include <cstring>
+
+namespace pcm {
+namespace {
+
+std::string compose(const std::filesystem::path& path, const std::string& what, const std::string& hint)
+{
+    std::string text = path.empty() ? what : path.string() + ": " + what;
+    if (!hint.empty()) text += " (" + hint + ")";
+    return text;
+}
+
+ErrorCode code_of(int error_number)
+{
+    switch (error_number) {
+        case ENOENT:
+        case ENOTDIR:
+            return ErrorCode::not_found;
+        case EACCES:
+        case EPERM:
+        case EROFS:
+            return ErrorCode::permission;
+        case ENOSPC:
+        case EDQUOT:
+        case EFBIG:
+            return ErrorCode::no_space;
+        case EEXIST:
+        case ENOTEMPTY:
+            return ErrorCode::exists;
+        default:
+            return ErrorCode::io;
+    }
+}
+
+}  // namespace
+
+Error::Error(ErrorCode code, const std::filesystem::path& path, const std::string& what, const std::string& hint)
+    : std::runtime_error(compose(path, what, hint)), code_(code), path_(path)
+{
+}
+
+Error Error::from_errno(int error_number, const std::filesystem::path& path, const std::string& action)
+{
+    const ErrorCode code = code_of(error_number);
+    const char* hint = code == ErrorCode::no_space     ? "free some space or choose another folder"
+                       : code == ErrorCode::permission ? "check the owner and the mode of the folder"
+                                                       : "";
+    return Error(code, path, action + " failed: " + std::strerror(error_number), hint);
+}
+
+}  // namespace pcm

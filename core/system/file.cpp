@@ -1,0 +1,131 @@
+#include "pcm/system/file.h"
+
+#include "pcm/system/error.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace pcm {
+
+File::File(const std::filesystem::path& path, Mode mode) : path_(path)
+{
+    const int flags = mode == Mode::read         ? O_RDONLY
+                      : mode == Mode::change     ? O_RDWR
+                      : mode == Mode::create_new ? O_RDWR | O_CREAT | O_EXCL
+                                                 : O_RDWR | O_CREAT | O_TRUNC;
+    descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    if (descriptor_ < 0)
+        throw Error::from_errno(errno, path, mode == Mode::read || mode == Mode::change ? "opening" : "creating");
+}
+
+File::File(File&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
+
+File& File::operator=(File&& other) noexcept
+{
+    if (this != &other) {
+        if (descriptor_ >= 0) ::close(descriptor_);
+        descriptor_ = std::exchange(other.descriptor_, -1);
+        path_ = std::move(other.path_);
+    }
+    return *this;
+}
+
+File::~File()
+{
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::uint64_t File::size() const
+{
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) throw Error::from_errno(errno, path_, "asking for the size");
+    return static_cast<std::uint64_t>(status.st_size);
+}
+
+std::size_t File::read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const
+{
+    std::size_t done = 0;
+    while (done < bytes) {
+        const ssize_t got =
+            ::pread(descriptor_, static_cast<char*>(to) + done, bytes - done, static_cast<off_t>(offset + done));
+        if (got < 0) {
+            if (errno == EINTR) continue;
+            throw Error::from_errno(errno, path_, "reading at byte " + std::to_string(offset + done));
+        }
+        if (got == 0) break;
+        done += static_cast<std::size_t>(got);
+    }
+    return done;
+}
+
+void File::read_at(void* to, std::size_t bytes, std::uint64_t offset) const
+{
+    const std::size_t got = read_some_at(to, bytes, offset);
+    if (got < bytes)
+        throw Error(ErrorCode::truncated, path_,
+                    "the file ends at byte " + std::to_string(offset + got) + ", " + std::to_string(bytes) +
+                        " bytes were expected from byte " + std::to_string(offset));
+}
+
+void File::write_at(const void* from, std::size_t bytes, std::uint64_t offset)
+{
+    std::size_t done = 0;
+    while (done < bytes) {
+        const ssize_t put = ::pwrite(descriptor_, static_cast<const char*>(from) + done, bytes - done,
+                                     static_cast<off_t>(offset + done));
+        if (put < 0) {
+            if (errno == EINTR) continue;
+            throw Error::from_errno(errno, path_, "writing at byte " + std::to_string(offset + done));
+        }
+        done += static_cast<std::size_t>(put);
+    }
+}
+
+void File::sync()
+{
+    if (::fsync(descriptor_) != 0) throw Error::from_errno(errno, path_, "flushing to disk");
+}
+
+void File::close()
+{
+    if (descriptor_ >= 0 && ::close(std::exchange(descriptor_, -1)) != 0)
+        throw Error::from_errno(errno, path_, "closing");
+}
+
+void sync_folder(const std::filesystem::path& folder)
+{
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) throw Error::from_errno(errno, folder, "opening the folder");
+    const int result = ::fsync(descriptor);
+    const int error = errno;
+    ::close(descriptor);
+    // Some network file systems cannot sync a folder and say EINVAL: there is nothing more to be done there.
+    if (result != 0 && error != EINVAL) throw Error::from_errno(error, folder, "flushing the folder to disk");
+}
+
+void replace_file(const std::filesystem::path& path, const void* bytes, std::size_t size)
+{
+    std::filesystem::path temporary = path;
+    temporary += ".new";
+    try {
+        File file(temporary, File::Mode::create_or_truncate);
+        file.write_at(bytes, size, 0);
+        file.sync();
+        file.close();
+        if (std::rename(temporary.c_str(), path.c_str()) != 0)
+            throw Error::from_errno(errno, path, "putting the new file in place");
+    } catch (...) {
+        std::error_code ignored;
+        std::filesystem::remove(temporary, ignored);
+        throw;
+    }
+    sync_folder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
+}
+
+}  // namespace pcm

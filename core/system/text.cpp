@@ -1,0 +1,51 @@
+#include "pcm/system/text.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace pcm {
+
+std::string grouped(std::uint64_t number)
+{
+    std::string text = std::to_string(number);
+    for (auto i = static_cast<int>(text.size()) - 3; i > 0; i -= 3) text.insert(static_cast<std::size_t>(i), ",");
+    return text;
+}
+
+std::string exact(double value)
+{
+    // Coordinates are read by people: no exponent where the number is not too long without.
+    const double magnitude = std::fabs(value);
+    const bool plain = magnitude == 0 || (magnitude >= 1e-6 && magnitude < 1e15);
+    char text[64];
+    const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+    return std::string(text, std::to_chars(text, text + sizeof text, value, format).ptr);
+}
+
+std::string exact(const Vec3d& v) { return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]); }
+
+std::string brief(double value)
+{
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+std::string bytes_text(std::uint64_t bytes)
+{
+    static const char* const units[] = {"bytes", "kB", "MB", "GB", "TB"};
+    auto value = static_cast<double>(bytes);
+    int unit = 0;
+    while (value >= 1000 && unit < 4) {
+        value /= 1000;
+        ++unit;
+    }
+    char text[32];
+    std::snprintf(text, sizeof text, unit ? "%.2f %s" : "%.0f %s", value, units[unit]);
+    return text;
+}
+
+std::string time_text(double seconds) { return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s"; }
+
+}  // namespace pcm

@@ -1,0 +1,31 @@
+#include "pcm/tree/tree_lock.h"
+
+#include "pcm/system/error.h"
+
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+
+namespace pcm {
+
+TreeLock::TreeLock(const std::filesystem::path& folder)
+{
+    const std::filesystem::path path = folder / lock_file_name;
+    for (;;) {
+        file_ = File(path, File::Mode::create_or_truncate);
+        while (::flock(file_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
+            if (errno == EINTR) continue;
+            if (errno != EWOULDBLOCK) throw Error::from_errno(errno, path, "locking");
+            throw Error(ErrorCode::exists, folder, "this tree is being changed by somebody else at this moment",
+                        "try again when that is done");
+        }
+        // Whoever compacts a tree puts another folder in its place: then this is the lock of one that is no more.
+        struct stat locked {
+        }, named{};
+        if (::fstat(file_.descriptor(), &locked) != 0) throw Error::from_errno(errno, path, "looking at");
+        if (::stat(path.c_str(), &named) == 0 && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino) return;
+    }
+}
+
+}  // namespace pcm

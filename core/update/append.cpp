@@ -1,0 +1,174 @@
+#include "pcm/update/append.h"
+
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/build/build_state.h"
+#include "pcm/build/nodes/data_files.h"
+#include "pcm/build/bins/partition.h"
+#include "pcm/update/fitted_reader.h"
+#include "pcm/update/given_points.h"
+#include "pcm/update/new_part.h"
+#include "pcm/update/tree_update.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <variant>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+BuildOptions build_options(const AppendOptions& options, Sampling sampling)
+{
+    BuildOptions build;
+    build.memory_bytes = options.memory_bytes;
+    build.threads = options.threads;
+    build.chunk_points = options.chunk_points;
+    build.sampling = sampling;
+    build.progress = options.progress;
+    check_build_options(build);
+    return build;
+}
+
+class Append {
+public:
+    Append(const fs::path& path, PointReader& cloud, const std::vector<std::string>& sources,
+           const AppendOptions& options)
+        : cloud_(cloud),
+          sources_(sources),
+          update_(path),
+          tree_(update_.tree()),
+          fitted_(cloud, tree_->info(), tree_->folder()),
+          options_(build_options(options, tree_->info().sampling)),
+          state_(options_, update_.scratch())
+    {
+        state_.like = &tree_->info();
+        state_.nodes.part = static_cast<std::uint32_t>(tree_->part_roots().size());
+        state_.nodes.generation = update_.generation();
+    }
+
+    AppendReport run()
+    {
+        AnyBins bins = partition(fitted_, state_);
+        report_.points_added = state_.observed.points;
+        report_.points_skipped = fitted_.points_skipped();
+        // What is not finite is left out of integers on the way, of doubles by the partition.
+        report_.outcome.points_in = state_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
+        // Now they are complete: readers find out on the way what they drop.
+        report_.notes = cloud_.info().notes;
+        report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
+        if (report_.points_skipped)
+            report_.notes.push_back(grouped(report_.points_skipped) +
+                                    " points without a finite position were left out");
+        if (report_.points_added + report_.points_skipped != report_.outcome.points_in)
+            throw Error(ErrorCode::corrupt, update_.folder(),
+                        grouped(report_.outcome.points_in) + " points were read, " + grouped(report_.points_added) +
+                            " are to be added; this is a defect of the program");
+        if (report_.points_added)
+            std::visit([this](auto& of) { add(of); }, bins);
+        else
+            report_.outcome.points_out = tree_->info().points;
+        report_.outcome.error = std::max(report_.outcome.error, tree_->info().position_error);
+        report_.outcome.error_meaning = "largest position error, source units";
+        report_.outcome.seconds = state_.watch.seconds();
+        return report_;
+    }
+
+private:
+    template <class Coord>
+    void add(Bins<Coord>& bins)
+    {
+        const auto old_files = static_cast<std::uint32_t>(tree_->data_files().size());
+        DataFiles files(update_.folder(), state_.folder, old_files);
+        DraftStore drafts;
+        std::optional<GivenLevels<Coord>> given;
+        if (tree_->info().points) given = given_levels<Coord>(tree_);
+        const Draft* root = make_part(bins, state_, drafts, files, std::move(given));
+        files.finish();
+        update_.adopt(files.bytes());
+
+        std::vector<PartNode> nodes = part_nodes(*tree_);
+        const std::size_t before = nodes.size();
+        add_drafts(root, nodes);
+        report_.nodes_added = nodes.size() - before;
+        commit(join_parts(nodes, state_.nodes.spacings, tree_->info().grid.scale));
+    }
+
+    void add_drafts(const Draft* draft, std::vector<PartNode>& nodes) const
+    {
+        if (!draft) return;
+        PartNode node;
+        node.part = state_.nodes.part;
+        node.path = draft->path;
+        node.points = draft->points;
+        node.first_level = draft->first_level;
+        node.level_points = draft->level_points;
+        node.spacing = draft->spacing;
+        if (draft->points) node.box = draft->box;
+        node.extent = draft->extent;
+        nodes.push_back(std::move(node));
+        for (const Draft* child : draft->children) add_drafts(child, nodes);
+    }
+
+    void commit(NodeVector joined)
+    {
+        state_.watch.report("Writing the index", 0.99);
+        TreeInfo info = tree_->info();
+        Observed all;
+        all.points = info.points;
+        all.hash = info.content_hash;
+        all.extremes = info.extremes;
+        all.position_error = info.position_error;
+        all.merge(state_.observed);
+        const std::uint64_t stored = joined.nodes.empty() ? 0 : joined.nodes[0].subtree_points;
+        if (stored != all.points)
+            throw Error(ErrorCode::corrupt, update_.folder(),
+                        grouped(all.points) + " points were expected, " + grouped(stored) +
+                            " are there; this is a defect of the program");
+        info.points = all.points;
+        info.content_hash = all.hash;
+        info.extremes = all.extremes;
+        info.position_error = std::max(all.position_error, fitted_.position_error());
+        info.points_skipped += report_.points_skipped;
+        info.box = joined.nodes[0].box;
+        info.spacings = state_.nodes.spacings;
+        info.levels = static_cast<std::uint16_t>(info.spacings.size());
+        // Floats are given back as floats, which doubles must not be.
+        if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32)
+            info.position_type = ScalarType::f64;
+        info.sources.insert(info.sources.end(), sources_.begin(), sources_.end());
+        report_.outcome.points_out = info.points;
+        report_.outcome.error = info.position_error;
+        for (const NodeId root : joined.part_roots) report_.parts += root != no_node;
+        state_.watch.report("Done", 1);  // the last chance to cancel
+        update_.commit(std::move(info), std::move(joined));
+        report_.bytes_written = update_.bytes_written();
+    }
+
+    PointReader& cloud_;
+    const std::vector<std::string>& sources_;
+    TreeUpdate update_;
+    const std::shared_ptr<const Tree> tree_;
+    FittedReader fitted_;
+    const BuildOptions options_;
+    BuildState state_;
+    AppendReport report_;
+};
+
+}  // namespace
+
+AppendReport append_points(const fs::path& tree, PointReader& cloud, const std::vector<std::string>& sources,
+                           const AppendOptions& options)
+{
+    try {
+        return Append(tree, cloud, sources, options).run();
+    } catch (const fs::filesystem_error& error) {
+        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::io, tree, "the system has no memory left", "lower the memory of the operation");
+    }
+}
+
+}  // namespace pcm

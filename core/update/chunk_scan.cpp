@@ -1,0 +1,155 @@
+#include "pcm/update/chunk_scan.h"
+
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/tree/tree_index.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t most_data_files = 1'000'000;  // a name alone shall not make the list of files long
+
+// Each generation has data files of its own, and each but the first may add a part: what says otherwise is damaged,
+// whatever its checksum.
+void check_numbers(std::uint32_t generation, std::uint32_t parts, std::uint32_t file)
+{
+    if (generation == 0 || generation > file + std::uint64_t(1) || parts > generation)
+        throw Error(ErrorCode::corrupt, {},
+                    "generation " + std::to_string(generation) + " and " + std::to_string(parts) +
+                        " parts cannot be in data file " + std::to_string(file));
+}
+
+// Finds where, among bytes that are nothing whole, a chunk or a commit record may begin. What cannot be the start of a
+// header is passed over without a look at the rest of it: damaged bytes may look like the beginning of one many times.
+class Beginnings {
+public:
+    explicit Beginnings(const File& file, std::uint64_t end) : file_(file), end_(end), bytes_(std::size_t(1) << 20) {}
+
+    // The next one from `at` on; the end when there is none.
+    std::uint64_t next(std::uint64_t at)
+    {
+        for (; at + head <= end_; ++at) {
+            if (at < from_ || at + head > from_ + filled_) {
+                from_ = at;
+                filled_ = file_.read_some_at(
+                    bytes_.data(), static_cast<std::size_t>(std::min<std::uint64_t>(bytes_.size(), end_ - at)), at);
+                if (filled_ < head) break;
+            }
+            const char* const found = bytes_.data() + (at - from_);
+            if (std::memcmp(found, "BPC", 3) != 0) continue;
+            if (found[3] == '1' && number<std::uint16_t>(found + 4) == 3 &&
+                number<std::uint32_t>(found + 24) <= most_header)
+                return at;
+            if (found[3] == 'G' && number<std::uint16_t>(found + 4) == 1 &&
+                number<std::uint32_t>(found + 8) <= most_header)
+                return at;
+        }
+        return end_;
+    }
+
+private:
+    static constexpr std::size_t head = 28;
+    static constexpr std::uint32_t most_header = std::uint32_t(1) << 20;
+    template <class T>
+    static T number(const char* at)
+    {
+        T value;
+        std::memcpy(&value, at, sizeof value);
+        return value;
+    }
+    const File& file_;
+    const std::uint64_t end_;
+    std::vector<char> bytes_;
+    std::uint64_t from_ = 0;
+    std::size_t filled_ = 0;
+};
+
+}  // namespace
+
+std::vector<FoundFile> list_data_files(const fs::path& folder)
+{
+    std::vector<FoundFile> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        FoundFile file;
+        if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number) ||
+            file.number >= most_data_files)
+            continue;
+        file.path = entry.path();
+        files.push_back(std::move(file));
+    }
+    std::sort(files.begin(), files.end(), [](const FoundFile& a, const FoundFile& b) { return a.number < b.number; });
+    return files;
+}
+
+void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::function<void(std::uint64_t)>& tick)
+{
+    const File file(found.path, File::Mode::read);
+    found.size = file.size();
+    std::uint64_t at = 0, lost_from = 0;
+    bool lost = false;
+    std::string why;
+    Beginnings beginnings(file, found.size);
+    const auto tell_lost = [&](std::uint64_t to) {
+        if (lost)
+            found.faults.push_back(found.path.filename().string() + ": bytes " + grouped(lost_from) + " to " +
+                                   grouped(to - 1) + " are no whole chunk: " + why);
+        lost = false;
+    };
+    while (at < found.size) {
+        std::uint64_t bytes = 0;
+        try {
+            if (auto commit = read_commit(file, at, found.size - at, bytes)) {
+                check_numbers(commit->generation, commit->parts, found.number);
+                found.commit = std::move(commit);
+            } else {
+                const BpcHeader header = read_header(file, at, found.size - at);
+                bytes = header.total_bytes;
+                if (!header.identity) throw Error(ErrorCode::corrupt, {}, "it is not of a tree");
+                if (!expected) expected = ChunkKind{header.schema, header.grid};
+                // Later chunks may have more attributes than earlier ones.
+                if (expected->schema.is_beginning_of(header.schema)) expected->schema = header.schema;
+                if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
+                    throw Error(ErrorCode::corrupt, {}, "it is of another tree");
+                const ChunkIdentity& identity = *header.identity;
+                check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1,
+                              found.number);
+                FoundChunk chunk;
+                chunk.generation = identity.generation;
+                PartNode& node = chunk.node;
+                node.part = identity.part;
+                node.path = identity.path;
+                node.points = header.points;
+                node.first_level = identity.first_level;
+                node.level_points = identity.level_points;
+                node.spacing = identity.spacing;
+                if (header.points) {
+                    node.box = header.box;
+                    node.extent = {found.number, at, header.total_bytes, header.header_bytes};
+                }
+                found.chunks.push_back(std::move(chunk));
+            }
+            tell_lost(at);
+        } catch (const Error& error) {
+            if (error.code() == ErrorCode::io) throw;
+            if (!lost) {
+                lost = true;
+                lost_from = at;
+                why = error.what();
+            }
+            bytes = beginnings.next(at + 1) - at;
+        }
+        at += bytes;
+        tick(bytes);
+    }
+    tell_lost(found.size);
+}
+
+}  // namespace pcm

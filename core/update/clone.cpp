@@ -1,0 +1,61 @@
+#include "pcm/update/clone.h"
+
+#include "pcm/system/error.h"
+#include "pcm/tree/about.h"
+#include "pcm/build/build_folder.h"
+#include "pcm/tree/tree.h"
+#include "pcm/tree/tree_index.h"
+
+#include <vector>
+
+namespace pcm {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::byte> read_file(const fs::path& path)
+{
+    const File file(path, File::Mode::read);
+    std::vector<std::byte> bytes(file.size());
+    file.read_at(bytes.data(), bytes.size(), 0);
+    return bytes;
+}
+
+void copy_synced(const fs::path& from, const fs::path& to)
+{
+    const File source(from, File::Mode::read);
+    File copy(to, File::Mode::create_new);
+    std::vector<std::byte> buffer(std::size_t(4) << 20);
+    for (std::uint64_t at = 0;;) {
+        const std::size_t bytes = source.read_some_at(buffer.data(), buffer.size(), at);
+        if (bytes == 0) break;
+        copy.write_at(buffer.data(), bytes, at);
+        at += bytes;
+    }
+    copy.sync();
+    copy.close();
+}
+
+}  // namespace
+
+void clone_tree(const fs::path& tree, const fs::path& output)
+{
+    const fs::path folder = Tree::open(tree)->folder();  // the index in the folder is good, or it throws
+    const std::vector<std::byte> index = read_file(folder / index_file_name);
+    const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
+    BuildFolder made(output, false);
+    if (made.left_over()) made.clear();
+    for (std::size_t number = 0; number < data_files.size(); ++number) {
+        if (data_files[number].bytes == 0) continue;
+        const std::string name = data_file_name(static_cast<std::uint32_t>(number));
+        std::error_code no_links;
+        fs::create_hard_link(folder / name, made.tree() / name, no_links);
+        if (no_links) copy_synced(folder / name, made.tree() / name);
+    }
+    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, made.tree() / about_file_name);
+    replace_file(made.tree() / index_file_name, index.data(), index.size());
+    made.publish();
+}
+
+}  // namespace pcm

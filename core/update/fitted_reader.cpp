@@ -1,0 +1,181 @@
+#include "pcm/update/fitted_reader.h"
+
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/pipe/grid_choice.h"
+#include "pcm/cloud/selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+// In words: "u16", "3 x u16", "i32 times 0.01 plus 5".
+std::string kind_of(const Attribute& attribute)
+{
+    std::string text = attribute.components == 1 ? "" : std::to_string(attribute.components) + " x ";
+    text += name_of(attribute.type);
+    if (attribute.scale != 1) text += " times " + exact(attribute.scale);
+    if (attribute.offset != 0) text += " plus " + exact(attribute.offset);
+    return text;
+}
+
+bool alike(const Attribute& a, const Attribute& b)
+{
+    return a.type == b.type && a.components == b.components && a.scale == b.scale && a.offset == b.offset;
+}
+
+}  // namespace
+
+FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::filesystem::path& folder)
+    : cloud_(cloud),
+      tree_(tree),
+      folder_(folder),
+      same_grid_(!tree.wide && cloud.info().grid && *cloud.info().grid == tree.grid)
+{
+    const FileInfo& from = cloud.info();
+    for (const Attribute& attribute : from.schema) {
+        const auto slot = tree.schema.find(attribute.name);
+        const char* const hint =
+            "build a new tree of all the files, or leave the attribute out with 'pcm convert --drop' first";
+        if (!slot)
+            throw Error(ErrorCode::invalid_argument, folder,
+                        "the new points have the attribute '" + attribute.name + "', the tree has not", hint);
+        if (!alike(attribute, tree.schema[*slot]))
+            throw Error(ErrorCode::invalid_argument, folder,
+                        "the attribute '" + attribute.name + "' of the new points is " + kind_of(attribute) +
+                            ", the tree's is " + kind_of(tree.schema[*slot]),
+                        hint);
+        slots_.push_back(*slot);
+    }
+    same_schema_ = slots_.size() == tree.schema.size() && std::is_sorted(slots_.begin(), slots_.end());
+    std::string missing;
+    for (const Attribute& attribute : tree.schema)
+        if (!from.schema.find(attribute.name)) missing += (missing.empty() ? "" : ", ") + attribute.name;
+    if (!missing.empty()) info_.notes.push_back("the new points lack " + missing + ", which the tree has: 0 was set");
+
+    info_.format = from.format;
+    info_.schema = tree.schema;
+    info_.points = from.points;
+    info_.points_known = same_grid_ && from.points_known;
+    info_.promised_box = from.promised_box;
+    if (tree.wide) {
+        info_.position_type = ScalarType::f64;
+    } else {
+        info_.position_type = ScalarType::i32;
+        info_.grid = tree.grid;
+    }
+}
+
+bool FittedReader::read(PointBatch& batch, std::size_t max_points)
+{
+    do {
+        if (!cloud_.read(batch_, max_points)) {
+            shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
+            return false;
+        }
+        points_ += batch_.size;
+        if (!same_grid_) fit_positions(batch_);
+        if (misplaced_) refuse();
+    } while (batch_.size == 0);
+    if (!same_schema_) fit_attributes(batch_);
+    std::swap(batch, batch_);
+    return true;
+}
+
+// The tree's attributes in the tree's order.
+void FittedReader::fit_attributes(PointBatch& batch)
+{
+    std::vector<Column> columns;
+    for (const Attribute& attribute : tree_.schema) columns.emplace_back(attribute);
+    for (std::size_t k = 0; k < slots_.size(); ++k) columns[slots_[k]] = std::move(batch.attributes[k]);
+    for (Column& column : columns) column.resize(batch.size);  // of zeros, where the cloud has none
+    batch.attributes = std::move(columns);
+}
+
+void FittedReader::fit_positions(PointBatch& batch)
+{
+    if (batch.gridded) {
+        for (std::size_t a = 0; a < 3; ++a) {
+            batch.xyz[a].resize(batch.size);
+            for (std::size_t i = 0; i < batch.size; ++i)
+                batch.xyz[a][i] = cloud_.info().grid->to_source(batch.grid_xyz[a][i], a);
+            batch.grid_xyz[a].clear();
+        }
+        batch.gridded = false;
+    }
+    std::vector<std::uint32_t> finite;
+    std::array<std::vector<std::int32_t>, 3> narrow;
+    for (std::size_t i = 0; i < batch.size; ++i) {
+        const Vec3d p{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
+        if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+            ++skipped_;
+            continue;
+        }
+        std::array<std::optional<std::int64_t>, 3> q;
+        for (std::size_t a = 0; a < 3; ++a) q[a] = place(p[a], a);
+        if (!q[0] || !q[1] || !q[2]) {
+            ++misplaced_;
+            continue;
+        }
+        finite.push_back(static_cast<std::uint32_t>(i));
+        if (!tree_.wide)
+            for (std::size_t a = 0; a < 3; ++a) narrow[a].push_back(static_cast<std::int32_t>(*q[a]));
+    }
+    if (misplaced_ || tree_.wide) return;  // the build leaves out of doubles what is not finite
+    if (finite.size() < batch.size) keep_points(batch, finite);
+    for (std::size_t a = 0; a < 3; ++a) batch.xyz[a].clear();
+    batch.gridded = true;
+    batch.grid_xyz = std::move(narrow);
+}
+
+// The place of a coordinate, if there is one.
+std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
+{
+    constexpr std::int64_t wide_end = std::int64_t{1} << 62;  // where nearest_on_grid() saturates
+    const std::int64_t q = nearest_on_grid(tree_.grid, axis, value);
+    const bool outside =
+        tree_.wide ? q <= -wide_end || q >= wide_end
+                   : q < std::numeric_limits<std::int32_t>::min() || q > std::numeric_limits<std::int32_t>::max();
+    if (outside) {
+        too_far_ = true;
+        return std::nullopt;
+    }
+    const double deviation = std::fabs(tree_.grid.to_source(q, axis) - value);
+    const double scale = tree_.grid.scale[axis];
+    // The step, the product and the sum are each rounded by half a unit in the last place at most.
+    const double allowed =
+        tree_.position_type == ScalarType::i32
+            ? std::numeric_limits<double>::epsilon() * (std::fabs(static_cast<double>(q) * scale) + std::fabs(value))
+            : scale / 2;
+    if (deviation > allowed) {
+        largest_deviation_ = std::max(largest_deviation_, deviation);
+        return std::nullopt;
+    }
+    position_error_ = std::max(position_error_, deviation);
+    return q;
+}
+
+void FittedReader::refuse()
+{
+    while (cloud_.read(batch_, default_batch_points)) {
+        points_ += batch_.size;
+        fit_positions(batch_);
+    }
+    std::string text = grouped(misplaced_) + " of the " + grouped(points_) +
+                       " new points have no place on the tree's grid, whose steps are " + exact(tree_.grid.scale);
+    if (largest_deviation_ > 0) text += "; the nearest places are up to " + brief(largest_deviation_) + " away";
+    if (too_far_) text += "; some points are beyond its range";
+    throw Error(ErrorCode::invalid_argument, folder_, text,
+                tree_.position_type == ScalarType::i32 && !too_far_
+                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcm convert --scale "
+                      "--offset' first"
+                    : "build a new tree of all the files");
+}
+
+}  // namespace pcm

@@ -1,0 +1,302 @@
+#include "plugin/edit/walk/first_person_tool.h"
+
+#include "plugin/edit/walk/scene_reach.h"
+#include "plugin/edit/walk/trackball_pose.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QEvent>
+#include <QKeyEvent>
+#include <QMouseEvent>
+#include <QPointer>
+#include <QVariantMap>
+#include <QWheelEvent>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm::host {
+namespace {
+
+constexpr int tick_ms = 16;
+constexpr double longest_step = 0.25;  // seconds: after a frame that took longer the eye does not leap
+constexpr double pi = 3.14159265358979323846;
+constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
+
+const char* const name = "First Person Navigation";
+
+unsigned walk_key(int key)
+{
+    switch (key) {
+        case Qt::Key_W:
+        case Qt::Key_Up:
+            return walk_forward;
+        case Qt::Key_S:
+        case Qt::Key_Down:
+            return walk_back;
+        case Qt::Key_A:
+        case Qt::Key_Left:
+            return walk_left;
+        case Qt::Key_D:
+        case Qt::Key_Right:
+            return walk_right;
+        case Qt::Key_E:
+        case Qt::Key_PageUp:
+            return walk_up;
+        case Qt::Key_Q:
+        case Qt::Key_PageDown:
+            return walk_down;
+        case Qt::Key_Shift:
+            return walk_fast;
+        default:
+            return 0;
+    }
+}
+
+bool same(const vcg::Similarityf& a, const vcg::Similarityf& b)
+{
+    for (int i = 0; i < 4; ++i)
+        if (a.rot[i] != b.rot[i]) return false;
+    return a.tra == b.tra && a.sca == b.sca;
+}
+
+const char* name_of(UpAxis axis) { return axis == UpAxis::z ? "z" : "y"; }
+
+}  // namespace
+
+FirstPersonTool::FirstPersonTool()
+{
+    timer_.setTimerType(Qt::PreciseTimer);
+    timer_.setInterval(tick_ms);
+    connect(&timer_, &QTimer::timeout, this, &FirstPersonTool::advance);
+}
+
+bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    view_ = view;
+    try {
+        if (!walk_) walk_.emplace(EyePose(), shows_clouds(*view) ? UpAxis::z : UpAxis::y);
+        written_fov_ = 0;  // which no view has
+        take_over();
+    } catch (...) {
+        document.Log.Log(GLLogStream::WARNING,
+                         qPrintable(QString("%1: %2").arg(name, QString::fromStdString(current_error()))));
+        view_ = nullptr;
+        return false;
+    }
+    setParent(view);  // which deletes no tool of its own accord
+    keys_ = 0;
+    looking_ = false;
+    reach_ = reach_error_ = 0;
+    view->installEventFilter(this);
+    view->setFocus();
+    view->setCursor(Qt::OpenHandCursor);
+    document.Log.Log(
+        GLLogStream::SYSTEM,
+        qPrintable(
+            QString(
+                "%1: W A S D or the arrows walk, E and Q go up and down, with Shift faster; drag to look around; the "
+                "wheel changes the speed (now x %2); U changes the axis that is up (now %3); Esc gives the mouse to "
+                "the "
+                "trackball and back. Speed is in proportion to the distance of the nearest points.")
+                .arg(name)
+                .arg(walk_->factor(), 0, 'g', 3)
+                .arg(name_of(walk_->up_axis()))));
+    // MeshLab is about to mark the current layer as changed, which it is not.
+    if (MeshModel* layer = document.mm())
+        QTimer::singleShot(0, &document, [document = &document, id = layer->id(), changed = layer->meshModified()] {
+            if (MeshModel* shown = document->getMesh(id)) shown->setMeshModified(changed);
+        });
+    publish();
+    return true;
+}
+
+void FirstPersonTool::EndEdit(MeshDocument&, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (view != view_) return;
+    hold(0);
+    looking_ = false;
+    timer_.stop();
+    view_->removeEventFilter(this);
+    publish();
+    view_ = nullptr;
+}
+
+void FirstPersonTool::take_over()
+{
+    if (same(view_->trackball.track, written_) && view_->fov == written_fov_) return;
+    walk_->set_pose(pose_of(view_->trackball.track, view_->fov));
+    written_ = view_->trackball.track;
+    written_fov_ = view_->fov;
+}
+
+void FirstPersonTool::show()
+{
+    written_ = trackball_of(walk_->pose(), view_->fov);
+    view_->trackball.track = written_;
+    written_fov_ = view_->fov;
+    view_->update();
+    publish();
+}
+
+void FirstPersonTool::advance()
+{
+    if (!view_ || !timer_.isActive()) return;
+    const double seconds = std::min(static_cast<double>(clock_.nsecsElapsed()) * 1e-9, longest_step);
+    clock_.restart();
+    if (view_->suspendedEditor) {  // no key that is let go of comes here
+        keys_ = 0;
+        timer_.stop();
+    }
+    try {
+        take_over();
+        if (timer_.isActive() && walk_->moves(keys_)) {
+            const SceneReach reach = reach_from(*view_, walk_->pose().eye);
+            reach_ = reach.distance;
+            reach_error_ = reach.error;
+            if (walk_->step(seconds, keys_, reach_)) show();
+        }
+        if (keys_ == 0 && !walk_->moves(keys_)) timer_.stop();
+    } catch (...) {  // events know no exceptions
+        timer_.stop();
+        if (view_->md()) view_->md()->Log.Log(GLLogStream::WARNING, current_error().c_str());
+    }
+    if (!timer_.isActive()) publish();
+}
+
+void FirstPersonTool::hold(unsigned keys)
+{
+    if (keys == keys_) return;
+    advance();  // with those that were held so far
+    keys_ = keys;
+    keep_going();
+    publish();
+}
+
+void FirstPersonTool::keep_going()
+{
+    if (!view_ || timer_.isActive() || (keys_ == 0 && !walk_->moves(keys_))) return;
+    clock_.start();
+    timer_.start();
+}
+
+void FirstPersonTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    if ((event->modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) != 0)
+        return;  // others' shortcuts
+    if (event->key() == Qt::Key_U) {
+        event->accept();
+        if (event->isAutoRepeat()) return;
+        walk_->set_up_axis(walk_->up_axis() == UpAxis::z ? UpAxis::y : UpAxis::z);
+        view_->md()->Log.Log(GLLogStream::SYSTEM,
+                             qPrintable(QString("%1: %2 is up").arg(name, name_of(walk_->up_axis()))));
+        view_->update();
+        return;
+    }
+    const unsigned key = walk_key(event->key());
+    if (key == 0) return;
+    event->accept();
+    if (event->isAutoRepeat()) return;
+    const bool fast = key == walk_fast || (event->modifiers() & Qt::ShiftModifier) != 0;
+    hold((keys_ & ~unsigned(walk_fast)) | key | (fast ? walk_fast : 0u));
+}
+
+void FirstPersonTool::keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea* view)
+{
+    const unsigned key = walk_key(event->key());
+    if (view != view_ || key == 0) return;
+    event->accept();
+    if (!event->isAutoRepeat()) hold(keys_ & ~key);
+}
+
+void FirstPersonTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_ || event->button() != Qt::LeftButton) return;
+    looking_ = true;
+    looked_at_ = event->pos();
+    view_->setCursor(Qt::ClosedHandCursor);
+}
+
+void FirstPersonTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_ || !looking_ || (event->buttons() & Qt::LeftButton) == 0) return;
+    const QPoint moved = event->pos() - looked_at_;
+    looked_at_ = event->pos();
+    if (moved.isNull() || view_->height() <= 0) return;
+    try {
+        advance();
+        take_over();
+        // What is in the middle of the picture goes by as fast as the mouse; an orthographic view turns by half a
+        // circle over its height.
+        const double angle = walk_->pose().orthographic ? pi : static_cast<double>(view_->fov) * pi / 180;
+        const double each = angle / view_->height();
+        walk_->turn(-moved.x() * each, -moved.y() * each);
+        show();
+        keep_going();  // until the horizon is level
+    } catch (...) {
+        if (view_->md()) view_->md()->Log.Log(GLLogStream::WARNING, current_error().c_str());
+    }
+}
+
+void FirstPersonTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_ || event->button() != Qt::LeftButton) return;
+    looking_ = false;
+    view_->setCursor(Qt::OpenHandCursor);
+}
+
+void FirstPersonTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    advance();
+    // Some systems turn the wheel sideways while a key is held.
+    const int turned = event->angleDelta().y() != 0 ? event->angleDelta().y() : event->angleDelta().x();
+    walk_->change_speed(static_cast<double>(turned) / wheel_notch);
+    event->accept();
+    publish();
+}
+
+void FirstPersonTool::Decorate(MeshModel&, GLArea* view, QPainter*)
+{
+    // MeshLab empties this list only when it shows it.
+    if (view != view_ || !view->infoAreaVisible || !view->md()) return;
+    const auto number = [](double v) { return QString::fromStdString(brief(v)); };
+    QString text = QString("speed x %1").arg(walk_->factor(), 0, 'g', 3);
+    if (walk_->pose().orthographic) {
+        text += ", in proportion to the height of the view";
+    } else if (reach_ > 0) {
+        const double speed = reach_ * walk_->factor() * ((keys_ & walk_fast) != 0 ? FirstPerson::fast_factor : 1);
+        const QString from = number(reach_ - reach_error_), to = number(reach_);
+        text +=
+            QString(": %1 a second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
+    }
+    view->md()->Log.RealTimeLog(name, "", text);
+}
+
+bool FirstPersonTool::eventFilter(QObject* receiver, QEvent* event)
+{
+    if (receiver == view_ && (event->type() == QEvent::FocusOut || event->type() == QEvent::WindowDeactivate ||
+                              event->type() == QEvent::Hide)) {
+        hold(0);
+        looking_ = false;
+    }
+    return QObject::eventFilter(receiver, event);
+}
+
+// For whoever watches from outside, such as a test.
+void FirstPersonTool::publish()
+{
+    if (!view_) return;
+    QVariantMap state;
+    state["keys"] = keys_;
+    state["moving"] = timer_.isActive();
+    state["factor"] = walk_->factor();
+    state["roll"] = walk_->roll();
+    state["reach"] = reach_;
+    state["reach_error"] = reach_error_;
+    view_->setProperty("pcm_first_person", state);
+}
+
+}  // namespace pcm::host

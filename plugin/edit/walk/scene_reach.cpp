@@ -1,0 +1,118 @@
+#include "plugin/edit/walk/scene_reach.h"
+
+#include "plugin/host/registry.h"
+#include "pcm/view/clearance.h"
+
+#include <meshlab/glarea.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace pcm::host {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Shares of the document's diagonal. Nearer than the one, walking would come to a stop; beyond the other, nothing would
+// ever come near.
+constexpr double least_share = 1.0 / 5000, most_share = 2;
+constexpr double inside_share = 1.0 / 20;  // of a mesh's diagonal, within its box
+
+// A layer's matrix in double.
+struct Placement {
+    double m[3][4];
+
+    explicit Placement(const MeshModel& layer)
+    {
+        for (int row = 0; row < 3; ++row)
+            for (int column = 0; column < 4; ++column) m[row][column] = static_cast<double>(layer.cm.Tr[row][column]);
+    }
+    double determinant() const
+    {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+    Vec3d apply(const Vec3d& p) const
+    {
+        Vec3d q;
+        for (std::size_t row = 0; row < 3; ++row)
+            q[row] = m[row][0] * p[0] + m[row][1] * p[1] + m[row][2] * p[2] + m[row][3];
+        return q;
+    }
+    // What is brought to `q`; by Cramer's rule.
+    std::optional<Vec3d> undo(const Vec3d& q) const
+    {
+        const double d = determinant();
+        if (d == 0 || !std::isfinite(1 / d)) return std::nullopt;
+        const Vec3d b{q[0] - m[0][3], q[1] - m[1][3], q[2] - m[2][3]};
+        Vec3d p;
+        for (std::size_t column = 0; column < 3; ++column) {
+            Placement replaced = *this;
+            for (std::size_t row = 0; row < 3; ++row) replaced.m[row][column] = b[row];
+            p[column] = replaced.determinant() / d;
+        }
+        return p;
+    }
+    // What lengths are multiplied by; exact when all are by the same.
+    double scale() const { return std::cbrt(std::fabs(determinant())); }
+};
+
+SceneReach reach_of_tree(const TreeLayer& tree, const Placement& placement, const Vec3d& place)
+{
+    const auto local = placement.undo(place);
+    if (!local) return {infinity, 0};
+    Vec3d source;
+    for (std::size_t a = 0; a < 3; ++a) source[a] = (*local)[a] + tree.origin[a];
+    const Clearance found = clearance(tree.cloud->cache(), source);
+    return {found.distance * placement.scale(), found.error() * placement.scale()};
+}
+
+SceneReach reach_of_mesh(const MeshModel& layer, const Placement& placement, const Vec3d& place)
+{
+    const auto& box = layer.cm.bbox;
+    if (box.IsNull()) return {infinity, 0};
+    Box3d shown;  // around the box's corners where the layer's matrix puts them
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto p = box.P(corner);
+        shown.extend(placement.apply({double(p[0]), double(p[1]), double(p[2])}));
+    }
+    double square = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+        square += std::pow(std::clamp(place[a], shown.min[a], shown.max[a]) - place[a], 2);
+    const double distance = std::max(std::sqrt(square), inside_share * shown.diagonal());
+    return {distance, distance - std::sqrt(square)};
+}
+
+}  // namespace
+
+SceneReach reach_from(GLArea& view, const Vec3d& place)
+{
+    MeshDocument* const document = view.md();
+    if (!document) return {};
+    const double diagonal = document->bbox().Diag();
+    if (!(diagonal > 0) || !std::isfinite(diagonal)) return {};
+    SceneReach nearest{infinity, 0};
+    for (const MeshModel* layer : document->meshList) {
+        if (!layer || !view.meshVisibilityMap.value(layer->id(), true)) continue;
+        const auto tree = Registry::instance().find(*layer);
+        const Placement placement(*layer);
+        const SceneReach reach =
+            tree ? reach_of_tree(*tree, placement, place) : reach_of_mesh(*layer, placement, place);
+        if (reach.distance < nearest.distance) nearest = reach;
+    }
+    const double bounded = std::clamp(nearest.distance, least_share * diagonal, most_share * diagonal);
+    return {bounded, std::min(nearest.error, bounded)};
+}
+
+bool shows_clouds(GLArea& view)
+{
+    if (!view.md()) return false;
+    const Registry& registry = Registry::instance();
+    const auto& layers = view.md()->meshList;
+    return std::any_of(layers.begin(), layers.end(), [&](const MeshModel* layer) {
+        return layer && (registry.find(*layer) || registry.source_of(*layer));
+    });
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,717 @@
+// The builder against the input it was given: every point once, bit for bit, whatever the distribution.
+
+#include "pcm/build/builder.h"
+
+#include "pcm/system/error.h"
+#include "tests/clouds.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
+#include "pcm/tree/tree_index.h"
+#include "pcm/tree/verify.h"
+#include "pcm/tree/verify_levels.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <map>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+BuildOptions small_chunks(std::uint32_t chunk_points = 1000)
+{
+    BuildOptions options;
+    options.chunk_points = chunk_points;
+    options.memory_bytes = 64 << 20;
+    options.threads = 2;
+    return options;
+}
+
+// A LAS record as the tree gives it back.
+using Flat = std::array<std::int64_t, 20>;
+
+Flat flatten(const LasRecord& p)
+{
+    return {p.x,
+            p.y,
+            p.z,
+            p.intensity,
+            p.returns & 7,
+            p.returns >> 3 & 7,
+            p.returns >> 6 & 1,
+            p.returns >> 7,
+            p.classification & 31,
+            p.classification >> 5 & 1,
+            p.classification >> 6 & 1,
+            p.classification >> 7,
+            p.angle,
+            p.user,
+            p.source,
+            p.red,
+            p.green,
+            p.blue,
+            0,
+            0};
+}
+
+std::vector<Flat> read_back(const Tree& tree)
+{
+    static const std::vector<std::string> names = {"intensity",           "return_number",       "number_of_returns",
+                                                   "scan_direction_flag", "edge_of_flight_line", "classification",
+                                                   "synthetic",           "key_point",           "withheld",
+                                                   "scan_angle_rank",     "user_data",           "point_source_id"};
+    std::vector<Flat> all;
+    const Schema& schema = tree.info().schema;
+    for (NodeId id = 0; id < tree.nodes().size(); ++id) {
+        const Chunk chunk = tree.read_chunk(id, ColumnSet::all(schema));
+        for (std::size_t i = 0; i < chunk.points; ++i) {
+            Flat flat{};
+            for (std::size_t a = 0; a < 3; ++a) flat[a] = chunk.positions->grid(i, a);
+            for (std::size_t k = 0; k < names.size(); ++k)
+                flat[3 + k] = static_cast<std::int64_t>(chunk.attributes[*schema.find(names[k])]->value(i));
+            for (std::uint32_t c = 0; c < 3; ++c)
+                flat[15 + c] = static_cast<std::int64_t>(chunk.attributes[*schema.find("rgb")]->value(i, c));
+            all.push_back(flat);
+        }
+    }
+    return all;
+}
+
+void expect_same_points(const Tree& tree, const std::vector<LasRecord>& records)
+{
+    std::vector<Flat> in, out = read_back(tree);
+    for (const LasRecord& p : records) in.push_back(flatten(p));
+    std::sort(in.begin(), in.end());
+    std::sort(out.begin(), out.end());
+    EXPECT_TRUE(in == out) << in.size() << " points in, " << out.size() << " out";
+}
+
+std::map<std::string, std::string> contents(const fs::path& folder)
+{
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        std::ifstream file(entry.path(), std::ios::binary);
+        files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(file), {});
+    }
+    return files;
+}
+
+class EveryShape : public testing::TestWithParam<Shape> {};
+INSTANTIATE_TEST_SUITE_P(Build, EveryShape,
+                         testing::Values(Shape::surface, Shape::volume, Shape::line, Shape::coincident,
+                                         Shape::duplicates, Shape::clusters, Shape::full_range),
+                         [](const auto& info) { return name(info.param); });
+
+TEST_P(EveryShape, EveryPointOnceBitForBit)
+{
+    const TemporaryFolder folder;
+    const auto points = records(GetParam(), 60000, 5);
+    Grid grid;
+    grid.scale = {0.001, 0.001, 0.001};
+    grid.offset = {5e6, 4.8e6, -100};
+    write_las(folder / "in.las", points, grid);
+    const BuildReport report = build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(report.outcome.points_in, points.size());
+    EXPECT_EQ(report.outcome.points_out, points.size());
+    EXPECT_EQ(report.outcome.error, 0.0);
+    const auto tree = Tree::open(folder / "out.pct");
+    EXPECT_EQ(tree->info().grid, grid);
+    expect_same_points(*tree, points);
+
+    const VerifyReport verified = verify_tree(folder / "out.pct");
+    EXPECT_TRUE(verified.faults.empty()) << verified.faults.front();
+
+    Box3i box;
+    for (const LasRecord& p : points) box.extend(Vec3i{p.x, p.y, p.z});
+    EXPECT_EQ(tree->info().box, box);
+    for (std::size_t k = 0; k < 6; ++k)
+        EXPECT_EQ(tree->info().extremes[k][k / 2], k % 2 ? box.max[k / 2] : box.min[k / 2]);
+}
+
+TEST_P(EveryShape, SameBytesForAnyNumberOfThreads)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(GetParam(), 150000, 6), {});  // several bins at 64 MiB
+    std::map<std::string, std::string> first;
+    for (const unsigned threads : {1u, 2u, 7u}) {
+        BuildOptions options = small_chunks();
+        options.threads = threads;
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto files = contents(folder / "out.pct");
+        if (first.empty()) first = files;
+        EXPECT_TRUE(files == first) << threads << " threads";
+    }
+}
+
+// Sizes around a chunk, a pair of chunks and a packed block.
+TEST(Build, CountsAtTheBoundaries)
+{
+    const TemporaryFolder folder;
+    for (const std::size_t count :
+         {0u, 1u, 2u, 127u, 128u, 129u, 999u, 1000u, 1001u, 1999u, 2000u, 2001u, 4000u, 4001u}) {
+        const auto points = records(Shape::surface, count, count);
+        write_las(folder / "in.las", points, {});
+        BuildOptions options = small_chunks();
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto tree = Tree::open(folder / "out.pct");
+        EXPECT_EQ(tree->info().points, count);
+        expect_same_points(*tree, points);
+        EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty()) << count;
+    }
+}
+
+// What SPEC F5 promises of levels, checked on a cloud where levels mean something.
+TEST(Build, LevelsAreAdditiveAndGetFiner)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 200000, 8), {});
+    for (const Sampling sampling : {Sampling::poisson, Sampling::grid}) {
+        BuildOptions options = small_chunks(2000);
+        options.sampling = sampling;
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const auto tree = Tree::open(folder / "out.pct");
+        EXPECT_EQ(tree->info().sampling, sampling);
+        ASSERT_GE(tree->info().levels, 4);
+        std::uint64_t before = 0;
+        for (std::uint16_t level = 0; level < tree->info().levels; ++level) {
+            const std::uint64_t now = tree->points_to_level(level);
+            EXPECT_GT(now, before);
+            if (level > 0) EXPECT_LT(now, 10 * before);
+            before = now;
+        }
+        EXPECT_EQ(before, tree->info().points);
+        EXPECT_GE(tree->nodes()[0].points, 300u);
+        for (const Node& node : tree->nodes()) {
+            EXPECT_LE(node.points, 2000u);
+            if (node.is_leaf())
+                EXPECT_EQ(node.spacing, 0);
+            else
+                EXPECT_GT(node.spacing, 0);
+            if (node.parent == no_node) continue;
+            EXPECT_LE(node.spacing, tree->node(node.parent).spacing);
+            // Coarse above fine.
+            const Node& parent = tree->node(node.parent);
+            if (node.points && parent.points)
+                EXPECT_GE(node.first_level, parent.first_level + parent.level_points.size());
+        }
+        const LevelsReport report = verify_levels(*tree, 2);
+        EXPECT_TRUE(report.faults.empty()) << report.faults[0];
+        ASSERT_EQ(report.levels.size() + 1u, tree->info().levels);
+        for (std::size_t level = 0; level < report.levels.size(); ++level) {
+            const LevelMeasure& measure = report.levels[level];
+            EXPECT_EQ(measure.points, tree->points_to_level(static_cast<std::uint16_t>(level)));
+            EXPECT_LT(measure.coverage, 1);
+            EXPECT_GT(measure.coverage, 0.5);
+            if (sampling == Sampling::grid) continue;
+            EXPECT_GE(measure.least_distance, 1);
+            EXPECT_LT(measure.least_distance, 1.2);
+            EXPECT_LT(measure.variation, 0.25);
+        }
+    }
+}
+
+// Across the borders of many bins, and where clouds are degenerate.
+TEST(Build, LevelsAreMaximalPoissonSamples)
+{
+    const TemporaryFolder folder;
+    for (const Shape shape : {Shape::surface, Shape::volume, Shape::line, Shape::duplicates}) {
+        write_las(folder / "in.las", records(shape, 600000, 21), {});
+        BuildOptions options = small_chunks(20000);  // 64 MiB: several bins
+        options.overwrite = true;
+        build_tree({folder / "in.las"}, folder / "out.pct", options);
+        const LevelsReport report = verify_levels(*Tree::open(folder / "out.pct"), 2);
+        EXPECT_TRUE(report.faults.empty()) << report.faults[0];
+        EXPECT_GE(report.levels.size(), 1u);
+    }
+}
+
+// The measurement itself against brute force; and it must see what is wrong.
+TEST(Build, MeasuringLevelsIsExact)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::volume, 4000, 22), {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(1000));
+    const auto tree = Tree::open(folder / "out.pct");
+    std::vector<std::pair<Vec3d, std::size_t>> points;
+    for (NodeId id = 0; id < tree->nodes().size(); ++id) {
+        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+        for (std::uint32_t i = 0; i < chunk.points; ++i) {
+            std::size_t level = 0;
+            while (i >= tree->node(id).points_to_level(level)) ++level;
+            points.push_back({tree->info().grid.to_source(chunk.positions->grid(i)), level});
+        }
+    }
+    const auto distance = [](const Vec3d& p, const Vec3d& q) {
+        return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+    };
+    const LevelsReport report = verify_levels(*tree, 1);
+    ASSERT_GE(report.levels.size(), 1u);
+    for (std::size_t level = 0; level < report.levels.size(); ++level) {
+        double least = 1e300, farthest = 0;
+        std::vector<double> neighbour;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double nearest = 1e300;
+            for (std::size_t j = 0; j < points.size(); ++j)
+                if (i != j && points[j].second <= level)
+                    nearest = std::min(nearest, distance(points[i].first, points[j].first));
+            if (points[i].second > level) {
+                farthest = std::max(farthest, nearest);
+                continue;
+            }
+            least = std::min(least, nearest);
+            if (nearest <= 2 * report.levels[level].spacing) neighbour.push_back(nearest);
+        }
+        double mean = 0, variance = 0;
+        for (const double d : neighbour) mean += d / static_cast<double>(neighbour.size());
+        for (const double d : neighbour) variance += (d - mean) * (d - mean) / static_cast<double>(neighbour.size());
+        const double spacing = report.levels[level].spacing;
+        EXPECT_NEAR(report.levels[level].least_distance, least / spacing, 1e-9);
+        EXPECT_NEAR(report.levels[level].coverage, farthest / spacing, 1e-9);
+        EXPECT_NEAR(report.levels[level].variation, std::sqrt(variance) / mean, 1e-9);
+    }
+
+    // Spacings that are not the true ones.
+    std::vector<std::byte> bytes;
+    {
+        const File file(folder / "out.pct" / index_file_name, File::Mode::read);
+        bytes.resize(file.size());
+        file.read_at(bytes.data(), bytes.size(), 0);
+    }
+    const TreeIndex index = decode_index(bytes, "index");
+    for (const double factor : {1.1, 0.9}) {
+        TreeIndex changed = index;
+        for (double& spacing : changed.info.spacings) spacing *= factor;
+        const std::vector<std::byte> now = encode_index(changed);
+        replace_file(folder / "out.pct" / index_file_name, now.data(), now.size());
+        EXPECT_FALSE(verify_levels(*Tree::open(folder / "out.pct"), 1).faults.empty()) << factor;
+    }
+}
+
+TEST(Build, MemoryTooSmallForOneBinMakesManyAndLosesNothing)
+{
+    const TemporaryFolder folder;
+    const auto points = records(Shape::surface, 1500000, 9);
+    write_las(folder / "in.las", points, {});
+    BuildOptions options = small_chunks(20000);  // 64 MiB and two threads: bins of about 180,000 points
+    build_tree({folder / "in.las"}, folder / "out.pct", options);
+    const auto tree = Tree::open(folder / "out.pct");
+    expect_same_points(*tree, points);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// The strided sample sees none of the points that pile up at the end of the file.
+TEST(Build, ADenseSpotThatTheSampleMissed)
+{
+    const TemporaryFolder folder;
+    auto points = records(Shape::surface, 400000, 10);
+    const auto pile = records(Shape::duplicates, 500000, 11);
+    points.insert(points.end(), pile.begin(), pile.end());
+    write_las(folder / "in.las", points, {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(5000));
+    expect_same_points(*Tree::open(folder / "out.pct"), points);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different,
+// or two of three points the same; beside a few points elsewhere.
+TEST(Build, PilesLargerThanABin)
+{
+    const TemporaryFolder folder;
+    const auto few = records(Shape::surface, 1000, 18);
+    for (const int kinds : {1, 3, 1000000}) {
+        std::vector<LasRecord> points(400000, few[0]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::size_t kind = kinds == 3 ? (i % 3 == 0 ? i / 3 : 0) : i % static_cast<std::size_t>(kinds);
+            points[i].intensity = static_cast<std::uint16_t>(kind);
+            points[i].source = static_cast<std::uint16_t>(kind >> 16);
+        }
+        points.insert(points.end(), few.begin(), few.end());
+        write_las(folder / "in.las", points, {});
+        BuildOptions options = small_chunks(20000);
+        options.overwrite = true;
+        std::map<std::string, std::string> one;
+        for (const unsigned threads : {1u, 2u, 7u}) {
+            options.threads = threads;
+            build_tree({folder / "in.las"}, folder / "out.pct", options);
+            if (threads == 1) one = contents(folder / "out.pct");
+            EXPECT_TRUE(contents(folder / "out.pct") == one) << threads << " threads";
+        }
+        const auto tree = Tree::open(folder / "out.pct");
+        expect_same_points(*tree, points);
+        for (const Node& node : tree->nodes()) EXPECT_LE(node.points, 20000u);
+        EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+        EXPECT_TRUE(verify_levels(*tree, 2).faults.empty());
+    }
+}
+
+TEST(Build, SeveralFilesAndFoldersAreOneCloud)
+{
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "tiles");
+    const auto a = records(Shape::surface, 3000, 12), b = records(Shape::volume, 4000, 13);
+    write_las(folder / "tiles" / "a.las", a, {});
+    write_las(folder / "tiles" / "b.las", b, {});
+    build_tree({folder / "tiles"}, folder / "out.pct", small_chunks());
+    auto both = a;
+    both.insert(both.end(), b.begin(), b.end());
+    const auto tree = Tree::open(folder / "out.pct");
+    expect_same_points(*tree, both);
+    EXPECT_EQ(tree->info().sources, (std::vector<std::string>{"a.las", "b.las"}));
+}
+
+// A survey has more tiles than a process may have files open.
+TEST(Build, ManyTiles)
+{
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "tiles");
+    const auto points = records(Shape::surface, 6000, 17);
+    for (std::size_t tile = 0; tile < 300; ++tile)
+        write_las(folder / "tiles" / (std::to_string(tile) + ".las"),
+                  {points.begin() + static_cast<std::ptrdiff_t>(tile * 20),
+                   points.begin() + static_cast<std::ptrdiff_t>(tile * 20 + 20)},
+                  {});
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    rlimit few = before;
+    few.rlim_cur = 64;
+    setrlimit(RLIMIT_NOFILE, &few);
+    build_tree({folder / "tiles"}, folder / "out.pct", small_chunks());
+    setrlimit(RLIMIT_NOFILE, &before);
+    expect_same_points(*Tree::open(folder / "out.pct"), points);
+}
+
+// Tiles of one scale with offsets of their own, as every survey delivers them, are exact too.
+TEST(Build, TilesWithOffsetsOfTheirOwn)
+{
+    const TemporaryFolder folder;
+    Grid one, two;
+    one.scale = two.scale = {0.001, 0.001, 0.001};
+    one.offset = {500000, 4800000, 0};
+    two.offset = {501000, 4800000, 0};
+    auto a = records(Shape::surface, 3000, 14), b = records(Shape::surface, 3000, 15);
+    write_las(folder / "a.las", a, one);
+    write_las(folder / "b.las", b, two);
+    build_tree({folder / "a.las", folder / "b.las"}, folder / "out.pct", small_chunks());
+    for (LasRecord& p : b) p.x += 1000000;
+    a.insert(a.end(), b.begin(), b.end());
+    const auto tree = Tree::open(folder / "out.pct");
+    EXPECT_EQ(tree->info().grid, one);
+    EXPECT_FALSE(tree->info().wide);
+    EXPECT_EQ(tree->info().position_type, ScalarType::i32);
+    expect_same_points(*tree, a);
+    EXPECT_LE(tree->info().position_error, 1e-9);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// A gridded cloud that can only be read in order (as LAZ) makes the same points of the same narrow rows; small memory
+// makes many bins of it.
+TEST(Build, AnyReaderIsAnInput)
+{
+    const TemporaryFolder folder;
+    Schema schema;
+    schema.add({"intensity", ScalarType::u16, 1, 1, 0, ""});
+    schema.add({"wide", ScalarType::f64, 40, 1, 0, ""});  // many bytes a point, so that there is more than one bin
+    const Grid grid{{0.01, 0.01, 0.001}, {1000, -2000, 3}};
+    const MemoryCloud cloud = random_cloud(schema, grid, 30000, 5);
+    std::uint64_t hash[3];
+    for (int way = 0; way < 3; ++way) {
+        MemoryCloud promised = cloud;
+        promised.info.points_known = way != 2;
+        if (way == 2) promised.info.points = 7;  // an estimate, and a wrong one
+        MemoryReader reader(promised, way == 0);
+        const BuildReport report =
+            build_tree(reader, {"memory"}, folder / (std::to_string(way) + ".pct"), small_chunks());
+        EXPECT_EQ(report.outcome.points_out, 30000u);
+        EXPECT_EQ(report.outcome.error, 0);
+        const auto tree = Tree::open(folder / (std::to_string(way) + ".pct"));
+        EXPECT_FALSE(tree->info().wide);
+        EXPECT_EQ(tree->info().grid, grid);
+        EXPECT_EQ(tree->info().sources, std::vector<std::string>{"memory"});
+        EXPECT_TRUE(verify_tree(tree->folder()).faults.empty());
+        hash[way] = tree->info().content_hash;
+    }
+    EXPECT_EQ(hash[0], hash[1]);
+    EXPECT_EQ(hash[0], hash[2]);
+}
+
+template <class Scalar>
+void float_cloud(double centre, double extent, double bound)
+{
+    const TemporaryFolder folder;
+    std::mt19937_64 random(16);
+    std::vector<std::array<Scalar, 3>> points(20000);
+    for (auto& p : points)
+        for (auto& c : p)
+            c = static_cast<Scalar>(centre + extent * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
+    write_ply(folder / "in.ply", points);
+    const BuildReport report = build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
+    EXPECT_LE(report.outcome.error, bound);
+    const auto tree = Tree::open(folder / "out.pct");
+    std::vector<Vec3d> in, out;
+    for (const auto& p : points) in.push_back({p[0], p[1], p[2]});
+    for (NodeId id = 0; id < tree->nodes().size(); ++id) {
+        const Chunk chunk = tree->read_chunk(id, ColumnSet::only_positions());
+        for (std::size_t i = 0; i < chunk.points; ++i)
+            out.push_back(tree->info().grid.to_source(chunk.positions->grid(i)));
+    }
+    ASSERT_EQ(in.size(), out.size());
+    std::sort(in.begin(), in.end());
+    std::sort(out.begin(), out.end());
+    for (std::size_t i = 0; i < in.size(); ++i)
+        for (std::size_t a = 0; a < 3; ++a) ASSERT_LE(std::fabs(in[i][a] - out[i][a]), bound);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// Bound 0: bit for bit. Around zero floats are finer than any grid, and the bound is the grid's half step.
+TEST(Build, FloatsAtMapCoordinatesAreExact) { float_cloud<float>(4.8e6, 1000, 0); }
+TEST(Build, DoublesAtMapCoordinatesAreExact) { float_cloud<double>(4.8e6, 1000, 0); }
+TEST(Build, FloatsAroundZero) { float_cloud<float>(0, 2, 0x1p-62); }
+TEST(Build, DoublesAroundZero) { float_cloud<double>(0, 2, 0x1p-62); }
+TEST(Build, TinyClouds) { float_cloud<double>(0, 1e-6, 1e-6 * 0x1p-60); }
+TEST(Build, HugeClouds) { float_cloud<double>(0, 1e9, 1e9 * 0x1p-60); }
+
+TEST(Build, PointsWithoutAFinitePositionAreCountedAndLeftOut)
+{
+    const TemporaryFolder folder;
+    const float nan = std::nanf(""), inf = INFINITY;
+    write_ply<float>(folder / "in.ply", {{0, 0, 0}, {nan, 0, 0}, {1, 2, 3}, {0, -inf, 0}, {4, 5, inf}});
+    const BuildReport report = build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(report.outcome.points_out, 2u);
+    EXPECT_EQ(report.points_skipped, 3u);
+    ASSERT_FALSE(report.notes.empty());
+    EXPECT_EQ(Tree::open(folder / "out.pct")->info().points_skipped, 3u);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+TEST(Build, NothingButNaN)
+{
+    const TemporaryFolder folder;
+    const float nan = std::nanf("");
+    write_ply<float>(folder / "in.ply", {{nan, nan, nan}});
+    EXPECT_EQ(build_tree({folder / "in.ply"}, folder / "out.pct", small_chunks()).outcome.points_out, 0u);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+// ------------------------------------------------------------------------------------------------ failures
+
+ErrorCode code_of(const std::function<void()>& f, const std::string& must_name)
+{
+    try {
+        f();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find(must_name), std::string::npos) << error.what();
+        return error.code();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return ErrorCode::io;
+}
+
+std::vector<std::string> names_in(const fs::path& folder)
+{
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+TEST(BuildFailure, NothingIsOverwrittenUnasked)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 100, 1), {});
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "out.pct"),
+              ErrorCode::exists);
+    // With overwrite, only a tree is.
+    fs::create_directory(folder / "precious");
+    std::ofstream(folder / "precious" / "thesis.txt") << "years of work";
+    BuildOptions options = small_chunks();
+    options.overwrite = true;
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "precious", options); }, "precious"),
+              ErrorCode::exists);
+    EXPECT_TRUE(fs::exists(folder / "precious" / "thesis.txt"));
+    // Nor is a folder that happens to be called like the one a build works in.
+    fs::create_directory(folder / "new.pct.part");
+    std::ofstream(folder / "new.pct.part" / "thesis.txt") << "years of work";
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "new.pct", options); }, "new.pct.part"),
+              ErrorCode::exists);
+    EXPECT_TRUE(fs::exists(folder / "new.pct.part" / "thesis.txt"));
+}
+
+TEST(BuildFailure, BadInputLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 1000, 1), {});
+    fs::resize_file(folder / "in.las", 227 + 26 * 500);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "in.las"),
+              ErrorCode::truncated);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "no.las"}, folder / "out.pct", small_chunks()); }, "no.las"),
+              ErrorCode::not_found);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "no" / "out.pct", small_chunks()); }, "in.las"),
+              ErrorCode::truncated);
+    EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+}
+
+TEST(BuildFailure, CancelLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 1000000, 1), {});
+    for (const double at : {0.0, 0.2, 0.5, 0.9}) {
+        BuildOptions options = small_chunks();
+        options.progress = [&](const ProgressUpdate& update) { return update.fraction < at; };
+        EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", options); }, "cancelled"),
+                  ErrorCode::cancelled);
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+    }
+}
+
+// Runs `f` in a child process; returns its exit status.
+int in_child(const std::function<int()>& f)
+{
+    const pid_t child = fork();
+    if (child == 0) _exit(f());
+    int status = 0;
+    waitpid(child, &status, 0);
+    return status;
+}
+
+// A disk that is full after `limit` bytes of one file: the system's own limit on file sizes gives the same kind of
+// error.
+TEST(BuildFailure, AFullDiskIsNamedAndLeavesNothingBehind)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 300000, 1), {});
+    for (const rlim_t limit : {1u << 16, 1u << 20, 1u << 22}) {
+        const int status = in_child([&] {
+            signal(SIGXFSZ, SIG_IGN);
+            const rlimit file_size{limit, limit};
+            setrlimit(RLIMIT_FSIZE, &file_size);
+            try {
+                build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+            } catch (const Error& error) {
+                return error.code() == ErrorCode::no_space &&
+                               std::string(error.what()).find("out.pct") != std::string::npos
+                           ? 42
+                           : 1;
+            }
+            return 2;
+        });
+        EXPECT_EQ(WEXITSTATUS(status), 42) << limit;
+        EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"in.las"});
+    }
+}
+
+TEST(BuildFailure, NoPermission)
+{
+    const TemporaryFolder folder;
+    const fs::perms look = fs::perms(0555);
+    fs::permissions(folder.path(), fs::perms::owner_all | look);
+    write_las(folder / "in.las", records(Shape::surface, 1000, 1), {});
+    fs::create_directory(folder / "locked");
+    fs::permissions(folder / "locked", look);
+    const int status = in_child([&] {
+        // Root may write everywhere: be somebody else.
+        if (geteuid() == 0 && setuid(65534) != 0) return 3;
+        try {
+            build_tree({folder / "in.las"}, folder / "locked" / "out.pct", small_chunks());
+        } catch (const Error& error) {
+            return error.code() == ErrorCode::permission &&
+                           std::string(error.what()).find("locked") != std::string::npos
+                       ? 42
+                       : 1;
+        }
+        return 2;
+    });
+    EXPECT_EQ(WEXITSTATUS(status), 42);
+    EXPECT_TRUE(names_in(folder / "locked").empty());
+}
+
+// Killed at many moments: there is no tree, or there is the whole tree; and building again works and gives the same
+// bytes.
+TEST(BuildFailure, KilledAnywhereItIsNeverTakenForATree)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 150000, 1), {});
+    build_tree({folder / "in.las"}, folder / "reference.pct", small_chunks());
+    const auto reference = contents(folder / "reference.pct");
+    int killed = 0, interrupted = 0;
+    for (int delay_us = 500; delay_us < 400000; delay_us = delay_us * 5 / 4) {
+        const pid_t child = fork();
+        if (child == 0) {
+            try {
+                build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+            } catch (...) {
+                _exit(1);
+            }
+            _exit(0);
+        }
+        usleep(static_cast<useconds_t>(delay_us));
+        kill(child, SIGKILL);
+        int status = 0;
+        waitpid(child, &status, 0);
+        killed += WIFSIGNALED(status);
+        if (fs::exists(folder / "out.pct")) {
+            EXPECT_TRUE(contents(folder / "out.pct") == reference);
+            fs::remove_all(folder / "out.pct");
+        } else {
+            EXPECT_EQ(code_of([&] { Tree::open(folder / "out.pct"); }, "out.pct"), ErrorCode::not_found);
+            if (fs::exists(folder / "out.pct.part" / "building")) {
+                ++interrupted;
+                if (!fs::exists(folder / "out.pct.part" / index_file_name))
+                    EXPECT_EQ(code_of([&] { Tree::open(folder / "out.pct.part"); }, "interrupted"),
+                              ErrorCode::interrupted_build);
+            }
+        }
+    }
+    EXPECT_GT(killed, 3);
+    EXPECT_GT(interrupted, 1);
+    build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
+    EXPECT_TRUE(contents(folder / "out.pct") == reference);
+    EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"in.las", "out.pct", "reference.pct"}));
+}
+
+TEST(BuildFailure, TwoBuildsOfOneTree)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 300000, 1), {});
+    BuildOptions options = small_chunks();
+    bool tried = false;
+    options.progress = [&](const ProgressUpdate&) {
+        if (!tried) {
+            tried = true;
+            EXPECT_EQ(
+                code_of([&] { build_tree({folder / "in.las"}, folder / "out.pct", small_chunks()); }, "another build"),
+                ErrorCode::exists);
+        }
+        return true;
+    };
+    build_tree({folder / "in.las"}, folder / "out.pct", options);
+    EXPECT_TRUE(tried);
+    EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
+}
+
+TEST(BuildFailure, OptionsOutOfRange)
+{
+    const TemporaryFolder folder;
+    write_las(folder / "in.las", records(Shape::surface, 10, 1), {});
+    BuildOptions options = small_chunks();
+    options.memory_bytes = 1000;
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "64 MiB"),
+              ErrorCode::invalid_argument);
+    options = small_chunks(10);
+    EXPECT_EQ(code_of([&] { build_tree({folder / "in.las"}, folder / "o.pct", options); }, "1000"),
+              ErrorCode::invalid_argument);
+}
+
+}  // namespace

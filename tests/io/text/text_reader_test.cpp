@@ -1,0 +1,438 @@
+// Points as text: any layout that can be detected is detected, and every number is read exactly.
+#include "pcm/io/pipe/merged_reader.h"
+#include "pcm/io/text/ptx_reader.h"
+#include "pcm/io/text/text_source.h"
+#include "pcm/io/text/xyz_reader.h"
+
+#include "tests/io/bytes.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace pcm::test {
+namespace {
+
+Whole read_text(const std::string& text, const char* name = "a.xyz", const TextLayout& layout = {},
+                std::size_t batch_points = default_batch_points)
+{
+    TemporaryFolder folder;
+    ReadOptions options;
+    options.text = layout;
+    return read_whole(*open_reader(write_file(folder / name, text), options), batch_points);
+}
+
+Error refusal(const std::string& text, const char* name = "a.xyz", const TextLayout& layout = {})
+{
+    TemporaryFolder folder;
+    const auto path = write_file(folder / name, text);
+    ReadOptions options;
+    options.text = layout;
+    const Error error = error_of([&] { read_whole(*open_reader(path, options)); });
+    EXPECT_TRUE(layout.columns.empty() ? mentions(error.what(), path.string()) : true) << error.what();
+    return error;
+}
+
+std::vector<std::string> notes_after(const std::string& text, const char* name)
+{
+    TemporaryFolder folder;
+    const auto reader = open_reader(write_file(folder / name, text));
+    read_whole(*reader);
+    return reader->info().notes;
+}
+
+template <class T>
+std::string shortest(T value)
+{
+    char text[400];
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string names_of(const Schema& schema)
+{
+    std::string text;
+    for (const Attribute& a : schema)
+        text += (text.empty() ? "" : " ") + a.name + ":" + std::string(name_of(a.type)) +
+                (a.components > 1 ? "x" + std::to_string(a.components) : "");
+    return text;
+}
+
+// A layout in which a random cloud is printed.
+struct Print {
+    const char* name;
+    char separator;
+    char point;
+    const char* line_end;
+    bool header, last_line_ends;
+    const char* pad;
+};
+
+TEST(TextReader, RandomCloudsInRandomLayouts)
+{
+    static constexpr Print prints[] = {
+        {"a.xyz", ' ', '.', "\n", false, true, ""},      {"a.xyz", ' ', '.', "\r\n", true, true, "  "},
+        {"a.txt", '\t', '.', "\n", true, false, ""},     {"a.csv", ',', '.', "\r\n", true, true, ""},
+        {"a.csv", ',', '.', "\n", false, false, " "},    {"a.txt", ';', ',', "\n", true, true, ""},
+        {"a.asc", ' ', '.', "\r", true, true, ""},       {"a.txt", '\t', ',', "\r\n", false, true, ""},
+        {"a.unknown", ' ', '.', "\n", true, true, "\t"}, {"a.txt", ' ', ',', "\n", true, false, ""},
+        {"a.asc", ' ', '.', "\r", false, false, ""},     {"a.csv", ';', '.', "\n", true, true, " "},
+    };
+    std::mt19937_64 random(7);
+    const auto uniform = [&](double low, double high) {
+        return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+    };
+    for (int round = 0; round < 120; ++round) {
+        const Print& print = prints[static_cast<std::size_t>(round) % std::size(prints)];
+        SCOPED_TRACE(std::to_string(round) + ": " + print.name + " " + print.separator);
+        const std::size_t points = round < 24 ? 1 + random() % 5 : 200 + random() % 3000;
+        const bool with_intensity = random() % 2, with_rgb = random() % 2, with_normals = random() % 2;
+        std::vector<Vec3d> xyz(points);
+        std::vector<std::array<int, 3>> rgb(points);
+        std::vector<std::array<float, 3>> normals(points);
+        std::vector<int> intensity(points);
+        std::string text, separator(1, print.separator);
+        if (print.header) {
+            text += "X" + separator + "Y" + separator + "Z";
+            if (with_intensity) text += separator + "Intensity";
+            if (with_rgb) text += separator + "Red" + separator + "Green" + separator + "Blue";
+            if (with_normals) text += separator + "Nx" + separator + "Ny" + separator + "Nz";
+            text += print.line_end;
+        }
+        const auto put = [&](std::string number) {
+            for (char& c : number)
+                if (c == '.') c = print.point;
+            if (!text.empty() && text.find_last_of("\r\n") + 1 != text.size())
+                text += print.pad + separator + print.pad;
+            text += number;
+        };
+        for (std::size_t i = 0; i < points; ++i) {
+            if (i) text += print.line_end;
+            for (std::size_t a = 0; a < 3; ++a) {
+                xyz[i][a] = random() % 50 ? uniform(-5e6, 5e6)
+                                          : std::ldexp(uniform(-1, 1), static_cast<int>(random() % 2000) - 1000);
+                put(shortest(xyz[i][a]));
+            }
+            intensity[i] = static_cast<int>(random() % 4000);
+            if (with_intensity) put(std::to_string(intensity[i]));
+            for (int& c : rgb[i]) {
+                c = static_cast<int>(random() % 256);
+                if (with_rgb) put(std::to_string(c));
+            }
+            const double z = uniform(-1, 1), angle = uniform(0, 6.28), r = std::sqrt(1 - z * z);
+            normals[i] = {static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle)),
+                          static_cast<float>(z)};
+            for (const float n : normals[i])
+                if (with_normals) put(shortest(n));
+        }
+        if (print.last_line_ends) text += print.line_end;
+        const Whole whole = read_text(text, print.name, {}, 1 + random() % 4000);
+        ASSERT_EQ(whole.points.size, points);
+        for (std::size_t i = 0; i < points; ++i) {
+            ASSERT_EQ(whole.position(i), xyz[i]) << i;
+            if (with_intensity) {
+                ASSERT_EQ(whole.value("intensity", i), intensity[i]) << names_of(whole.info.schema);
+            }
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                if (with_rgb) {
+                    ASSERT_EQ(whole.raw<std::uint8_t>("rgb", i, k), rgb[i][k]) << names_of(whole.info.schema);
+                }
+                if (with_normals) {
+                    ASSERT_EQ(whole.raw<float>("normal", i, k), normals[i][k]) << names_of(whole.info.schema);
+                }
+            }
+        }
+    }
+}
+
+TEST(TextReader, EveryNumberIsTheNearest)
+{
+    const char* numbers[] = {"0.1",
+                             "1e23",
+                             "9007199254740993",
+                             "2.2250738585072011e-308",
+                             "4.9e-324",
+                             "1.7976931348623157e308",
+                             "123456789012345678901234567890",
+                             "0.000000000000000000000000000001",
+                             "-0",
+                             "+5",
+                             ".5",
+                             "5.",
+                             "1E5",
+                             "289814.15",
+                             "100000000000000016777215",
+                             "1e-400",
+                             "1e400",
+                             "6.25e+2",
+                             "00012.50"};
+    for (const char* number : numbers) {
+        const double expected = std::strtod(number, nullptr);
+        const Whole whole = read_text("1 2 " + std::string(number) + "\n" + number + " 3 4\n");
+        ASSERT_EQ(whole.points.size, 2u);
+        EXPECT_EQ(whole.position(0)[2], expected) << number;
+        EXPECT_EQ(std::signbit(whole.position(1)[0]), std::signbit(expected)) << number;
+    }
+    const Whole odd = read_text("nan -inf 1.#INF\n1.#IND -1.#INF Infinity\n");
+    EXPECT_TRUE(std::isnan(odd.position(0)[0]) && std::isnan(odd.position(1)[0]));
+    EXPECT_EQ(odd.position(0)[1], -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(odd.position(1)[1], -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(odd.position(0)[2], odd.position(1)[2]);
+    // Beyond 2^53 identifiers are integers.
+    const Whole wide = read_text("# x y z id\n1 2 3 9007199254740993\n1 2 3 18446744073709551615\n");
+    EXPECT_EQ(wide.raw<std::uint64_t>("id", 0), 9007199254740993u);
+    EXPECT_EQ(wide.raw<std::uint64_t>("id", 1), std::numeric_limits<std::uint64_t>::max());
+}
+
+TEST(TextReader, ColumnsWithoutNames)
+{
+    struct {
+        std::string text;
+        const char* schema;
+        const char* says;
+    } const cases[] = {
+        {"1 2 3\n4 5 6\n", "", "columns x y z"},
+        {"1 2 3 7\n4 5 6 8\n", "intensity:u16", "x y z intensity"},
+        {"1 2 3 0.5\n4 5 6 0.25\n", "intensity:f32", "x y z intensity"},
+        {"1 2 3 10 20 30\n4 5 6 255 0 9\n", "rgb:u8x3", "colours 0-255"},
+        {"1 2 3 300 20 30\n4 5 6 255 0 65535\n", "rgb:u16x3", "colours 0-65535"},
+        {"1 2 3 0.5 0.5 0.1\n4 5 6 1 0 0\n", "rgb:f32x3", "colours 0-1"},
+        {"1 2 3 0 0 1\n4 5 6 0.6 0 0.8\n", "normal:f32x3", "nx ny nz"},
+        {"1 2 3 99 10 20 30\n4 5 6 100 1 2 3\n", "intensity:u16 rgb:u8x3", "x y z intensity r g b"},
+        {"1 2 3 10 20 30 0.25\n4 5 6 1 2 3 0.5\n", "rgb:u8x3 intensity:f32", "x y z r g b intensity"},
+        {"1 2 3 10 20 30 0 1 0\n4 5 6 1 2 3 1 0 0\n", "rgb:u8x3 normal:f32x3", "r g b nx ny nz"},
+        {"1 2 3 0 1 0 10 20 30\n4 5 6 0 0 -1 1 2 3\n", "normal:f32x3 rgb:u8x3", "nx ny nz r g b"},
+        {"1 2 3 -7.5 400.25\n4 5 6 8 9\n", "column_4:f64 column_5:f64", "column_4"},
+    };
+    for (const auto& c : cases) {
+        const Whole whole = read_text(c.text);
+        EXPECT_EQ(names_of(whole.info.schema), c.schema) << c.text;
+        EXPECT_TRUE(any_mentions(whole.info.notes, c.says)) << c.text << whole.info.notes[0];
+        EXPECT_TRUE(any_mentions(whole.info.notes, "say otherwise")) << whole.info.notes[0];
+        EXPECT_EQ(whole.points.size, 2u);
+    }
+}
+
+TEST(TextReader, HeadersOfOtherPrograms)
+{
+    struct {
+        std::string text;
+        const char* schema;
+    } const cases[] = {
+        {"//X Y Z R G B scalar_Intensity\n2\n1 2 3 4 5 6 7\n1 2 3 4 5 6 8\n", "rgb:u8x3 intensity:u16"},
+        {"//X;Y;Z;Rf;Gf;Bf;Nx;Ny;Nz\n1;2;3;0;1;0;0;0;1\n", "rgb:f32x3 normal:f32x3"},
+        {"\"Easting\",\"Northing\",\"Elevation\",\"Gps Time [s]\"\n1,2,3,4\n", "gps_time:f64"},
+        {"id,X,Y,Z,Classification,ReturnNumber\n5,1,2,3,4,1\n", "id:f64 classification:u8 return_number:u8"},
+        {"\xEF\xBB\xBFx y z\n1 2 3\n", ""},
+        {"# made by hand\n#\n# x y z a_0 a_1 b_1 intensity\n\n1 2 3 4 5 6 7\n", "a:f64x2 b_1:f64 intensity:u16"},
+        {"Height,Y,X\n3,2,1\n", ""},
+        {"x,y,z,height,X (m)\n1,2,3,4,5\n", "height:f64 X (m):f64"},
+        {"x y z nx ny\n1 2 3 0 1\n", "nx:f64 ny:f64"},
+        {"1\n1 2 3 4 5 6\n", "rgb:u8x3"},
+        {"x;y;z;\n1;2;3;\n", ""},
+    };
+    for (const auto& c : cases) {
+        const Whole whole = read_text(c.text, "a.txt");
+        EXPECT_EQ(names_of(whole.info.schema), c.schema) << c.text;
+        ASSERT_GE(whole.points.size, 1u) << c.text;
+        EXPECT_EQ(whole.position(0), (Vec3d{1, 2, 3})) << c.text;
+    }
+    const Whole empty = read_text("# x y z intensity r g b\n");
+    EXPECT_EQ(empty.points.size, 0u);
+    EXPECT_EQ(empty.info.schema.size(), 2u);
+}
+
+TEST(TextReader, TheUsersWordWins)
+{
+    TextLayout layout;
+    layout.columns = {"-", "y", "x", "z", "r:u16", "g", "b", "id:u64"};
+    const Whole whole = read_text("1 2 3 4 5 6 7 8\n", "a.xyz", layout);
+    EXPECT_EQ(whole.position(0), (Vec3d{3, 2, 4}));
+    EXPECT_EQ(names_of(whole.info.schema), "rgb:u16x3 id:u64");
+    layout.columns = {"x", "y", "z"};
+    layout.skip_lines = 1;
+    EXPECT_EQ(read_text("7 8 9\n1 2 3\n", "a.xyz", layout).points.size, 1u);
+    layout.separator = ';';
+    EXPECT_EQ(read_text("7 8 9\n1,5;2;3\n", "a.xyz", layout).position(0)[0], 1.5);
+    TextLayout range;
+    range.colour_range = 65535;
+    EXPECT_EQ(names_of(read_text("1 2 3 4 5 6\n", "a.xyz", range).info.schema), "rgb:u16x3");
+    EXPECT_EQ(read_text("X,Y,X\n1,2,3\n", "a.csv", {{}, {}, {"x", "y", "z"}, {}}).position(0), (Vec3d{1, 2, 3}));
+    range.colour_range = 17;
+    EXPECT_EQ(error_of([&] { check_layout(range); }).code(), ErrorCode::invalid_argument);
+    for (const char* bad : {"x y", "x y z x", "x y z a:q8", "x y z a a"})
+        EXPECT_EQ(error_of([&] { parse_columns(bad); }).code(), ErrorCode::invalid_argument) << bad;
+}
+
+TEST(TextReader, WhatDoesNotFitIsNamed)
+{
+    const std::string many = [] {
+        std::string text;
+        for (int i = 0; i < 200000; ++i) text += "1.25 2.5 3.75 10 20 30\n";
+        return text;
+    }();
+    struct {
+        std::string text;
+        const char *name, *says;
+    } const cases[] = {
+        {"1 2 3\n1 2\n", "a.xyz", "line 2: found 2 fields, expected 3"},
+        {"1 2 3\n1 2 3\n\n# c\n1 2 3 4\n", "a.xyz", "line 5: found 4 fields, expected 3"},
+        {"1 2 3\n1 x 3\n", "a.xyz", "line 2: found 'x' in column 2 (y)"},
+        {"1,2,3\n1,,3\n", "a.csv", "line 2: found '' in column 2 (y)"},
+        {many + "1 2 3 256 2 3\n", "a.xyz",
+         "line 200001: found '256' in column 4 (r), expected a whole number from 0 to 255"},
+        {many + "1 2 3 0.5 2 3\n", "a.xyz", "found '0.5'"},
+        {"X,Y,X\n1,2,3\n", "a.csv", "line 1 is 'X,Y,X'"},
+        {"x y z id\n1 2 3\n", "a.txt", "line 1 names 4 columns"},
+        {"5\n1 2 3\n", "a.pts", "line 1 promises 5 points, the file ends after 1"},
+        {"2\n1 2 3\n1\n1 2 3\n", "a.pts", "line 1 promises 2 points, line 3 begins another list after 1"},
+        {"Once upon a time\nthere was a cloud.\n", "a.txt", "expected lines of three numbers"},
+        {"ncols 3\nnrows 2\n1 2 3\n4 5 6\n", "a.asc", "grid of heights"},
+        {std::string("1 2 3\n\0\x01\x02", 9), "a.xyz", "byte 6"},
+        {"\xFF\xFE"
+         "1 ",
+         "a.txt", "UTF-16"},
+        {std::string(3000000, '1'), "a.xyz", "line"},
+        {"1 2 3\n" + std::string(3000000, '1') + " 2 3\n", "a.xyz", "line 2 is longer than"},
+        {"#\n", "a.xyz", "no line of three numbers"},
+        {"2\n1 2 3\n4 5 6\n", "a.pwn", "expected x y z nx ny nz"},
+    };
+    for (const auto& c : cases) {
+        const Error error = refusal(c.text, c.name);
+        EXPECT_TRUE(mentions(error.what(), c.says)) << error.what();
+    }
+    EXPECT_EQ(refusal("5\n1 2 3\n", "a.pts").code(), ErrorCode::truncated);
+}
+
+TEST(TextReader, WhatIsPassedOverIsCounted)
+{
+    EXPECT_TRUE(any_mentions(notes_after("x,y,z\n1,2,3\n1,2,3,4\n1,2,3\n", "a.csv"), "1 line has more fields"));
+    EXPECT_TRUE(any_mentions(notes_after("x,y,z,a\n1,2,3,4\n1,2,3,\n1,2,3,,\n", "a.csv"), "2 empty fields are NaN"));
+    EXPECT_TRUE(any_mentions(notes_after("1\n1 2 3\n1 2 3\n", "a.pts"), "line 1 promises 1 points, 2 follow"));
+    std::string text = "# x y z intensity\n";
+    for (int i = 0; i < 300000; ++i) text += "1 2 3 0.5\n";
+    EXPECT_TRUE(any_mentions(notes_after(text + "1 2 3 0.50000000001\n", "a.xyz"), "1 value has more digits"));
+}
+
+TEST(TextReader, WhatReadingFindsReachesTheMergedCloud)
+{
+    TemporaryFolder folder;
+    const auto one = write_file(folder / "a.csv", "x,y,z\n1,2,3\n1,2,3,4\n"),
+               two = write_file(folder / "b.pts", "1\n1 2 3\n1 2 3\n");
+    MergedReader cloud({one, two}, {});
+    EXPECT_EQ(read_whole(cloud).points.size, 4u);
+    EXPECT_TRUE(any_mentions(cloud.info().notes, "a.csv: 1 line has more fields"));
+    EXPECT_TRUE(any_mentions(cloud.info().notes, "b.pts: line 1 promises 1 points, 2 follow"));
+}
+
+TEST(TextReader, FoldersHoldOnlyTextOfPoints)
+{
+    TemporaryFolder folder;
+    write_file(folder / "readme.txt", "About these clouds\n");
+    write_file(folder / "a.txt", "1 2 3\n");
+    write_file(folder / "b.csv", "a,b\n1,2\n");
+    EXPECT_EQ(expand_inputs({folder.path()}), (std::vector<std::filesystem::path>{folder / "a.txt"}));
+    EXPECT_EQ(open_reader(write_file(folder / "plain", "1 2 3\n"))->info().format, "text separated by blanks");
+}
+
+TEST(Pts, Columns)
+{
+    EXPECT_EQ(names_of(read_text("1   \n1 2 3 -1024 5 6 7\n", "a.pts").info.schema), "intensity:i16 rgb:u8x3");
+    EXPECT_EQ(names_of(read_text("1 2 3 0.25\n", "a.pts").info.schema), "intensity:f32");
+    EXPECT_EQ(names_of(read_text("1 2 3 1 0 0\n", "a.pts").info.schema), "rgb:u8x3");
+    const Whole lists = read_text("2\n1 2 3\n4 5 6\n\n1\n7 8 9\n", "a.pts");
+    EXPECT_EQ(lists.points.size, 3u);
+    EXPECT_EQ(lists.position(2), (Vec3d{7, 8, 9}));
+    EXPECT_EQ(read_text("0\n", "a.pts").points.size, 0u);
+}
+
+std::string ptx_header(int columns, int rows, const std::string& matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n")
+{
+    return std::to_string(columns) + "\n" + std::to_string(rows) + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + matrix;
+}
+
+TEST(Ptx, EveryScanIsPutIntoTheWorld)
+{
+    const std::string text =
+        ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
+        ptx_header(1, 2, "0 1 0 0\n-1 0 0 0\n0 0 2 0\n600000.5 800000 400 1\n") +
+        "1 2 3 1 0 0 0\n1e-9 0 0 0 255 255 255\n" + ptx_header(0, 5) + ptx_header(1, 1) + "0 0 1 0.125\n";
+    for (const std::size_t batch : {1, 2, 100}) {
+        const Whole whole = read_text(text, "a.ptx", {}, batch);
+        EXPECT_EQ(names_of(whole.info.schema), "intensity:f32 rgb:u8x3 scan:u32");
+        ASSERT_EQ(whole.points.size, 5u);
+        EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
+        EXPECT_EQ(whole.position(2), (Vec3d{1.0 * 0 + 2 * -1.0 + 600000.5, 1.0 + 800000, 6.0 + 400}));
+        EXPECT_EQ(whole.position(3)[1], 1e-9 + 800000);
+        EXPECT_EQ(whole.value("intensity", 1), 0.25);
+        EXPECT_EQ(whole.value("rgb", 0, 2), 9);
+        EXPECT_EQ(whole.value("rgb", 4, 2), 0);
+        EXPECT_EQ(whole.value("scan", 1), 1);
+        EXPECT_EQ(whole.value("scan", 2), 2);
+        EXPECT_EQ(whole.value("scan", 4), 4);
+        EXPECT_EQ(whole.info.metadata.size(), 4u);
+        EXPECT_EQ(whole.info.metadata[1].key, "ptx.scan/2");
+    }
+    EXPECT_TRUE(any_mentions(notes_after(text, "a.ptx"), "2 missing returns"));
+    // By its structure, whatever it is called.
+    EXPECT_EQ(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a.txt").info.format, "PTX");
+    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a").info.schema), "intensity:f32");
+}
+
+TEST(Ptx, PromisesAreChecked)
+{
+    struct {
+        std::string text;
+        ErrorCode code;
+        const char* says;
+    } const cases[] = {
+        {ptx_header(4444, 10014) + "1 2 3 4\n", ErrorCode::truncated,
+         "after 1 of the 44,502,216 points that scan 1 promises"},
+        {ptx_header(2, 1) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ErrorCode::truncated, "line 12: found '1'"},
+        {ptx_header(1, 1) + "1 2 3 4\n1 2 3 4\n", ErrorCode::bad_format, "line 12"},
+        {ptx_header(1, 1) + "1 2 3 4\n5\n", ErrorCode::truncated, "ends before the number of rows"},
+        {ptx_header(1, 2) + "1 2 3 4\n1 2 3\n", ErrorCode::bad_format, "line 12: found 3 fields, expected 4"},
+        {ptx_header(1, 1) + "1 2\n", ErrorCode::bad_format, "line 11"},
+        {ptx_header(1, 1, "1 0 0 0\n0 1 0 0\n0 0 inf 0\n0 0 0 1\n") + "1 2 3 4\n", ErrorCode::bad_format, "line 9"},
+        {"18446744073709551615\n18446744073709551615\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+         ErrorCode::bad_format, "is none"},
+        {"3\n", ErrorCode::truncated, "the number of rows"},
+        {"hello\n", ErrorCode::bad_format, "line 1"},
+        {"\n", ErrorCode::truncated, "no scan"},
+    };
+    for (const auto& c : cases) {
+        const Error error = refusal(c.text, "a.ptx");
+        EXPECT_EQ(error.code(), c.code) << error.what();
+        EXPECT_TRUE(mentions(error.what(), c.says)) << error.what();
+    }
+}
+
+TEST(TextSource, BlocksAndLinesOfAllLengths)
+{
+    std::mt19937_64 random(3);
+    TemporaryFolder folder;
+    for (const std::string end : {"\n", "\r\n", "\r"})
+        for (int round = 0; round < 20; ++round) {
+            std::vector<std::string> lines(1 + random() % 40);
+            std::string text;
+            for (std::string& line : lines) {
+                line.assign(random() % 10 ? random() % 100 : random() % 400000, 'a');
+                text += line + end;
+            }
+            if (round % 2 && !lines.back().empty()) text.resize(text.size() - end.size());
+            const File file(write_file(folder / "a", text), File::Mode::read);
+            TextSource source(file);
+            std::string_view line;
+            std::size_t count = 0;
+            while (source.next(line)) {
+                ASSERT_LT(count, lines.size());
+                ASSERT_EQ(line, lines[count++]);
+                ASSERT_EQ(source.lines_read(), count);
+                ASSERT_LE(source.bytes_read(), text.size());
+            }
+            ASSERT_EQ(count, lines.size());
+            ASSERT_EQ(source.bytes_read(), text.size());
+        }
+}
+
+}  // namespace
+}  // namespace pcm::test
