@@ -5,7 +5,7 @@
 namespace pcm::paths {
 
 extern const char* const sample_clouds;  // the folder; tests skip where it is absent
-extern const char* const command;        // the program pcm
+extern const char* const command;        // the program pcmlab
 extern const char* const faults;         // the library that lets system calls fail (tests/faults)
 
 }  // namespace pcm::paths

@@ -6,7 +6,7 @@
     run.py --out FOLDER --report       plots and report of what is in FOLDER, nothing is measured
 
 FOLDER gets results.csv (a row for each run), sys_info.txt, plots, and report.md with the defaults that it recommends. Clouds are
-generated and built into WORK (by default FOLDER/work; they stay for the next time). A --cloud is a file that `pcm build` reads, built with each chunk size, or a
+generated and built into WORK (by default FOLDER/work; they stay for the next time). A --cloud is a file that `pcmlab build` reads, built with each chunk size, or a
 tree, measured as it is. A --path is a camera path as bench/README.md describes it, beside the generated ones.
 
 A run that was interrupted goes on where it was: what is in results.csv is not measured again. Repetitions take turns in random
@@ -33,7 +33,7 @@ class Run:
     def __init__(self, arguments, size):
         self.arguments, self.size = arguments, size
         self.program = arguments.bin / "bench_caches"
-        self.pcm = arguments.bin / "pcm"
+        self.pcm = arguments.bin / "pcmlab"
         self.work = arguments.work or arguments.out / "work"
         self.work.mkdir(parents=True, exist_ok=True)
         self.about = {k: int(v) if isinstance(v, float) and v.is_integer() else v for k, v in json.loads(call([self.program, "about"])).items()}

@@ -19,7 +19,7 @@ import statistics
 import subprocess
 import sys
 
-OURS = "pcm"
+OURS = "pcmlab"
 
 
 class Program:
@@ -126,8 +126,8 @@ def table(results):
 
 
 def make_tiny(arguments):
-    """A cloud of a few thousand points in every format that `pcm convert` writes."""
-    pcm = arguments.bin / "pcm"
+    """A cloud of a few thousand points in every format that `pcmlab convert` writes."""
+    pcm = arguments.bin / "pcmlab"
     las = arguments.work / "tiny.las"
     subprocess.run([pcm, "generate", las, "--points", "3000", "--no-truth", "-q"], check=True, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)

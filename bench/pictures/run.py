@@ -5,7 +5,7 @@
         [--fly TREE] [--fly-budget MS] [--python FILE]
     run.py --out FOLDER --report       plots and report of what is in FOLDER, nothing is measured
 
-FOLDER gets results.csv (a row for each run), sys_info.txt, plots and report.md. A generated cloud, and each --cloud (a file that `pcm convert` reads, of a few million
+FOLDER gets results.csv (a row for each run), sys_info.txt, plots and report.md. A generated cloud, and each --cloud (a file that `pcmlab convert` reads, of a few million
 points), is given radii and normals (splats.py) and built into WORK (by default FOLDER/work). Each path is replayed at the pace of a display with each
 splat mode and budget, and pictures of it are compared with the full-resolution ones. --fly flies through a large tree with caches much smaller than it, and
 looks for regions that go blank. Needs the packages of requirements.txt; --python names an interpreter that has them.
@@ -67,7 +67,7 @@ def frame_figures(drawn):
 class Run:
     def __init__(self, arguments, size):
         self.arguments, self.size = arguments, size
-        self.program, self.pcm = arguments.bin / "bench_pictures", arguments.bin / "pcm"
+        self.program, self.pcm = arguments.bin / "bench_pictures", arguments.bin / "pcmlab"
         self.work = (arguments.work or arguments.out / "work").resolve()
         self.work.mkdir(parents=True, exist_ok=True)
         self.trees, self.failed = {}, 0

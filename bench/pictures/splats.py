@@ -1,4 +1,4 @@
-"""Radii and normals for a cloud of a few million points, as `pcm convert` wrote it to PLY: what the splat modes read.
+"""Radii and normals for a cloud of a few million points, as `pcmlab convert` wrote it to PLY: what the splat modes read.
 
 splats.py IN.ply OUT.ply [NEIGHBOURS]
 

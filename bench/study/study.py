@@ -24,7 +24,7 @@ def call(command):
 
 
 def add_arguments(parser, program, quick):
-    parser.add_argument("--bin", type=pathlib.Path, help=f"where pcm and {program} are")
+    parser.add_argument("--bin", type=pathlib.Path, help=f"where pcmlab and {program} are")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, besides the generated ones")
     parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, besides the generated ones")

@@ -80,9 +80,9 @@ def measured(command, watch):
 
 
 def build_rows(arguments, memory_mb):
-    pcm = arguments.bin / "pcm"
+    pcm = arguments.bin / "pcmlab"
     ours = [pcm, "build", "{input}", "-o", "{output}.pct", "-m", arguments.memory, "-t", arguments.threads, "--json"]
-    rows = {"pcm": ours, "pcm --fast": [*ours, "--fast"]}
+    rows = {"pcmlab": ours, "pcmlab --fast": [*ours, "--fast"]}
     for peer in arguments.peer:
         name, command = peer.split("=", 1)
         rows[name] = shlex.split(command)
@@ -108,7 +108,7 @@ def build_all(arguments, work):
     for points in arguments.points:
         scene = work / f"scene-{points}.las"
         if not scene.exists():
-            subprocess.run([arguments.bin / "pcm", "generate", "-n", str(points), *(["--extent", str(arguments.extent)] if arguments.extent else []), str(scene)], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([arguments.bin / "pcmlab", "generate", "-n", str(points), *(["--extent", str(arguments.extent)] if arguments.extent else []), str(scene)], check=True, stdout=subprocess.DEVNULL)
         results = {name: [] for name in rows}
         for turn in range(arguments.repeat):
             for name, command in rows.items():
@@ -122,7 +122,7 @@ def build_all(arguments, work):
                                   folder)
                 result["bytes"] = bytes_on_disk(folder)
                 results[name].append(result)
-                if name == "pcm" and turn == arguments.repeat - 1 and "failed" not in result:
+                if name == "pcmlab" and turn == arguments.repeat - 1 and "failed" not in result:
                     shutil.rmtree(work / f"tree-{points}.pct", ignore_errors=True)
                     shutil.move(folder / "tree.pct", work / f"tree-{points}.pct")
         for name, runs in results.items():
@@ -135,7 +135,7 @@ def build_all(arguments, work):
                 row.update(seconds=median("seconds"), mpoints_s=points / median("seconds") / 1e6, cpu_us=median("cpu") / points * 1e6,
                            rss_mb=max(r["rss"] for r in runs) / 1e6, bytes_point=median("bytes") / points,
                            scratch_point=max(0, median("largest") - median("bytes")) / points)
-                if name.startswith("pcm"):
+                if name.startswith("pcmlab"):
                     report = json.loads(runs[-1]["out"])
                     if "scratch_bytes" in report:
                         row["scratch_point"] = report["scratch_bytes"] / points
@@ -179,7 +179,7 @@ def ask(arguments, command, tree, repeat, cold, environment=None):
 
 def read_tree(arguments, tree, work):
     table = []
-    info = json.loads(run([arguments.bin / "pcm", "info", "--json", tree])["out"])
+    info = json.loads(run([arguments.bin / "pcmlab", "info", "--json", tree])["out"])
     points = info["points"]
     for wanted in arguments.first:
         for cold in (True, False):
@@ -229,7 +229,7 @@ def main():
         arguments.points, arguments.first, arguments.repeat, arguments.latency = [20_000, 60_000], [10_000], 1, [1.0]
         arguments.boxes = 2
         arguments.memory = "64M"
-        arguments.peer = [f"copy={shlex.quote(str(arguments.bin / 'pcm'))} convert {{input}} {{output}}.las"]
+        arguments.peer = [f"copy={shlex.quote(str(arguments.bin / 'pcmlab'))} convert {{input}} {{output}}.las"]
     arguments.work.mkdir(parents=True, exist_ok=True)
     work = arguments.work.resolve()
     print(f"{platform.machine()}, {os.cpu_count()} processors, load {os.getloadavg()[0]:.2f}")

@@ -356,7 +356,7 @@ private:
     {
         if (info.points != like.points || info.content_hash != like.content_hash)
             throw Error(ErrorCode::corrupt, output_, "the points that were read are not those that the tree had",
-                        "check it with 'pcm verify'");
+                        "check it with 'pcmlab verify'");
         info.points_skipped = like.points_skipped;
         info.position_type = like.position_type;
         info.position_error = like.position_error;

@@ -82,13 +82,13 @@ int run(CLI::App& app, int argc, char** argv, int& result, const std::function<v
         problem = error.what();
         result = error.code() == ErrorCode::cancelled ? 130 : 1;
     } catch (const std::bad_alloc&) {
-        std::fputs("pcm: out of memory\n", stderr);
+        std::fputs("pcmlab: out of memory\n", stderr);
         return 1;
     } catch (const std::exception& error) {
         problem = error.what();
         result = 1;
     }
-    std::fprintf(stderr, "pcm: %s\n", problem.c_str());
+    std::fprintf(stderr, "pcmlab: %s\n", problem.c_str());
     return result;
 }
 

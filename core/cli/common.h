@@ -1,4 +1,4 @@
-// What the pcm commands share.
+// What the commands share.
 #pragma once
 
 #include "pcm/system/progress.h"

@@ -49,7 +49,7 @@ int erase(Arguments& arguments)
                 bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(),
                 report.outcome.seconds);
     if (!report.coverage_kept)
-        std::printf("note: coarse levels have gaps where points went; 'pcm compact' closes them and frees the space\n");
+        std::printf("note: coarse levels have gaps where points went; 'pcmlab compact' closes them and frees the space\n");
     return 0;
 }
 

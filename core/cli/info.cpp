@@ -131,7 +131,7 @@ int tree_info(const Arguments& arguments)
         std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree->part_roots().size(),
                     tree->part_roots().size() == 1 ? "part" : "parts");
     if (!info.coverage_kept)
-        std::printf("levels      have gaps where points were deleted; 'pcm compact' closes them\n");
+        std::printf("levels      have gaps where points were deleted; 'pcmlab compact' closes them\n");
     if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {

@@ -1,4 +1,4 @@
-// The pcm command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set,
+// The pcmlab command: build, convert, info, verify, render, generate, append, compact, delete, repair, query, set,
 // transform.
 #include "pcm/cli/common.h"
 
@@ -7,7 +7,7 @@
 int main(int argc, char** argv)
 {
     CLI::App app{"Out-of-core point clouds"};
-    app.name("pcm");
+    app.name("pcmlab");
     app.require_subcommand(1);
     int result = 0;
     pcm::cli::add_build(app, result);

@@ -28,9 +28,9 @@ void print(const LevelsReport& report)
     }
     std::printf("distances over the level's spacing, measured in %.1f s\n", report.seconds);
     if (std::isinf(report.coverage_limit))
-        std::printf("points were deleted: coverage is not promised until 'pcm compact'\n");
+        std::printf("points were deleted: coverage is not promised until 'pcmlab compact'\n");
     else if (report.coverage_limit > 1)
-        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcm compact'\n",
+        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcmlab compact'\n",
                     report.coverage_limit);
 }
 
@@ -76,7 +76,7 @@ int verify(const Arguments& arguments)
     if (!levels.levels.empty()) print(levels);
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     for (const std::string& fault : report.around)
-        std::printf("fault: %s\nno point is lost; 'pcm repair' heals it\n", fault.c_str());
+        std::printf("fault: %s\nno point is lost; 'pcmlab repair' heals it\n", fault.c_str());
     if (report.faults.empty()) {
         std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
                     grouped(report.outcome.points_out).c_str(), report.outcome.seconds,

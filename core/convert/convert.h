@@ -1,4 +1,4 @@
-// Any cloud in, any format out: what `pcm convert` and the export of MeshLab call.
+// Any cloud in, any format out: what `pcmlab convert` and the export of MeshLab call.
 #pragma once
 
 #include "pcm/system/progress.h"

@@ -49,7 +49,7 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
         }
         if (options.level || options.max_points)
             throw Error(ErrorCode::invalid_argument, input, "levels are those of point cloud trees, and this is none",
-                        "build a tree of it first with 'pcm build'");
+                        "build a tree of it first with 'pcmlab build'");
         for (fs::path& file : expand_inputs({input})) {
             paths_.push_back(std::move(file));
             is_tree_.push_back(false);

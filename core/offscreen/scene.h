@@ -1,4 +1,4 @@
-// Trees that are drawn together without a window: what `pcm render`, benchmarks and tests draw with, which is what
+// Trees that are drawn together without a window: what `pcmlab render`, benchmarks and tests draw with, which is what
 // draws in MeshLab.
 //
 //     pcm::Offscreen screen(640, 480);

@@ -45,7 +45,7 @@ bool is_there(const File& file)
                     "build it again, or remove the folder");
     throw Error(ErrorCode::not_a_tree, folder,
                 std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
-                "make one with 'pcm build'");
+                "make one with 'pcmlab build'");
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         if (was_being_replaced(folder))
             throw Error(ErrorCode::interrupted_build, folder,
                         "a build was about to replace this tree when it was interrupted",
-                        "build it again, or put the tree back with 'pcm repair'");
+                        "build it again, or put the tree back with 'pcmlab repair'");
         fs::path part = folder;
         part += ".part";
         throw Error(ErrorCode::not_found, folder, "no such tree",
@@ -74,7 +74,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     if (status.type() == fs::file_type::none) throw Error::from_errno(error.value(), folder, "opening");
     if (!fs::is_directory(status))
         throw Error(ErrorCode::not_a_tree, folder, "this is a file, not a point cloud tree",
-                    "a tree is a folder; make one with 'pcm build'");
+                    "a tree is a folder; make one with 'pcmlab build'");
     if (!fs::exists(folder / index_file_name, error)) {
         if (error) throw Error::from_errno(error.value(), folder, "opening");
         refuse_folder(folder);
@@ -164,7 +164,7 @@ void Tree::check(NodeId id, const BpcHeader& header) const
         throw Error(
             ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
             "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
-            "'pcm repair' makes the index again from the chunks");
+            "'pcmlab repair' makes the index again from the chunks");
 }
 
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const

@@ -16,7 +16,7 @@ struct VerifyReport {
     double position_error = 0;        // as recorded by the build
     std::vector<std::string> faults;  // empty: the tree is whole
     std::vector<std::string>
-        around;  // about.pct is damaged, missing, or says otherwise: no point is lost, and 'pcm repair' heals it
+        around;  // about.pct is damaged, missing, or says otherwise: no point is lost, and 'pcmlab repair' heals it
     std::vector<std::string> notes;  // files and bytes that are not the tree's, and what an interrupted update has left
 };
 

@@ -42,7 +42,7 @@ FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::
     for (const Attribute& attribute : from.schema) {
         const auto slot = tree.schema.find(attribute.name);
         const char* const hint =
-            "build a new tree of all the files, or leave the attribute out with 'pcm convert --drop' first";
+            "build a new tree of all the files, or leave the attribute out with 'pcmlab convert --drop' first";
         if (!slot)
             throw Error(ErrorCode::invalid_argument, folder,
                         "the new points have the attribute '" + attribute.name + "', the tree has not", hint);
@@ -173,7 +173,7 @@ void FittedReader::refuse()
     if (too_far_) text += "; some points are beyond its range";
     throw Error(ErrorCode::invalid_argument, folder_, text,
                 tree_.position_type == ScalarType::i32 && !too_far_
-                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcm convert --scale "
+                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcmlab convert --scale "
                       "--offset' first"
                     : "build a new tree of all the files");
 }

@@ -312,7 +312,7 @@ TEST_F(BuildFaults, WhatDoesNotHoldIsNotUsed)
             bytes.put(byte);
             bytes.close();
             if (file.parent_path() == "tree" || file == "front.tmp")
-                continue;  // chunks: pcm verify finds it by their checksums
+                continue;  // chunks: pcmlab verify finds it by their checksums
             try {
                 build_again(options());
             } catch (const Error& error) {

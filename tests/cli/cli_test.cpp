@@ -15,12 +15,12 @@ class CliTest : public CommandTest {};
 TEST_F(CliTest, GenerateBuildInfoVerify)
 {
     const Result generated =
-        pcm("generate -n 250000 --seed 7 --origin 5000000,4800000,100 --json " + path("scene.las"));
+        pcmlab("generate -n 250000 --seed 7 --origin 5000000,4800000,100 --json " + path("scene.las"));
     ASSERT_EQ(generated.code, 0) << generated.err;
     EXPECT_EQ(Json::parse(generated.out)["points"], 250000);
     EXPECT_TRUE(fs::exists(folder_ / "scene.truth.json"));
 
-    const Result built = pcm("build --json --memory 128M " + path("scene.las"));
+    const Result built = pcmlab("build --json --memory 128M " + path("scene.las"));
     ASSERT_EQ(built.code, 0) << built.err;
     const Json build = Json::parse(built.out);
     EXPECT_EQ(build["points"], 250000);
@@ -28,7 +28,7 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     for (const char* key : {"seconds", "points_per_second", "peak_rss_bytes", "bytes"}) EXPECT_GT(build[key], 0) << key;
     EXPECT_TRUE(fs::exists(folder_ / "scene.pct" / "index.pct"));
 
-    const Result asked = pcm("info --json " + path("scene.pct"));
+    const Result asked = pcmlab("info --json " + path("scene.pct"));
     ASSERT_EQ(asked.code, 0) << asked.err;
     const Json info = Json::parse(asked.out);
     EXPECT_EQ(info["points"], 250000);
@@ -44,33 +44,33 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
         colour = colour || (attribute["name"] == "rgb" && attribute["type"] == "u16" && attribute["components"] == 3);
     EXPECT_TRUE(colour);
 
-    const Result verified = pcm("verify --json " + path("scene.pct"));
+    const Result verified = pcmlab("verify --json " + path("scene.pct"));
     ASSERT_EQ(verified.code, 0) << verified.err;
     EXPECT_EQ(Json::parse(verified.out)["points"], 250000);
     EXPECT_TRUE(Json::parse(verified.out)["faults"].empty());
 
     // The same, for people.
     for (const char* command : {"info ", "verify "}) {
-        const Result text = pcm(command + path("scene.pct"));
+        const Result text = pcmlab(command + path("scene.pct"));
         EXPECT_EQ(text.code, 0);
         EXPECT_NE(text.out.find("250,000"), std::string::npos) << text.out;
     }
     // A tree is not overwritten unasked.
-    const Result again = pcm("build " + path("scene.las"));
+    const Result again = pcmlab("build " + path("scene.las"));
     EXPECT_EQ(again.code, 1);
     EXPECT_NE(again.err.find("scene.pct"), std::string::npos);
     EXPECT_EQ(info["sampling"], "poisson");
-    EXPECT_EQ(pcm("build --overwrite --fast " + path("scene.las")).code, 0);
-    EXPECT_EQ(Json::parse(pcm("info --json " + path("scene.pct")).out)["sampling"], "grid");
-    EXPECT_NE(pcm("info " + path("scene.pct")).out.find("by a grid"), std::string::npos);
-    EXPECT_EQ(pcm("verify " + path("scene.pct")).code, 0);
+    EXPECT_EQ(pcmlab("build --overwrite --fast " + path("scene.las")).code, 0);
+    EXPECT_EQ(Json::parse(pcmlab("info --json " + path("scene.pct")).out)["sampling"], "grid");
+    EXPECT_NE(pcmlab("info " + path("scene.pct")).out.find("by a grid"), std::string::npos);
+    EXPECT_EQ(pcmlab("verify " + path("scene.pct")).code, 0);
 }
 
 TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
 {
     const auto points = records(Shape::volume, 5000, 1);
     write_las(folder_ / "in.las", points, {{0.01, 0.01, 0.01}, {0, 0, 0}});
-    ASSERT_EQ(pcm("build --chunk-points 1000 " + path("in.las")).code, 0);
+    ASSERT_EQ(pcmlab("build --chunk-points 1000 " + path("in.las")).code, 0);
     for (const std::string region :
          {"--sphere 10 20 -30 300", "--region 'sphere 10,20,-30 300'", "--oriented-box 0 0 0 300 100 400 30",
           "--cone -500 0 0 1 0 0 20", "--ray -600 -600 -600 1 1 1 150 900", "--frustum 0 -900 0 0 0 0 40 1.5 10 1000",
@@ -84,16 +84,16 @@ TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
         EXPECT_GT(expected, 20u) << region;
         for (const char* input : {"in.las", "in.pct"}) {
             const Result result =
-                pcm("convert --json --overwrite " + path(input) + " " + path("part.ply") + " " + region);
+                pcmlab("convert --json --overwrite " + path(input) + " " + path("part.ply") + " " + region);
             ASSERT_EQ(result.code, 0) << result.err;
             EXPECT_EQ(Json::parse(result.out)["points"], expected) << region << " of " << input;
         }
     }
     const Result two =
-        pcm("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 1 --region 'sphere 0 0 0 1'");
+        pcmlab("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 1 --region 'sphere 0 0 0 1'");
     EXPECT_EQ(two.code, 1);
     EXPECT_NE(two.err.find("one region"), std::string::npos) << two.err;
-    const Result bad = pcm("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 -1");
+    const Result bad = pcmlab("convert " + path("in.las") + " " + path("b.ply") + " --sphere 0 0 0 -1");
     EXPECT_EQ(bad.code, 1);
     EXPECT_NE(bad.err.find("radius is -1"), std::string::npos) << bad.err;
     EXPECT_FALSE(fs::exists(folder_ / "b.ply"));
@@ -102,14 +102,14 @@ TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
 TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
 {
     write_las(folder_ / "in.las", records(Shape::volume, 5000, 1), {{0.01, 0.01, 0.01}, {0, 0, 0}});
-    const Result made = pcm("convert --json --chunk-points 1000 " + path("in.las") + " " + path("in.pct"));
+    const Result made = pcmlab("convert --json --chunk-points 1000 " + path("in.las") + " " + path("in.pct"));
     ASSERT_EQ(made.code, 0) << made.err;
     EXPECT_EQ(Json::parse(made.out)["points"], 5000);
 
     std::size_t in_box = 0;
     for (const LasRecord& p : records(Shape::volume, 5000, 1))
         in_box += p.x >= -20000 && p.x <= 20000 && p.y >= -30000 && p.y <= 0 && p.intensity >= 1000;
-    const Result part = pcm("convert --json " + path("in.pct") + " " + path("part.ply") +
+    const Result part = pcmlab("convert --json " + path("in.pct") + " " + path("part.ply") +
                             " --box -200 -300 -1e9 200 0 1e9 --where 'intensity>=1000' --attributes intensity,rgb");
     ASSERT_EQ(part.code, 0) << part.err;
     const Json json = Json::parse(part.out);
@@ -118,7 +118,7 @@ TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
     EXPECT_EQ(json["bytes"], fs::file_size(folder_ / "part.ply"));
     for (const char* key : {"seconds", "points_per_second", "peak_rss_bytes"}) EXPECT_GT(json[key], 0) << key;
 
-    const Result asked = pcm("info --json --scan " + path("part.ply"));
+    const Result asked = pcmlab("info --json --scan " + path("part.ply"));
     ASSERT_EQ(asked.code, 0) << asked.err;
     const Json info = Json::parse(asked.out);
     EXPECT_EQ(info["points"], in_box);
@@ -129,7 +129,7 @@ TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
     EXPECT_EQ(info["attributes"][0]["name"], "intensity");
 
     const Result text =
-        pcm("convert --overwrite --where classification=1,2 " + path("in.pct") + " " + path("part.ply"));
+        pcmlab("convert --overwrite --where classification=1,2 " + path("in.pct") + " " + path("part.ply"));
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_NE(text.out.find("part.ply: "), std::string::npos) << text.out;
     EXPECT_NE(text.out.find("largest position error 0"), std::string::npos) << text.out;
@@ -139,7 +139,7 @@ TEST_F(CliTest, ConvertRefusesWithTheReason)
 {
     write_las(folder_ / "in.las", records(Shape::surface, 100, 1), {});
     const auto refused = [&](const std::string& arguments, int code, const std::string& reason) {
-        const Result result = pcm("convert " + arguments);
+        const Result result = pcmlab("convert " + arguments);
         EXPECT_EQ(result.code, code) << arguments;
         EXPECT_NE(result.err.find(reason), std::string::npos) << arguments << ": " << result.err;
     };
@@ -163,11 +163,11 @@ TEST_F(CliTest, InfoOfFiles)
     fs::create_directory(folder_ / "tiles");
     write_las(folder_ / "tiles" / "a.las", records(Shape::surface, 100, 1), {});
     write_las(folder_ / "tiles" / "b.las", records(Shape::surface, 50, 1), {});
-    const Result one = pcm("info " + path("tiles/a.las"));
+    const Result one = pcmlab("info " + path("tiles/a.las"));
     ASSERT_EQ(one.code, 0) << one.err;
     for (const char* word : {"LAS 1.2, point format 2", "100", "intensity:u16", "rgb:u16x3", "i32 on a grid"})
         EXPECT_NE(one.out.find(word), std::string::npos) << one.out;
-    const Result all = pcm("info --json --scan " + path("tiles"));
+    const Result all = pcmlab("info --json --scan " + path("tiles"));
     ASSERT_EQ(all.code, 0) << all.err;
     EXPECT_EQ(Json::parse(all.out)["points"], 150);
     EXPECT_EQ(Json::parse(all.out)["scanned"]["points"], 150);
@@ -177,13 +177,13 @@ TEST_F(CliTest, InfoOfFiles)
 TEST_F(CliTest, ADamagedTreeHasFaultsAndExitCodeOne)
 {
     write_las(folder_ / "in.las", records(Shape::surface, 5000, 1), {});
-    ASSERT_EQ(pcm("build " + path("in.las") + " -o " + path("out.pct")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("in.las") + " -o " + path("out.pct")).code, 0);
     {
         std::fstream file(folder_ / "out.pct" / "chunks-000.bpc", std::ios::in | std::ios::out | std::ios::binary);
         file.seekp(5000);
         file.put('#');
     }
-    const Result result = pcm("verify --json " + path("out.pct"));
+    const Result result = pcmlab("verify --json " + path("out.pct"));
     EXPECT_EQ(result.code, 1);
     ASSERT_EQ(Json::parse(result.out)["faults"].size(), 1u);
     EXPECT_NE(Json::parse(result.out)["faults"][0].get<std::string>().find("chunks-000.bpc"), std::string::npos);
@@ -193,22 +193,22 @@ TEST_F(CliTest, BadInputSaysWhatAndWhereAndLeavesNothing)
 {
     write_las(folder_ / "in.las", records(Shape::surface, 1000, 1), {});
     fs::resize_file(folder_ / "in.las", 10000);
-    const Result truncated = pcm("build " + path("in.las") + " -o " + path("out.pct"));
+    const Result truncated = pcmlab("build " + path("in.las") + " -o " + path("out.pct"));
     EXPECT_EQ(truncated.code, 1);
     EXPECT_NE(truncated.err.find("in.las"), std::string::npos) << truncated.err;
     EXPECT_NE(truncated.err.find("10000"), std::string::npos) << truncated.err;
     EXPECT_FALSE(fs::exists(folder_ / "out.pct"));
     EXPECT_FALSE(fs::exists(folder_ / "out.pct.part"));
     for (const char* command : {"info ", "verify "}) {
-        const Result none = pcm(command + path(""));
+        const Result none = pcmlab(command + path(""));
         EXPECT_EQ(none.code, 1);
         EXPECT_NE(none.err.find(folder_.path().string()), std::string::npos) << none.err;
     }
-    EXPECT_EQ(pcm("build " + path("missing.las")).code, 1);
-    EXPECT_EQ(pcm("build").code, 2);
-    EXPECT_EQ(pcm("dance").code, 2);
-    EXPECT_EQ(pcm("build --memory nonsense " + path("in.las")).code, 2);
-    EXPECT_EQ(pcm("--help").code, 0);
+    EXPECT_EQ(pcmlab("build " + path("missing.las")).code, 1);
+    EXPECT_EQ(pcmlab("build").code, 2);
+    EXPECT_EQ(pcmlab("dance").code, 2);
+    EXPECT_EQ(pcmlab("build --memory nonsense " + path("in.las")).code, 2);
+    EXPECT_EQ(pcmlab("--help").code, 0);
 }
 
 }  // namespace

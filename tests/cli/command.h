@@ -1,4 +1,4 @@
-// Runs the pcm command.
+// Runs the pcmlab command.
 #pragma once
 
 #include "tests/clouds.h"
@@ -25,8 +25,8 @@ struct Result {
 
 class CommandTest : public testing::Test {
 protected:
-    // Runs pcm with `arguments`, quoted for the shell by the caller where need be.
-    Result pcm(const std::string& arguments)
+    // Runs pcmlab with `arguments`, quoted for the shell by the caller where need be.
+    Result pcmlab(const std::string& arguments)
     {
         const std::filesystem::path err = folder_ / "stderr.txt";
         const std::string command = std::string("'") + paths::command + "' " + arguments + " 2>'" + err.string() + "'";

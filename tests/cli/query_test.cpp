@@ -1,4 +1,4 @@
-// pcm query as a user meets it, against a look at the points.
+// pcmlab query as a user meets it, against a look at the points.
 
 #include "pcm/cloud/region.h"
 #include "tests/cli/command.h"
@@ -16,11 +16,11 @@ protected:
     {
         points_ = records(Shape::surface, 20000, 4);
         write_las(folder_ / "in.las", points_, {{0.01, 0.01, 0.01}, {0, 0, 0}});
-        ASSERT_EQ(pcm("build --chunk-points 1000 " + path("in.las")).code, 0);
+        ASSERT_EQ(pcmlab("build --chunk-points 1000 " + path("in.las")).code, 0);
     }
     Json ask(const std::string& arguments)
     {
-        const Result result = pcm("query --json " + path("in.pct") + " " + arguments);
+        const Result result = pcmlab("query --json " + path("in.pct") + " " + arguments);
         EXPECT_EQ(result.code, 0) << result.err;
         return result.code == 0 ? Json::parse(result.out) : Json();
     }
@@ -61,11 +61,11 @@ TEST_F(QueryCommand, CountsAndEstimatesRegions)
     const Json level = ask("--level 0");
     EXPECT_LT(level["points"], 20000);
     EXPECT_GT(level["spacing"], 0);
-    const Result text = pcm("query " + path("in.pct") + " --sphere 500 300 90 60");
+    const Result text = pcmlab("query " + path("in.pct") + " --sphere 500 300 90 60");
     EXPECT_NE(text.out.find(std::to_string(expected("sphere 500 300 90 60")) + " points"), std::string::npos)
         << text.out;
     EXPECT_NE(text.out.find("exact"), std::string::npos);
-    EXPECT_NE(pcm("query " + path("in.pct") + " --estimate").out.find("from 20,000 to 20,000"), std::string::npos);
+    EXPECT_NE(pcmlab("query " + path("in.pct") + " --estimate").out.find("from 20,000 to 20,000"), std::string::npos);
 }
 
 TEST_F(QueryCommand, FindsNeighboursAndHits)
@@ -100,7 +100,7 @@ TEST_F(QueryCommand, FindsNeighboursAndHits)
 TEST_F(QueryCommand, SaysWhatIsWrong)
 {
     const auto refused = [&](const std::string& arguments, int code, const std::string& part) {
-        const Result result = pcm("query " + path("in.pct") + " " + arguments);
+        const Result result = pcmlab("query " + path("in.pct") + " " + arguments);
         EXPECT_EQ(result.code, code) << arguments;
         EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
     };
@@ -117,8 +117,8 @@ TEST_F(QueryCommand, SaysWhatIsWrong)
     refused("-k 3", 2, "--nearest");
     refused("--headers", 1, "--estimate");
     refused("--where 'colour=3'", 1, "no attribute 'colour'");
-    EXPECT_EQ(pcm("query " + path("in.las")).code, 1);
-    EXPECT_NE(pcm("query " + path("nothing.pct")).err.find("no such tree"), std::string::npos);
+    EXPECT_EQ(pcmlab("query " + path("in.las")).code, 1);
+    EXPECT_NE(pcmlab("query " + path("nothing.pct")).err.find("no such tree"), std::string::npos);
 }
 
 }  // namespace

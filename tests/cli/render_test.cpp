@@ -1,4 +1,4 @@
-// pcm render as a user meets it: pictures, JSON, exit codes.
+// pcmlab render as a user meets it: pictures, JSON, exit codes.
 
 #include "tests/cli/command.h"
 #include "tests/paths.h"
@@ -19,16 +19,16 @@ std::string bytes_of(const fs::path& file)
 
 class RenderWithout : public CommandTest {};
 
-// Debian's packages and other people's scripts may take pcm alone.
+// Debian's packages and other people's scripts may take pcmlab alone.
 TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 {
-    fs::copy_file(paths::command, folder_ / "pcm");
-    const std::string command = path("pcm") + " render a.pct -o a.png 2>" + path("said.txt");
+    fs::copy_file(paths::command, folder_ / "pcmlab");
+    const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     const std::string said = bytes_of(folder_ / "said.txt");
-    EXPECT_NE(said.find((folder_ / "pcm-render").string()), std::string::npos) << said;
+    EXPECT_NE(said.find((folder_ / "pcmlab-render").string()), std::string::npos) << said;
     EXPECT_NE(said.find("is not there"), std::string::npos) << said;
-    EXPECT_NE(pcm("--help").out.find("render"), std::string::npos);
+    EXPECT_NE(pcmlab("--help").out.find("render"), std::string::npos);
 }
 
 TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
@@ -54,15 +54,15 @@ protected:
     void SetUp() override
     {
         write_las(folder_ / "in.las", records(Shape::surface, 20000, 4), {{0.01, 0.01, 0.01}, {500000, 4800000, 0}});
-        ASSERT_EQ(pcm("build --chunk-points 1000 " + path("in.las")).code, 0);
-        const Result tried = pcm("render " + path("in.pct") + " -o " + path("tried.png") + " --size 16x16");
+        ASSERT_EQ(pcmlab("build --chunk-points 1000 " + path("in.las")).code, 0);
+        const Result tried = pcmlab("render " + path("in.pct") + " -o " + path("tried.png") + " --size 16x16");
         if (tried.err.find("no OpenGL context") != std::string::npos) GTEST_SKIP() << tried.err;
         ASSERT_EQ(tried.code, 0) << tried.err;
     }
     // Its JSON; of small pictures.
     Json render(const std::string& arguments, const std::string& size = "160x120")
     {
-        const Result result = pcm("render --json --size " + size + " " + arguments);
+        const Result result = pcmlab("render --json --size " + size + " " + arguments);
         EXPECT_EQ(result.code, 0) << arguments << ": " << result.err;
         return result.code == 0 ? Json::parse(result.out) : Json();
     }
@@ -101,7 +101,7 @@ TEST_F(Render, TheWholeCloudInFull)
         EXPECT_EQ(again["pictures"][0]["points_drawn"], 20000) << budget;
         EXPECT_EQ(picture("b.png"), image) << budget;
     }
-    const Result text = pcm("render --size 32x32 " + path("in.pct") + " -o " + path("c.png"));
+    const Result text = pcmlab("render --size 32x32 " + path("in.pct") + " -o " + path("c.png"));
     EXPECT_NE(text.out.find("20,000 points, every point in view"), std::string::npos) << text.out;
 }
 
@@ -162,7 +162,7 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
     other.red = 0;
     other.blue = 65535;
     write_las(folder_ / "two.las", {point, other}, {{0.01, 0.01, 0.01}, {0, 0, 0}});
-    ASSERT_EQ(pcm("build " + path("two.las")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("two.las")).code, 0);
     // Ten units from bottom to top are 100 pixels.
     render(path("two.pct") + " -o " + path("a.png") +
                " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10 --point-size 4",
@@ -197,11 +197,11 @@ TEST_F(Render, APathIsAPictureAFrame)
     for (const Json& drawn : json["pictures"]) EXPECT_EQ(drawn["full_resolution"], true);
     EXPECT_FALSE(picture("out/deep/0001.png") == picture("out/deep/0002.png"));
     const Result text =
-        pcm("render --size 160x120 " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w%02d.png"));
+        pcmlab("render --size 160x120 " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w%02d.png"));
     EXPECT_EQ(text.code, 0) << text.err;
     EXPECT_NE(text.out.find("2 pictures"), std::string::npos) << text.out;
     EXPECT_EQ(bytes_of(folder_ / "w02.png"), bytes_of(folder_ / "out/deep/0002.png"));
-    const Result one = pcm("render " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w.png"));
+    const Result one = pcmlab("render " + path("in.pct") + " --path " + path("way.json") + " -o " + path("w.png"));
     EXPECT_EQ(one.code, 1);
     EXPECT_NE(one.err.find("picture%04d.png"), std::string::npos) << one.err;
 }
@@ -209,7 +209,7 @@ TEST_F(Render, APathIsAPictureAFrame)
 TEST_F(Render, SeveralTreesAtOnce)
 {
     write_las(folder_ / "more.las", records(Shape::volume, 3000, 9), {{0.01, 0.01, 0.01}, {500000, 4800000, 0}});
-    ASSERT_EQ(pcm("build --chunk-points 1000 " + path("more.las")).code, 0);
+    ASSERT_EQ(pcmlab("build --chunk-points 1000 " + path("more.las")).code, 0);
     const Json json = render(path("in.pct") + " " + path("more.pct") + " -o " + path("a.png"));
     EXPECT_EQ(json["pictures"][0]["points_drawn"], 23000);
     EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
@@ -225,7 +225,7 @@ TEST_F(Render, WhatTheCloudLacksIsSaid)
 TEST_F(Render, RefusesWithTheReason)
 {
     const auto refused = [&](const std::string& arguments, int code, const std::string& part) {
-        const Result result = pcm("render " + arguments);
+        const Result result = pcmlab("render " + arguments);
         EXPECT_EQ(result.code, code) << arguments << result.out;
         EXPECT_NE((result.err + result.out).find(part), std::string::npos) << arguments << ": " << result.err;
     };
@@ -253,8 +253,8 @@ TEST_F(Render, RefusesWithTheReason)
     refused(in + in + out, 1, "twice");
     refused(in + "-o " + path("none/a.png"), 1, "none/a.png");
     EXPECT_FALSE(fs::exists(folder_ / "a.png"));
-    EXPECT_EQ(pcm("render --help").code, 0);
-    EXPECT_NE(pcm("render --help").out.find("pcm render"), std::string::npos);
+    EXPECT_EQ(pcmlab("render --help").code, 0);
+    EXPECT_NE(pcmlab("render --help").out.find("pcmlab render"), std::string::npos);
 }
 
 TEST_F(Render, ADamagedTreeGivesNoPicture)
@@ -267,7 +267,7 @@ TEST_F(Render, ADamagedTreeGivesNoPicture)
             file.put('#');
         }
     }
-    const Result result = pcm("render " + path("in.pct") + " -o " + path("a.png"));
+    const Result result = pcmlab("render " + path("in.pct") + " -o " + path("a.png"));
     EXPECT_EQ(result.code, 1) << result.out;
     EXPECT_NE(result.err.find(".bpc"), std::string::npos) << result.err;
     EXPECT_FALSE(fs::exists(folder_ / "a.png"));

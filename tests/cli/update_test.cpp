@@ -1,4 +1,4 @@
-// pcm append, delete, compact, repair: output, JSON, exit codes.
+// pcmlab append, delete, compact, repair: output, JSON, exit codes.
 
 #include "tests/cli/command.h"
 
@@ -13,7 +13,7 @@ class UpdateCliTest : public CommandTest {
 protected:
     Json json(const std::string& arguments, int code = 0)
     {
-        const Result result = pcm(arguments);
+        const Result result = pcmlab(arguments);
         EXPECT_EQ(result.code, code) << arguments << ": " << result.err;
         return result.out.empty() ? Json() : Json::parse(result.out);
     }
@@ -49,7 +49,7 @@ TEST_F(UpdateCliTest, AppendDeleteCompactRepair)
     EXPECT_EQ(info["generation"], 3);
     EXPECT_EQ(info["parts"], 2);
     EXPECT_EQ(info["coverage_kept"], false);
-    EXPECT_NE(pcm("info " + path("scene.pct")).out.find("pcm compact"), std::string::npos);
+    EXPECT_NE(pcmlab("info " + path("scene.pct")).out.find("pcmlab compact"), std::string::npos);
 
     fs::remove(folder_ / "scene.pct" / "index.pct");
     EXPECT_EQ(json("repair --check --json " + path("scene.pct"), 1)["index_written"], false);
@@ -68,21 +68,21 @@ TEST_F(UpdateCliTest, SaysWhatItDoesAndWhyItDoesNot)
 {
     json("generate -n 5000 --json " + path("scene.las"));
     json("build --json " + path("scene.las"));
-    const Result nothing = pcm("delete " + path("scene.pct"));
+    const Result nothing = pcmlab("delete " + path("scene.pct"));
     EXPECT_EQ(nothing.code, 1);
     EXPECT_NE(nothing.err.find("nothing says which points"), std::string::npos) << nothing.err;
-    const Result sphere = pcm("delete " + path("scene.pct") + " --sphere 500001 4800001 100 1.5");
+    const Result sphere = pcmlab("delete " + path("scene.pct") + " --sphere 500001 4800001 100 1.5");
     EXPECT_EQ(sphere.code, 0) << sphere.err;
     EXPECT_NE(sphere.out.find("points deleted"), std::string::npos) << sphere.out;
-    const Result off = pcm("append " + path("scene.pct") + " " + path("scene.las") + " -m 1M");
+    const Result off = pcmlab("append " + path("scene.pct") + " " + path("scene.las") + " -m 1M");
     EXPECT_EQ(off.code, 1);
     EXPECT_NE(off.err.find("64 MiB"), std::string::npos) << off.err;
     std::ofstream(folder_ / "other.xyz") << "1 2 3\n4 5 6.00001\n";
-    const Result other = pcm("append " + path("scene.pct") + " " + path("other.xyz"));
+    const Result other = pcmlab("append " + path("scene.pct") + " " + path("other.xyz"));
     EXPECT_EQ(other.code, 1);
     EXPECT_NE(other.err.find("no place on the tree's grid"), std::string::npos) << other.err;
-    EXPECT_EQ(pcm("compact " + path("none.pct")).code, 1);
-    EXPECT_EQ(pcm("repair " + path("none.pct")).code, 1);
+    EXPECT_EQ(pcmlab("compact " + path("none.pct")).code, 1);
+    EXPECT_EQ(pcmlab("repair " + path("none.pct")).code, 1);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 
 BUILD = pathlib.Path(os.environ["PCM_BUILD_DIR"])
 SOURCE = pathlib.Path(os.environ["PCM_SOURCE_DIR"])
-PCM = BUILD / "bin" / "pcm"
+PCMLAB = BUILD / "bin" / "pcmlab"
 COMPARE = BUILD / "bin" / "compare_pictures"
 REFERENCE = SOURCE / "tests" / "e2e" / "reference"
 # Pictures and logs stay here, to be looked at.
@@ -45,11 +45,11 @@ class Run:
         return {m[1]: (int(m[2]), int(m[3])) for m in found}
 
 
-def pcm(*arguments):
-    """Runs the pcm command and returns the object it prints."""
-    done = subprocess.run([str(PCM), *map(str, arguments), "--json"], capture_output=True, text=True, timeout=600)
+def pcmlab(*arguments):
+    """Runs the pcmlab command and returns the object it prints."""
+    done = subprocess.run([str(PCMLAB), *map(str, arguments), "--json"], capture_output=True, text=True, timeout=600)
     if done.returncode != 0:
-        raise AssertionError(f"pcm {arguments} ended with {done.returncode}: {done.stderr}")
+        raise AssertionError(f"pcmlab {arguments} ended with {done.returncode}: {done.stderr}")
     return json.loads(done.stdout)
 
 
@@ -145,7 +145,7 @@ class MeshLabTest(unittest.TestCase):
     def generate(self, name, points, *options):
         """A generated cloud and its tree."""
         las = self.folder / f"{name}.las"
-        pcm("generate", "--points", points, *options, "--no-truth", las)
+        pcmlab("generate", "--points", points, *options, "--no-truth", las)
         tree = self.folder / f"{name}.pct"
-        pcm("build", las, "-o", tree)
+        pcmlab("build", las, "-o", tree)
         return las, tree

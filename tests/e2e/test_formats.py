@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import unittest
 
-from meshlab import FIXED_VIEW, PCM, SAMPLES, MeshLabTest, different, pcm, sample
+from meshlab import FIXED_VIEW, PCMLAB, SAMPLES, MeshLabTest, different, pcmlab, sample
 
 # One cloud a format, and one at map coordinates (LAS, 6.3 million feet east).
 ONE_A_FORMAT = {
@@ -29,7 +29,7 @@ def in_manifest(name):
 
 def reads(file):
     """Whether this build can read a file: LAZ and E57 are optional."""
-    done = subprocess.run([str(PCM), "build", str(file), "-o", "/dev/null/none.pct"], capture_output=True, text=True)
+    done = subprocess.run([str(PCMLAB), "build", str(file), "-o", "/dev/null/none.pct"], capture_output=True, text=True)
     return not any(word in done.stderr for word in ("readable are", "was built without"))
 
 
@@ -83,7 +83,7 @@ class Formats(MeshLabTest):
     def test_size_of_a_layer_and_folder_for_trees(self):
         """The same file below and above the size that the user sets; the tree where the user wants it."""
         las = self.folder / "cloud.las"
-        pcm("generate", "--points", 30000, "--origin", "500000,4800000,100", "--no-truth", las)
+        pcmlab("generate", "--points", 30000, "--origin", "500000,4800000,100", "--no-truth", las)
         trees = self.folder / "my trees"
         trees.mkdir()
         run = self.gui(f"""
@@ -114,9 +114,9 @@ class Formats(MeshLabTest):
         layer = run.layers()[0]
         self.assertEqual(layer["vertices"], 30000)
         self.assertIn("classification", layer["attributes"])
-        self.assertEqual(pcm("info", self.folder / "cloud.pct")["points"], 30000)
+        self.assertEqual(pcmlab("info", self.folder / "cloud.pct")["points"], 30000)
         moved, = trees.glob("cloud-*.pct")
-        self.assertEqual(pcm("info", moved)["points"], 30000)
+        self.assertEqual(pcmlab("info", moved)["points"], 30000)
 
     def test_text_layout_is_asked_for(self):
         """Columns that detection cannot know are said in the dialog."""
@@ -183,7 +183,7 @@ class Formats(MeshLabTest):
 
     def test_bad_files_leave_meshlab_usable(self):
         good = self.folder / "good.las"
-        pcm("generate", "--points", 1000, "--no-truth", good)
+        pcmlab("generate", "--points", 1000, "--no-truth", good)
         names = ("bad/missingheader.pcd", "bad/broken_size.laz", "bad/1.2-no-points.las", "bad/bad-crc.e57",
                  "bad/ripple_declares_44M_points.ptx")
         lines = ""
@@ -197,15 +197,15 @@ class Formats(MeshLabTest):
 
 class Export(MeshLabTest):
     def tree_of(self, file):
-        """What pcm says of a file, by way of a tree."""
+        """What pcmlab says of a file, by way of a tree."""
         tree = self.folder / f"{pathlib.Path(file).name}.check.pct"
-        pcm("build", file, "-o", tree)
-        return pcm("info", tree)
+        pcmlab("build", file, "-o", tree)
+        return pcmlab("info", tree)
 
     def test_a_tree_is_written_whole(self):
         """Not the proxy of 50,000 points, and in source coordinates; PLY too, although MeshLab writes that itself."""
         las, tree = self.generate("large", 200000, "--origin", "500000,4800000,100")
-        truth = pcm("info", tree)
+        truth = pcmlab("info", tree)
         ply, bpc, level = (self.folder / name for name in ("out.ply", "out.bpc", "level.ply"))
         run = self.gui(f"""
             wait-view
@@ -234,7 +234,7 @@ class Export(MeshLabTest):
     def test_meshlabserver(self):
         """In and out without a window: a tree, a file that becomes a layer, and a refusal."""
         las, tree = self.generate("cloud", 60000, "--origin", "500000,4800000,100")
-        truth = pcm("info", tree)
+        truth = pcmlab("info", tree)
         for given in (tree, las):
             for extension in ("las", "ply", "pcd", "xyz"):
                 out = self.folder / f"{given.suffix[1:]}.{extension}"

@@ -2,7 +2,7 @@
 
 import unittest
 
-from meshlab import MeshLabTest, pcm
+from meshlab import MeshLabTest, pcmlab
 
 
 def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False):
@@ -21,20 +21,20 @@ class Server(MeshLabTest):
     def setUp(self):
         super().setUp()
         self.las = self.folder / "a b.las"  # a space in the name
-        pcm("generate", "--points", 120000, "--seed", 3, "--origin", "5000000,4800000,100", "--no-truth", self.las)
+        pcmlab("generate", "--points", 120000, "--seed", 3, "--origin", "5000000,4800000,100", "--no-truth", self.las)
 
     def test_builds_and_informs(self):
         tree = self.folder / "out.pct"
         run = self.server([build(self.las, tree), information(tree)])
         self.assertEqual(run.code, 0, run.text)
         self.assertIn("120,000 points", run.text)
-        info = pcm("info", tree)
+        info = pcmlab("info", tree)
         self.assertEqual(info["points"], 120000)
         for corner in ("min", "max"):
             for value in info["bounds"][corner]:
                 # Source coordinates, to the last digit.
                 self.assertIn(repr(value).removesuffix(".0"), run.text)
-        self.assertEqual(pcm("verify", tree)["faults"], [])
+        self.assertEqual(pcmlab("verify", tree)["faults"], [])
 
     def test_fast_levels(self):
         for fast, sampling in ((False, "Poisson disks"), (True, "a grid")):
@@ -43,16 +43,16 @@ class Server(MeshLabTest):
                 run = self.server([build(self.las, tree, fast=fast), information(tree)])
                 self.assertEqual(run.code, 0, run.text)
                 self.assertIn("Levels chosen by: " + sampling, run.text)
-                self.assertEqual(pcm("verify", tree)["faults"], [])
+                self.assertEqual(pcmlab("verify", tree)["faults"], [])
 
     def test_default_output_and_layer(self):
         # Without a layer to begin with, the tree becomes one, and the second filter speaks of it.
         run = self.server([build(self.las, opened=True), information()])
         self.assertEqual(run.code, 0, run.text)
-        self.assertEqual(pcm("info", self.folder / "a b.pct")["points"], 120000)
+        self.assertEqual(pcmlab("info", self.folder / "a b.pct")["points"], 120000)
 
     def test_opens_trees_and_las(self):
-        pcm("build", self.las, "-o", self.folder / "t.pct")
+        pcmlab("build", self.las, "-o", self.folder / "t.pct")
         for name in ("t.pct", "t.pct/index.pct", "a b.las"):
             with self.subTest(name):
                 run = self.server([information(self.folder / "t.pct")], "-i", self.folder / name)
@@ -76,7 +76,7 @@ class Server(MeshLabTest):
         self.assertFalse(list(self.folder.glob("*.pct*")))
 
     def test_refuses_to_overwrite(self):
-        pcm("build", self.las, "-o", self.folder / "t.pct")
+        pcmlab("build", self.las, "-o", self.folder / "t.pct")
         self.assertRefused([build(self.las, self.folder / "t.pct")], "t.pct")
         run = self.server([build(self.las, self.folder / "t.pct", overwrite=True)])
         self.assertEqual(run.code, 0, run.text)

@@ -8,7 +8,7 @@ import shutil
 import struct
 import unittest
 
-from meshlab import REFERENCE, MeshLabTest, different, pcm
+from meshlab import REFERENCE, MeshLabTest, different, pcmlab
 
 # Two renderings of one view are alike but for pixels along the edges of splats, where another version of the software
 # renderer rounds otherwise.
@@ -54,7 +54,7 @@ class Splats(MeshLabTest):
     def cloud(self, name, *arguments, **options):
         ply, tree = self.folder / f"{name}.ply", self.folder / f"{name}.pct"
         write_ply(ply, *arguments, **options)
-        pcm("build", ply, "-o", tree)
+        pcmlab("build", ply, "-o", tree)
         return tree
 
     def test_modes(self):

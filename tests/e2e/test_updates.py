@@ -2,7 +2,7 @@
 
 import unittest
 
-from meshlab import FIXED_VIEW, MeshLabTest, different, pcm
+from meshlab import FIXED_VIEW, MeshLabTest, different, pcmlab
 
 
 def add(tree, inputs, output="", in_place=False):
@@ -28,11 +28,11 @@ class Updates(MeshLabTest):
         """A tree, and a file of points beside it: (tree, file)."""
         _, tree = self.generate("first", 60000, "--seed", 3, "--extent", 20, "--origin", "500000,4800000,100")
         las = self.folder / "second.las"
-        pcm("generate", "--points", 40000, "--seed", 4, "--extent", 20, "--origin", "500020,4800000,100", "--no-truth", las)
+        pcmlab("generate", "--points", 40000, "--seed", 4, "--extent", 20, "--origin", "500020,4800000,100", "--no-truth", las)
         return tree, las
 
     def assertGood(self, tree, points):
-        report = pcm("verify", tree)
+        report = pcmlab("verify", tree)
         self.assertEqual(report["faults"], [])
         self.assertEqual(report["points"], points)
 
@@ -45,7 +45,7 @@ class Updates(MeshLabTest):
         self.assertGood(tree, 60000)  # as it was
         self.assertGood(both, 100000)
         self.assertIn("Added 40,000 points", run.text)
-        info = pcm("info", less)
+        info = pcmlab("info", less)
         self.assertGood(less, info["points"])
         self.assertLess(info["points"], 100000)
         self.assertGreater(info["points"], 40000)
@@ -56,7 +56,7 @@ class Updates(MeshLabTest):
         tree, las = self.scenes()
         run = self.server([add(tree, las, in_place=True), delete(tree, where="x >= 500020", in_place=True)])
         self.assertEqual(run.code, 0, run.text)
-        points = pcm("info", tree)["points"]
+        points = pcmlab("info", tree)["points"]
         self.assertGood(tree, points)
         self.assertLess(abs(points - 60000), 6000)  # a few reach over the border
 
@@ -115,7 +115,7 @@ class Updates(MeshLabTest):
         self.assertDriven(run)
         self.assertGreater(different(before, after), 0.05)
         self.assertLess(different(after, compacted), 0.05)
-        self.assertGood(tree, pcm("info", tree)["points"])
+        self.assertGood(tree, pcmlab("info", tree)["points"])
 
 
 if __name__ == "__main__":

@@ -133,7 +133,7 @@ def main():
     work.mkdir(parents=True)
     run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "library")
     run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "command")
-    pcm = prefix / "bin" / "pcm"
+    pcm = prefix / "bin" / "pcmlab"
     # The example is built from a copy: nothing of the source tree may be needed.
     shutil.copytree(arguments.source / "core" / "examples", work / "examples")
     run(cmake, "-S", work / "examples", "-B", work / "examples-build", *options)

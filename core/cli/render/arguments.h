@@ -1,4 +1,4 @@
-// What the command line of `pcm render` says.
+// What the command line of `pcmlab render` says.
 #pragma once
 
 #include "pcm/cli/common.h"

@@ -1,4 +1,4 @@
-// pcm render: draws trees to PNG without a window. `pcm` starts it; exit codes are those of `pcm`.
+// pcmlab render: draws trees to PNG without a window. `pcmlab` starts it; exit codes are those of `pcmlab`.
 #include "pcm/cli/render/arguments.h"
 #include "pcm/system/error.h"
 #include "pcm/offscreen/offscreen.h"
@@ -167,7 +167,7 @@ int render(const RenderArguments& arguments)
 int main(int argc, char** argv)
 {
     CLI::App app{"Draw trees to PNG, from a camera or along a path, without a window"};
-    app.name("pcm render");
+    app.name("pcmlab render");
     pcm::cli::RenderArguments arguments;
     pcm::cli::add_to(app, arguments);
     int result = 0;
