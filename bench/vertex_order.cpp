@@ -1,12 +1,12 @@
 // Whether the order of a chunk's points in its VBO changes the time to draw them: as the tree stores them (level by
 // level, each in Morton order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz
 // et al., arXiv 2104.07526). Prints a table; see README.md.
-#include "pcm/system/error.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/splat_pass.h"
 #include "pcm/gl/vertex_discs.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/point_cloud.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 #include <CLI/CLI.hpp>
@@ -143,11 +143,11 @@ struct Cloud {
 };
 
 // The eye looks along (0.6, 0.5, -0.45) at the middle of the cloud, `distance` of its diagonal away.
-View view_of(const TreeInfo& info, double distance, int width, int height)
+Camera view_of(const TreeInfo& info, double distance, int width, int height)
 {
     const Box3d box = info.bounds();
     const double diagonal = std::max(box.diagonal(), 1e-9);
-    View view;
+    Camera view;
     view.width = width;
     view.height = height;
     view.origin = box.centre();
@@ -212,7 +212,7 @@ int run(const std::string& path, std::uint64_t most, int width, int height, unsi
             for (const float size : {1.0f, 2.0f, 5.0f}) {
                 if (mode != SplatMode::constant && size != 1) continue;
                 style.point_size_px = size;
-                const View view = view_of(cloud.points->info(), distance, width, height);
+                const Camera view = view_of(cloud.points->info(), distance, width, height);
                 std::vector<double> times[orders], ratios[orders];
                 for (unsigned round = 0; round <= rounds; ++round) {
                     double took[orders];

@@ -16,7 +16,7 @@ struct FrameCloud {
     ChunkFeed* feed;
     std::size_t leader;  // the first item of the same cloud, which loads for all of them; mostly itself
     const Tree* tree;
-    View view;
+    Camera view;
     CloudStyle style;
     VertexFormat format;
     std::vector<bool> current;    // of its `wanted`: in L1 with the attributes of the style

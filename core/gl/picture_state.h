@@ -65,8 +65,8 @@ struct PictureState {
     FrameClock clock;
     FrameBudget budget;
     std::optional<PictureKey> key;
-    std::vector<View> views;  // of the items, in the latest frame
-    unsigned unmeasured = 2;  // so many frames from now on pay for the driver's compilation and tell nothing
+    std::vector<Camera> views;  // of the items, in the latest frame
+    unsigned unmeasured = 2;    // so many frames from now on pay for the driver's compilation and tell nothing
 
     std::set<std::pair<std::uint64_t, NodeId>> kept;  // (cloud, node) drawn in the latest frame of a moving view
 

@@ -1,8 +1,8 @@
 #include "pcm/gl/renderer.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/frame.h"
 #include "pcm/gl/gl_state.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 
@@ -33,7 +33,7 @@ struct Renderer::Impl {
         cloud.format = former;
     }
 
-    FrameReport draw(PictureState& p, const View& scene, const std::vector<SceneItem>& items,
+    FrameReport draw(PictureState& p, const Camera& scene, const std::vector<SceneItem>& items,
                      const RenderOptions& options)
     {
         Frame frame{p, options, *l1, splats};
@@ -166,7 +166,7 @@ void Picture::release()
 Renderer::Renderer(std::shared_ptr<L1Cache> l1) : impl_(std::make_unique<Impl>()) { impl_->l1 = std::move(l1); }
 Renderer::~Renderer() = default;
 
-FrameReport Renderer::draw(Picture& picture, const View& view, const std::vector<SceneItem>& items,
+FrameReport Renderer::draw(Picture& picture, const Camera& view, const std::vector<SceneItem>& items,
                            const RenderOptions& options)
 {
     FrameReport report;

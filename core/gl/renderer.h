@@ -139,7 +139,7 @@ public:
     // is there and written. view.origin is not used: each item has its own. Restores every piece of GL state that it
     // changes. Leaves no GL error; one that was pending on entry is dropped. Never throws for a failed load: what could
     // be loaded is drawn, and the report says what failed.
-    FrameReport draw(Picture& picture, const View& view, const std::vector<SceneItem>& items,
+    FrameReport draw(Picture& picture, const Camera& view, const std::vector<SceneItem>& items,
                      const RenderOptions& options);
     void release();
 

@@ -53,7 +53,7 @@ double largest_stretch(const Matrix3& m)
 
 }  // namespace
 
-std::optional<SplatCamera> SplatCamera::of(const View& view, int x, int y, bool reversed)
+std::optional<SplatCamera> SplatCamera::of(const Camera& view, int x, int y, bool reversed)
 {
     const auto frustum = Frustum::of(view);
     if (!frustum) return std::nullopt;

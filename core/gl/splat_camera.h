@@ -14,9 +14,9 @@ namespace pcm {
 // Window coordinates are pixels as gl_FragCoord has them. Depth along the view is in eye units. Column-major matrices.
 struct SplatCamera {
     // Nothing when Frustum::of() gives nothing. The viewport's lower left corner is at (x, y).
-    static std::optional<SplatCamera> of(const View& view, int x, int y, bool reversed);
+    static std::optional<SplatCamera> of(const Camera& view, int x, int y, bool reversed);
 
-    View view;  // modelview and projection with a last element, or factor of w, of 1
+    Camera view;  // modelview and projection with a last element, or factor of w, of 1
     bool orthographic = false;
     Vec3d eye{};                         // relative to the view's origin
     double scale = 1;                    // eye units in a source unit: the most of any direction

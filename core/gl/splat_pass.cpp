@@ -161,7 +161,7 @@ struct SplatPass::Impl {
     std::vector<GLint> first;
     std::vector<GLsizei> count;
 
-    void begin(const View& view, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
+    void begin(const Camera& view, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
                unsigned framebuffer_samples)
     {
         if (!device) device = Device::ask();
@@ -482,7 +482,8 @@ SplatPass::~SplatPass() = default;
 SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
-void SplatPass::begin(const View& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples)
+void SplatPass::begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed,
+                      unsigned samples)
 {
     impl_->begin(view, info, usable, reversed, samples);
 }

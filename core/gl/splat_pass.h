@@ -67,7 +67,7 @@ public:
     // the clear value 0; else the usual. `samples`: of the framebuffer, 1 or 0 for none. The viewport is that of the
     // context, as large as the view's. Changes, until end() and beyond, what GlStateGuard restores; viewport and
     // scissor until end(). Throws Error(unsupported) when the driver cannot compile a program, as does draw().
-    void begin(const View& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples);
+    void begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples);
     // The entry's points, in the style's way as far as the entry has what that reads: without normals it is drawn with
     // dynamic splats, without radii with constant ones, without colours in the style's uniform colour, with those of
     // another attribute in those.

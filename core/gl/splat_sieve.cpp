@@ -26,7 +26,7 @@ Box3d grown(Box3d box, double by)
 SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard)
     : camera_(camera), style_(style), largest_point_(largest_point), guard_(guard)
 {
-    View wide = camera.view;
+    Camera wide = camera.view;
     wide.origin = {0, 0, 0};
     for (std::size_t c = 0; c < 4; ++c) {
         wide.projection[4 * c] *= wide.width / (wide.width + 2 * border);

@@ -47,7 +47,7 @@ OffscreenScene::~OffscreenScene()
     l1_->release();
 }
 
-FrameReport OffscreenScene::draw(const View& view, const CloudStyle& style, const RenderOptions& options)
+FrameReport OffscreenScene::draw(const Camera& view, const CloudStyle& style, const RenderOptions& options)
 {
     {
         const std::lock_guard<std::mutex> lock(mutex_);

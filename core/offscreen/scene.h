@@ -3,7 +3,7 @@
 //
 //     pcm::Offscreen screen(640, 480);
 //     pcm::OffscreenScene scene({"city.pct"});
-//     const pcm::View view = scene.view_of(pcm::overview_of(scene.box(), 45, 640, 480), 640, 480);
+//     const pcm::Camera view = scene.view_of(pcm::overview_of(scene.box(), 45, 640, 480), 640, 480);
 //     pcm::FrameReport report;
 //     do {
 //         screen.clear();
@@ -40,13 +40,13 @@ public:
 
     const Box3d& box() const { return box_; }  // of all clouds
     const std::vector<std::shared_ptr<PointCloud>>& clouds() const { return clouds_; }
-    View view_of(const CameraFrame& frame, int width, int height) const
+    Camera view_of(const CameraFrame& frame, int width, int height) const
     {
         return pcm::view_of(frame, origin_, box_, width, height);
     }
 
     // One frame into the current framebuffer and viewport, whose size is the view's; all clouds in the same style.
-    FrameReport draw(const View& view, const CloudStyle& style, const RenderOptions& options);
+    FrameReport draw(const Camera& view, const CloudStyle& style, const RenderOptions& options);
     // Until a chunk has arrived since the last draw(), at most so long.
     void wait(std::chrono::milliseconds most = std::chrono::milliseconds(250));
     // The next frame begins a picture anew, as after a cut.

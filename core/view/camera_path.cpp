@@ -172,11 +172,11 @@ CameraPath CameraPath::placed(const Box3d& box) const
     return path;
 }
 
-View view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
+Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
 {
     const Axes axes = axes_of(frame);
     const Vec3d eye = minus(frame.eye, origin);
-    View view;
+    Camera view;
     view.origin = origin;
     view.width = width;
     view.height = height;

@@ -46,7 +46,7 @@ struct CameraPath {
 // What a camera sees in a picture of width x height pixels, relative to `origin`. The near and the far plane enclose
 // `box`, but the near one is never nearer than 1/20000 of the far one: what is closer is cut off. `frame` is in source
 // coordinates, and check() passes it.
-View view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height);
+Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height);
 
 // The whole box, seen obliquely from above, by an angle of view in degrees or, without one, orthographically; filling
 // the picture but for a margin of 5 %.

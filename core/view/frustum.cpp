@@ -69,7 +69,7 @@ double perpendicular(const Vec3d& g, const Vec3d& axis)
 
 }  // namespace
 
-std::optional<Frustum> Frustum::of(const View& view)
+std::optional<Frustum> Frustum::of(const Camera& view)
 {
     if (view.width <= 0 || view.height <= 0 || !is_finite(view.modelview) || !is_finite(view.projection))
         return std::nullopt;

@@ -4,19 +4,12 @@
 
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/matrix.h"
+#include "pcm/view/camera.h"
 
 #include <array>
 #include <optional>
 
 namespace pcm {
-
-struct View {
-    Matrix4d modelview{};   // affine and invertible; maps (source - origin) to eye space, eye at 0, looking down -z
-    Matrix4d projection{};  // perspective (also off-axis) or orthographic; clip volume -w <= x, y, z <= w
-    Vec3d origin{0, 0, 0};  // source coordinates of the local origin
-    int width = 0;          // viewport, pixels
-    int height = 0;
-};
 
 // A view, made ready for questions about boxes. Everything is relative to the eye: no two large numbers are subtracted,
 // so the answers hold at map coordinates and for near planes of 1e-6 alike.
@@ -24,7 +17,7 @@ class Frustum {
 public:
     // Nothing when the view shows nothing: an empty viewport, numbers that are not finite, or a modelview that is not
     // affine and invertible.
-    static std::optional<Frustum> of(const View& view);
+    static std::optional<Frustum> of(const Camera& view);
 
     // False only if no part of the box is inside the clip volume. May be true for a box just outside a corner or an
     // edge of the volume (the six planes are tested one by one), never false for one that holds a visible point: the

@@ -86,7 +86,7 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
     return scene;
 }
 
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
+DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
                               const DetailLimits& limits)
 {
     return std::move(select_scene({{&nodes, &grid, view}}, limits).trees.front());

@@ -59,7 +59,7 @@ struct DetailSelection {
 struct TreeInView {
     const std::vector<Node>* nodes = nullptr;
     const Grid* grid = nullptr;
-    View view;
+    Camera view;
 };
 
 // What is wanted of each tree, and in which order of all.
@@ -80,9 +80,9 @@ struct SceneSelection {
 SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
 
 // Of one tree.
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const View& view,
+DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
                               const DetailLimits& limits);
-inline DetailSelection select_detail(const Tree& tree, const View& view, const DetailLimits& limits)
+inline DetailSelection select_detail(const Tree& tree, const Camera& view, const DetailLimits& limits)
 {
     return select_detail(tree.nodes(), tree.info().grid, view, limits);
 }

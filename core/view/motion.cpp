@@ -1,7 +1,7 @@
 #include "pcm/view/motion.h"
 
 namespace pcm {
-std::optional<View> predict(const View& before, const View& now, unsigned frames)
+std::optional<Camera> predict(const Camera& before, const Camera& now, unsigned frames)
 {
     if (before.origin != now.origin || before.width != now.width || before.height != now.height ||
         before.projection != now.projection || before.modelview == now.modelview || !is_affine(before.modelview) ||
@@ -14,7 +14,7 @@ std::optional<View> predict(const View& before, const View& now, unsigned frames
     const auto back = affine_inverse(from);
     if (!back) return std::nullopt;
     const Matrix4d step = product(to, *back);
-    View view = now;
+    Camera view = now;
     view.modelview = to;
     for (unsigned frame = 0; frame < frames; ++frame) view.modelview = product(step, view.modelview);
     if (!is_affine(view.modelview)) return std::nullopt;  // it has left the numbers

@@ -27,9 +27,9 @@ constexpr int look_again_ms = 250;
 constexpr int tile_patience_ms = 30000;  // for one tile of a snapshot
 
 // The scene as MeshLab has set it up for decorators: without any layer's matrix.
-pcm::View scene_view()
+pcm::Camera scene_view()
 {
-    pcm::View view;
+    pcm::Camera view;
     GLint viewport[4];
     glGetDoublev(GL_MODELVIEW_MATRIX, view.modelview.data());
     glGetDoublev(GL_PROJECTION_MATRIX, view.projection.data());
@@ -41,7 +41,7 @@ pcm::View scene_view()
 
 // MeshLab computes the projection in another way for a snapshot, which rounds differently: it is the same view, and
 // what has been drawn of it is what the user saw. Otherwise `now`.
-const pcm::View& or_the_same(const pcm::View& now, const pcm::View& before)
+const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before)
 {
     constexpr double rounding = 1e-6;  // a few units of single precision, in which OpenGL keeps its matrices
     if (now.modelview != before.modelview || now.width != before.width || now.height != before.height) return now;
@@ -54,7 +54,7 @@ const pcm::View& or_the_same(const pcm::View& now, const pcm::View& before)
 
 // A snapshot of several times the view's resolution is drawn in tiles, each a part of the view magnified to all of it
 // (glarea.cpp: setView, setTiledView; what is vertical there is told by the fov alone).
-bool is_tile(const pcm::View& view, float fov)
+bool is_tile(const pcm::Camera& view, float fov)
 {
     const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * 3.14159265358979323846 / 360);
     return view.projection[5] > 1.5 * whole;
@@ -200,7 +200,7 @@ void View::draw_scene(const Settings& settings)
         items.push_back(item);
         drawn.push_back(layer);
     }
-    const pcm::View view = scene_view();
+    const pcm::Camera view = scene_view();
     if (is_tile(view, area_->fov)) {
         report_ = draw_tile(view, items, settings.render);
     } else {
@@ -225,7 +225,7 @@ void View::draw_scene(const Settings& settings)
 
 // MeshLab takes it as it is after this paint, so it is drawn aside until its detail is there; the view's own picture
 // stays what it is.
-FrameReport View::draw_tile(const pcm::View& view, const std::vector<SceneItem>& items, RenderOptions options)
+FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options)
 {
     if (!tile_) tile_ = std::make_unique<Picture>();
     options.converge = false;  // to the target spacing, in the snapshot's own pixels

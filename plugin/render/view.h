@@ -60,7 +60,7 @@ private:
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
     void draw_scene(const Settings& settings);
-    FrameReport draw_tile(const pcm::View& view, const std::vector<SceneItem>& items, RenderOptions options);
+    FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
     void tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
@@ -72,7 +72,7 @@ private:
     std::map<int, Layer> layers_;
     std::shared_ptr<Painter> painter_;
     Picture picture_;
-    pcm::View shown_;                // in picture_
+    pcm::Camera shown_;              // in picture_
     std::unique_ptr<Picture> tile_;  // of a snapshot that is being taken
     bool drawn_ = false;             // in the current paint event
     FrameReport report_;             // of it

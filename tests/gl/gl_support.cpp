@@ -85,9 +85,9 @@ Matrix orthographic(double half_width, double half_height, double near, double f
             1};
 }
 
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin)
+Camera view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin)
 {
-    View view;
+    Camera view;
     view.modelview = modelview;
     view.projection = projection;
     view.width = width;
@@ -121,7 +121,7 @@ Drawing::Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
     style.uniform_colour = {1, 1, 1};
 }
 
-FrameReport Drawing::draw(const View& view, const Vec3d& origin, const RenderOptions& options)
+FrameReport Drawing::draw(const Camera& view, const Vec3d& origin, const RenderOptions& options)
 {
     SceneItem item;
     item.cloud = &drawn;
@@ -169,7 +169,7 @@ RenderOptions everything()
     return options;
 }
 
-FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin,
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const Camera& view, const Vec3d& origin,
                             const RenderOptions& options, int most)
 {
     FrameReport report;

@@ -52,7 +52,8 @@ Matrix translation(double x, double y, double z);
 Matrix rotation_x(double radians);
 Matrix perspective(double vertical_angle, double aspect, double near, double far);
 Matrix orthographic(double half_width, double half_height, double near, double far);
-View view_of(const Matrix& modelview, const Matrix& projection, int width, int height, const Vec3d& origin = {0, 0, 0});
+Camera view_of(const Matrix& modelview, const Matrix& projection, int width, int height,
+               const Vec3d& origin = {0, 0, 0});
 
 // Writes the points as LAS on the grid, builds a tree and opens it.
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
@@ -63,7 +64,7 @@ class Drawing {
 public:
     explicit Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1 = {});
     Drawing(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1);
-    FrameReport draw(const View& view, const Vec3d& origin, const RenderOptions& options);
+    FrameReport draw(const Camera& view, const Vec3d& origin, const RenderOptions& options);
     void set_wake(std::function<void()> wake) { drawn.set_wake(std::move(wake)); }
     const std::shared_ptr<L1Cache>& l1() const { return drawn.l1(); }
     void release();  // an L1 of its own too
@@ -86,7 +87,7 @@ Matrix overview(double extent);  // of the cube of this side at the local origin
 RenderOptions everything();
 
 // Draws until nothing more will come; the last report. Fails the test after `most` frames.
-FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const View& view, const Vec3d& origin,
+FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const Camera& view, const Vec3d& origin,
                             const RenderOptions& options, int most = 5000);
 
 }  // namespace pcm::test

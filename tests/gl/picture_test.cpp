@@ -56,7 +56,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), points, 1500);
     const Framebuffer framebuffer(160, 120);
     for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(4, 3, -100, 100)}) {
-        const View view = view_of(overview(10), projection, 160, 120);
+        const Camera view = view_of(overview(10), projection, 160, 120);
         std::vector<Pixel> at_once;
         {
             Drawing drawing(cloud);
@@ -166,7 +166,7 @@ TEST(Picture, IsComposedWithWhatTheHostHasDrawn)
     const auto cloud = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
     const Framebuffer framebuffer(100, 100);
     const Matrix projection = perspective(0.9, 1, 0.5, 100);
-    const View view = view_of(translation(-5, -5, -10), projection, 100, 100);
+    const Camera view = view_of(translation(-5, -5, -10), projection, 100, 100);
     const auto window_depth = [&](double z) { return ((projection[10] * z + projection[14]) / -z + 1) / 2; };
     for (const unsigned samples : {1u, 4u})
         for (const float eye_dome : {0.0f, 1.0f})
@@ -223,7 +223,7 @@ TEST(Picture, SeveralSamplesSmoothEdges)
     points[1].x = points[1].y = 1000;
     const auto cloud = make_cloud(folder, "two", grid_at({0, 0, 0}), points, 1000);
     const Framebuffer framebuffer(100, 100);
-    const View view = view_of(translation(-5, -5, -10), orthographic(5, 5, 1, 100), 100, 100);
+    const Camera view = view_of(translation(-5, -5, -10), orthographic(5, 5, 1, 100), 100, 100);
     for (const unsigned samples : {1u, 4u, 1000u}) {
         Drawing drawing(cloud);
         drawing.style.point_size_px = 20;
@@ -267,7 +267,7 @@ TEST(Picture, EyeDomeLightingShowsSteps)
                 for (const std::size_t k : {0u, 5u, 10u}) scaled[k] = unit;
                 const Matrix projection = parallel ? orthographic(4 * unit, 4 * unit, unit, 100 * unit)
                                                    : perspective(0.7, 1, 0.1 * unit, 100 * unit);
-                const View view = view_of(scaled, projection, 100, 100);
+                const Camera view = view_of(scaled, projection, 100, 100);
                 const auto brightness = [&](const std::shared_ptr<PointCloud>& cloud, float strength) {
                     Drawing drawing(cloud);
                     drawing.style.point_size_px = 5;
@@ -314,7 +314,7 @@ TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
         std::count_if(all.begin(), all.end(), [](const Node& node) { return node.points > 0; }));
     ASSERT_GT(nodes, 40u);
     const Framebuffer framebuffer(160, 120);
-    const View view = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
+    const Camera view = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
     for (const bool converge : {false, true}) {
         cloud->cache().clear();
         Drawing drawing(cloud);
@@ -356,7 +356,7 @@ TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
     near_item.placement = translation(-12, -5, 0);
     far_item.cloud = &b;
     far_item.placement = translation(20, -5, -80);
-    const View view = view_of(translation(0, 0, -20), perspective(0.9, 2, 0.1, 1000), 200, 100);
+    const Camera view = view_of(translation(0, 0, -20), perspective(0.9, 2, 0.1, 1000), 200, 100);
     RenderOptions options;
     options.frame_budget_ms = 1e9;
     options.target_spacing_px = 0.1;
@@ -421,7 +421,7 @@ TEST(Picture, ACloudMayBeShownTwice)
     left.placement = translation(-12, -5, 0);
     right.placement = translation(2, -5, 0);
     right.style.colour = ColourMode::height;
-    const View view = view_of(translation(0, 0, -30), perspective(0.9, 2, 0.1, 1000), 200, 100);
+    const Camera view = view_of(translation(0, 0, -30), perspective(0.9, 2, 0.1, 1000), 200, 100);
     for (const bool moving : {true, false}) {
         RenderOptions options = everything();
         options.converge = !moving;
@@ -478,8 +478,8 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     options.point_budget = 25000;
     for (int frame = 0; frame < 120; ++frame) {
         const double along = 4 + 0.5 * (frame < 60 ? frame : 119 - frame);  // there and back
-        const View view = view_of(product(rotation_x(-0.6), translation(-along, -12, -6)),
-                                  perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
+        const Camera view = view_of(product(rotation_x(-0.6), translation(-along, -12, -6)),
+                                    perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
         framebuffer.clear();
         const FrameReport report = drawing.draw(view, map_offset, options);
         ASSERT_EQ(report.error, "");
@@ -528,7 +528,7 @@ TEST(Picture, CoarsePicturesHaveNoHoles)
     const auto cloud =
         make_cloud(folder, "sheet", grid_at(map_offset), sheet(400, [](std::int32_t) { return 0; }), 2000);
     const Framebuffer framebuffer(160, 120);
-    const View view =
+    const Camera view =
         view_of(product(rotation_x(-0.5), translation(-20, -15, -10)), perspective(0.9, 4.0 / 3, 0.1, 200), 160, 120);
     const auto holes = [&](const std::vector<Pixel>& picture, const std::vector<Pixel>& full) {
         std::size_t covered = 0, missing = 0;

@@ -23,7 +23,7 @@ struct Window {
     bool inside;
 };
 
-Window project(const View& camera, const Vec3d& local)
+Window project(const Camera& camera, const Vec3d& local)
 {
     const double v[4] = {local[0], local[1], local[2], 1};
     double eye[4] = {};
@@ -75,8 +75,8 @@ TEST_P(RendererIn, AMovingViewLoadsAhead)
             cloud->cache().wait_idle();
         }
         // Seen eight frames of half a metre from here.
-        const View later = camera_at(24.5 + 8 * 0.5);
-        View view = later;
+        const Camera later = camera_at(24.5 + 8 * 0.5);
+        Camera view = later;
         view.origin = map_offset;
         DetailLimits limits;
         limits.target_px = 0;
@@ -103,7 +103,7 @@ TEST_P(RendererIn, ConstantSplatsCoverExactlyTheirSquares)
     Drawing renderer(cloud);
     for (const Matrix& projection : {perspective(0.9, 4.0 / 3, 0.1, 1000), orthographic(8, 6, -100, 100)})
         for (const float size : {1.0f, 2.0f, 3.6f, 5.0f}) {
-            const View camera = view_of(overview(10), projection, 320, 240);
+            const Camera camera = view_of(overview(10), projection, 320, 240);
             RenderOptions options = everything();
             renderer.style.point_size_px = size;
             const FrameReport report = draw_until_done(renderer, framebuffer, camera, map_offset, options);
@@ -144,7 +144,7 @@ TEST_P(RendererIn, MapCoordinatesDrawTheSamePicture)
     const TemporaryFolder folder;
     const auto points = random_points(20000, 10000, 2);
     const Framebuffer framebuffer(320, 240);
-    const View camera = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
+    const Camera camera = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
     const RenderOptions options = everything();
     std::vector<std::vector<Pixel>> pictures;
     for (const Vec3d& offset : {Vec3d{0, 0, 0}, Vec3d{5000000, 5000000, 5000000}}) {
@@ -157,7 +157,7 @@ TEST_P(RendererIn, MapCoordinatesDrawTheSamePicture)
             // Another local origin, as when several clouds share one: coordinates round to 1e-9 of the scene's metre,
             // so only a pixel whose edge a splat all but touches may change.
             const Vec3d other{offset[0] - 1234.567, offset[1] + 77.7, offset[2] + 3.3};
-            const View moved = view_of(
+            const Camera moved = view_of(
                 product(overview(10), translation(other[0] - offset[0], other[1] - offset[1], other[2] - offset[2])),
                 perspective(0.9, 4.0 / 3, 0.1, 1000), 320, 240);
             draw_until_done(renderer, framebuffer, moved, other, options);
@@ -198,7 +198,7 @@ TEST(Renderer, ASlowPanDoesNotMakePointsTremble)
                 const Matrix modelview =
                     product(rotation_x(-0.7), translation(-(local[0] + aside), -(local[1] - 1.4), -(local[2] + 1.5)));
                 const Matrix plain = ortho ? orthographic(1.2, 1.2, -50, 50) : perspective(1.0, 1, 0.05, 1000);
-                View camera = view_of(modelview, plain, 1000, 1000);
+                Camera camera = view_of(modelview, plain, 1000, 1000);
                 const Window w = project(camera, local);
                 ASSERT_TRUE(w.inside);
                 // 8 pixels of the plain picture around w fill the 512 of this one.
@@ -313,7 +313,7 @@ TEST_P(RendererIn, LeavesTheStateOfTheHostAsItWas)
         return state;
     };
 
-    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 64, 64);
+    const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 64, 64);
     for (int host = 0; host < 4; ++host) {
         const auto toggle = [&](GLenum what, bool on) { on ? glEnable(what) : glDisable(what); };
         const bool odd = host % 2;
@@ -391,7 +391,7 @@ TEST(Renderer, RefinesWithoutEverShowingLess)
         renderer.set_wake([&] { ++wakes; });
         cloud->cache().clear();
         const Framebuffer framebuffer(200, 200);
-        const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 200, 200);
+        const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 200, 200);
         RenderOptions options = everything();
         options.target_spacing_px = target;
         options.converge = false;
@@ -440,7 +440,7 @@ TEST(Renderer, ChangingTheColourShowsEveryPointAllTheTime)
     const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(30000, 10000, 6), 2000);
     Drawing renderer(cloud);
     const Framebuffer framebuffer(100, 100);
-    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     RenderOptions options = everything();
     draw_until_done(renderer, framebuffer, camera, map_offset, options);
     const std::size_t lit = count_lit(framebuffer.read());
@@ -467,7 +467,7 @@ TEST(Renderer, ColoursAreTheCloudsOwn)
     // Four points far apart, looked at straight down, 1 unit a pixel.
     std::vector<LasPoint> points(4);
     const std::uint16_t bytes[4][3] = {{255, 0, 10}, {1, 128, 254}, {77, 200, 0}, {0, 0, 33}};
-    const View camera = view_of(identity(), product(translation(-1, -1, 0), orthographic(20, 20, -10, 10)), 40, 40);
+    const Camera camera = view_of(identity(), product(translation(-1, -1, 0), orthographic(20, 20, -10, 10)), 40, 40);
     for (const bool eight_bit : {false, true}) {
         for (std::size_t i = 0; i < 4; ++i) {
             points[i].x = static_cast<std::int32_t>(5500 + 8000 * i);
@@ -524,7 +524,7 @@ TEST(Renderer, LivesWithLittleVideoMemory)
     for (const bool converge : {false, true}) {
         options.converge = converge;
         for (int step = 0; step < 6; ++step) {
-            const View view =
+            const Camera view =
                 view_of(product(translation(0, 0, 2 * step), overview(10)), perspective(0.9, 1, 0.1, 1000), 100, 100);
             const FrameReport report = draw_until_done(renderer, framebuffer, view, map_offset, options);
             EXPECT_GT(report.points_drawn, 20000u);
@@ -545,7 +545,7 @@ TEST(Renderer, TwoCloudsShareOneCache)
     Drawing a(make_cloud(folder, "a", grid_at(map_offset), random_points(20000, 10000, 8), 2000), shared);
     Drawing b(make_cloud(folder, "b", grid_at(map_offset), random_points(10000, 10000, 9), 2000), shared);
     const Framebuffer framebuffer(100, 100);
-    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     EXPECT_EQ(draw_until_done(a, framebuffer, camera, map_offset, everything()).points_drawn, 20000u);
     EXPECT_EQ(draw_until_done(b, framebuffer, camera, map_offset, everything()).points_drawn, 10000u);
     const std::uint64_t both = shared->statistics().resident_chunks;
@@ -569,7 +569,7 @@ TEST(Renderer, ContextsOfOneGroupTakeTurns)
     ASSERT_TRUE(second) << why;
     const TemporaryFolder folder;
     Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 10), 2000));
-    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     second->make_current();
     auto in_second = std::make_unique<Framebuffer>(100, 100);
     Picture of_second;  // a picture is of one context
@@ -614,7 +614,7 @@ TEST(Renderer, ABrokenChunkIsReportedAndTheRestDrawn)
     }
     Drawing renderer(cloud);
     const Framebuffer framebuffer(100, 100);
-    const View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     RenderOptions options = everything();
     renderer.style.colour = ColourMode::rgb;
     FrameReport report;
@@ -653,7 +653,7 @@ TEST(Renderer, DrawsWidePositions)
     EXPECT_TRUE(cloud->cache().get(0, ColumnSet::only_positions())->positions->wide);
     Drawing renderer(cloud);
     const Framebuffer framebuffer(200, 200);
-    const View camera = view_of(translation(-0.5, -0.5, -2), perspective(0.7, 1, 0.1, 10), 200, 200);
+    const Camera camera = view_of(translation(-0.5, -0.5, -2), perspective(0.7, 1, 0.1, 10), 200, 200);
     RenderOptions options = everything();
     renderer.style.colour = ColourMode::rgb;
     renderer.style.point_size_px = 3;
@@ -676,7 +676,7 @@ TEST(Renderer, ViewsThatShowNothingAreHarmless)
     const TemporaryFolder folder;
     Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(1000, 10000, 13)));
     const Framebuffer framebuffer(50, 50);
-    View camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 50, 50);
+    Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 50, 50);
     camera.modelview[0] = std::nan("");
     FrameReport report = renderer.draw(camera, map_offset, everything());
     EXPECT_EQ(report.points_drawn, 0u);

@@ -85,11 +85,11 @@ TEST_P(SplatDisc, AFieldOfDiscs)
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);
         const SplatScene scene(fine_grid(1e-6), random_discs(60, 1, 1));
-        const View view = view_of(identity(), perspective(1, aspect, 0.1, 100), width, height);
+        const Camera view = view_of(identity(), perspective(1, aspect, 0.1, 100), width, height);
         expect_exact(compare(scene, view, true, GetParam()), 5000, GetParam());
         // The usual convention: near is 0. A float near 1 tells depths of 10 apart to 6e-8 * 100 / 0.1.
         expect_exact(compare(scene, view, false, GetParam()), 5000, GetParam(), 1.2e-3);
-        const View near = view_of(identity(), perspective(1, aspect, 1.5, 20), width, height);
+        const Camera near = view_of(identity(), perspective(1, aspect, 1.5, 20), width, height);
         expect_exact(compare(scene, near, false, GetParam()), 5000, GetParam());
     }
 }
@@ -139,7 +139,7 @@ TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     // Of such a disc little is seen, so it must be large: half as wide as the picture to several times as wide.
-    const View view = view_of(identity(), perspective(0.6, aspect, 0.01, 100), width, height);
+    const Camera view = view_of(identity(), perspective(0.6, aspect, 0.01, 100), width, height);
     std::size_t covered = 0;
     for (const double degrees : {0.1, 0.3, 1.0, 5.0})
         for (const auto& [x, y] :
@@ -241,7 +241,7 @@ TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
     float range[2] = {0, 0};
     glGetFloatv(GL_POINT_SIZE_RANGE, range);
     const int wide = std::min(4 * static_cast<int>(range[1]), 1200);
-    const View view = view_of(identity(), perspective(0.4, wide / 40.0, 0.1, 100), wide, 40);
+    const Camera view = view_of(identity(), perspective(0.4, wide / 40.0, 0.1, 100), wide, 40);
     std::vector<Disc> discs;
     for (int d = 0; d < 9; ++d)
         discs.push_back({{-8.0 + 2 * d, 0.3 * d - 1, -4 - 0.5 * d}, {0.1 * d - 0.5, 0.4, 1}, 0.4 + 0.4 * d});

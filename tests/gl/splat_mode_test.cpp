@@ -32,7 +32,7 @@ struct Eye {
     double focal[2]{};  // pixels an eye unit at the splat's depth
 };
 
-Eye eye_of(const View& view, const Disc& disc)
+Eye eye_of(const Camera& view, const Disc& disc)
 {
     Eye eye;
     const Matrix& m = view.modelview;
@@ -57,14 +57,14 @@ Eye eye_of(const View& view, const Disc& disc)
 struct Clip {
     double near, far;
 };
-Clip clip_of(const View& view)
+Clip clip_of(const Camera& view)
 {
     const Matrix& p = view.projection;
     if (p[11] == 0) return {(1 + p[14]) / p[10], (p[14] - 1) / p[10]};
     return {p[14] / (p[10] - 1), p[14] / (p[10] + 1)};
 }
 
-Splat square(const View& view, const Disc& disc, double side)
+Splat square(const Camera& view, const Disc& disc, double side)
 {
     const Eye eye = eye_of(view, disc);
     const Clip clip = clip_of(view);
@@ -75,7 +75,7 @@ Splat square(const View& view, const Disc& disc, double side)
 }
 
 // OpenGL's points vanish with their centres.
-Splat constant_splat(const View& view, const Disc& disc, double side)
+Splat constant_splat(const Camera& view, const Disc& disc, double side)
 {
     const Eye eye = eye_of(view, disc);
     if (!(eye.window[0] >= 0 && eye.window[0] <= view.width && eye.window[1] >= 0 && eye.window[1] <= view.height))
@@ -84,13 +84,13 @@ Splat constant_splat(const View& view, const Disc& disc, double side)
 }
 
 // Equation 7.1 with r as a radius: 2 r n h / (|pz| (t - b)), which is 2 r times the pixels of an eye unit.
-Splat dynamic_splat(const View& view, const Disc& disc)
+Splat dynamic_splat(const Camera& view, const Disc& disc)
 {
     return square(view, disc, std::max(1.0, 2 * disc.radius * eye_of(view, disc).focal[1]));
 }
 
 // Equations 7.2 to 7.4.
-Splat affine_splat(const View& view, const Disc& disc)
+Splat affine_splat(const Camera& view, const Disc& disc)
 {
     const Eye eye = eye_of(view, disc);
     const Clip clip = clip_of(view);
@@ -105,7 +105,7 @@ Splat affine_splat(const View& view, const Disc& disc)
     };
 }
 
-std::vector<Splat> splats_of(SplatMode mode, const View& view, const std::vector<Disc>& discs, double point_size)
+std::vector<Splat> splats_of(SplatMode mode, const Camera& view, const std::vector<Disc>& discs, double point_size)
 {
     std::vector<Splat> splats;
     for (const Disc& disc : discs)
@@ -115,7 +115,7 @@ std::vector<Splat> splats_of(SplatMode mode, const View& view, const std::vector
     return splats;
 }
 
-std::vector<DiscHit> picture_of(const View& view, const std::vector<Splat>& splats, double margin)
+std::vector<DiscHit> picture_of(const Camera& view, const std::vector<Splat>& splats, double margin)
 {
     std::vector<DiscHit> pixels;
     for (int row = 0; row < view.height; ++row)
@@ -144,7 +144,7 @@ struct Drawn {
     std::vector<float> depths;
 };
 
-Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, bool reversed = true,
+Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed = true,
            const ChunkLook& look = {})
 {
     SplatPass pass;
@@ -156,7 +156,7 @@ Drawn draw(const SplatScene& scene, const View& view, const CloudStyle& style, b
     return picture;
 }
 
-void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const View& view, bool reversed,
+void expect_same(const Drawn& picture, const std::vector<DiscHit>& truth, const Camera& view, bool reversed,
                  std::size_t least_covered)
 {
     std::size_t covered = 0, wrong = 0;
@@ -204,8 +204,8 @@ std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness =
 
 Grid fine_grid() { return {{1e-6, 1e-6, 1e-6}, {0, 0, 0}}; }
 
-View perspective_view() { return view_of(identity(), perspective(1, aspect, 0.1, 100), width, height); }
-View parallel_view() { return view_of(translation(0.3, 0, 0), orthographic(5, 5 / aspect, 0.1, 20), width, height); }
+Camera perspective_view() { return view_of(identity(), perspective(1, aspect, 0.1, 100), width, height); }
+Camera parallel_view() { return view_of(translation(0.3, 0, 0), orthographic(5, 5 / aspect, 0.1, 20), width, height); }
 
 }  // namespace
 
@@ -214,7 +214,7 @@ TEST(SplatMode, EachAgreesWithItsFormula)
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);
         const SplatScene scene(fine_grid(), field(80, 1));
-        for (const View& view : {perspective_view(), parallel_view()})
+        for (const Camera& view : {perspective_view(), parallel_view()})
             for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine})
                 for (const bool reversed : {true, false}) {
                     if (!reversed && view.projection[11] != 0)
@@ -235,7 +235,7 @@ TEST(SplatMode, DynamicSquaresOfAnySizeAtTheBorder)
     // Many centres are outside; then squares that are larger than the driver's points.
     for (const double size : {0.5, 8.0}) {
         const SplatScene scene(fine_grid(), field(60, 2, 1.5, size));
-        for (const View& view : {perspective_view(), parallel_view()}) {
+        for (const Camera& view : {perspective_view(), parallel_view()}) {
             const auto truth = picture_of(view, splats_of(SplatMode::dynamic, view, scene.discs(view), 0), 0.02);
             expect_same(draw(scene, view, style_of(SplatMode::dynamic)), truth, view, true, 500);
         }
@@ -254,7 +254,7 @@ TEST(SplatMode, ErrorsAreOrdered)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     // Tilted discs over the whole of a wide view.
-    const View view = view_of(identity(), perspective(1.4, aspect, 0.1, 100), width, height);
+    const Camera view = view_of(identity(), perspective(1.4, aspect, 0.1, 100), width, height);
     const SplatScene scene(fine_grid(), field(40, 3));
     const auto truth = DiscOracle(view).picture(scene.discs(view));
     const auto wrong = [&](SplatMode mode) {
@@ -303,7 +303,7 @@ TEST(SplatMode, AFixedPointStaysUnderASlowPanAtMapCoordinates)
     const double pixel = 2 * std::tan(0.3) / side;
     for (int frame = 0; frame < 24; ++frame) {
         const Matrix turn = rotation_x(0.05 * pixel * frame);
-        const View view =
+        const Camera view =
             view_of(product(turn, translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2])), projection,
                     side, side, origin);
         for (const SplatMode mode :
@@ -328,7 +328,7 @@ TEST(SplatMode, DiscsAreAntialiasedSampleBySample)
         const DepthFramebuffer framebuffer(width, height, samples);
         std::array<std::array<float, 2>, samples> places{};
         for (unsigned s = 0; s < samples; ++s) glGetMultisamplefv(GL_SAMPLE_POSITION, s, places[s].data());
-        for (const View& view : {perspective_view(), parallel_view()})
+        for (const Camera& view : {perspective_view(), parallel_view()})
             for (const SplatMode mode : {SplatMode::affine, SplatMode::perspective, SplatMode::dynamic}) {
                 SCOPED_TRACE(testing::Message()
                              << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
@@ -378,7 +378,7 @@ TEST(SplatMode, DiscsAreAntialiasedSampleBySample)
 TEST(SplatMode, WhatIsMissingIsReplaced)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    const View view = perspective_view();
+    const Camera view = perspective_view();
     const auto discs = field(40, 7);
     const SplatScene all(fine_grid(), discs);
     const SplatScene no_normals(fine_grid(), discs, {VertexColour::rgb, true, false});
@@ -428,7 +428,7 @@ TEST(SplatMode, GapsAreFilled)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     constexpr double pi = 3.14159265358979323846;
-    for (const View& view : {perspective_view(), parallel_view()})
+    for (const Camera& view : {perspective_view(), parallel_view()})
         for (const SplatMode mode :
              {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})
             for (const double depth : {3.0, 9.0}) {
@@ -465,7 +465,7 @@ TEST(SplatMode, GapsAreFilled)
 TEST(SplatMode, ColoursByLevelErrorHeightAndOneForAll)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    const View view = perspective_view();
+    const Camera view = perspective_view();
     const SplatScene scene(
         fine_grid(), {{{0, -2, -6}, {0, 0, 1}, 0.5}, {{0, 2, -6.5}, {0, 0, 1}, 0.5}, {{1, 0, -5}, {0, 0, 1}, 0.5}});
     CloudStyle style = style_of(SplatMode::perspective);

@@ -106,7 +106,7 @@ SplatScene::~SplatScene() { l1_.release(); }
 
 const VertexEntry& SplatScene::entry() const { return *l1_.find(owner_, 0); }
 
-std::vector<Disc> SplatScene::discs(const View& view) const
+std::vector<Disc> SplatScene::discs(const Camera& view) const
 {
     std::vector<Disc> discs;
     for (std::size_t d = 0; d < places_.size(); ++d) {
@@ -124,7 +124,7 @@ std::vector<Disc> SplatScene::discs(const View& view) const
     return discs;
 }
 
-void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style,
+void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const Camera& view, const CloudStyle& style,
                       bool reversed, unsigned samples, const ChunkLook& look) const
 {
     const GlStateGuard state;
@@ -136,7 +136,7 @@ void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const View& vie
     EXPECT_EQ(drain_gl_errors(), "");
 }
 
-double depth_of(const View& view, bool reversed, float value)
+double depth_of(const Camera& view, bool reversed, float value)
 {
     const double ndc = reversed ? 1 - 2 * static_cast<double>(value) : 2 * static_cast<double>(value) - 1;
     const Matrix& p = view.projection;
@@ -152,7 +152,7 @@ CloudStyle style_of(SplatMode mode)
     return style;
 }
 
-Agreement compare(const SplatScene& scene, const View& view, bool reversed, bool doubles, double margin)
+Agreement compare(const SplatScene& scene, const Camera& view, bool reversed, bool doubles, double margin)
 {
     SplatPass pass(doubles);
     const DepthFramebuffer framebuffer(view.width, view.height);

@@ -37,14 +37,14 @@ public:
 
     // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii
     // and normals as floats.
-    std::vector<Disc> discs(const View& view) const;
-    void draw(SplatPass& pass, const View& view, const CloudStyle& style, bool reversed, unsigned samples = 1,
+    std::vector<Disc> discs(const Camera& view) const;
+    void draw(SplatPass& pass, const Camera& view, const CloudStyle& style, bool reversed, unsigned samples = 1,
               const ChunkLook& look = {}) const
     {
         draw(entry(), pass, view, style, reversed, samples, look);
     }
     // As if this were the scene's entry.
-    void draw(const VertexEntry& entry, SplatPass& pass, const View& view, const CloudStyle& style, bool reversed,
+    void draw(const VertexEntry& entry, SplatPass& pass, const Camera& view, const CloudStyle& style, bool reversed,
               unsigned samples, const ChunkLook& look) const;
     const TreeInfo& info() const { return info_; }
     const VertexEntry& entry() const;
@@ -59,7 +59,7 @@ private:
 };
 
 // The depth along the view of a value of the depth buffer.
-double depth_of(const View& view, bool reversed, float value);
+double depth_of(const Camera& view, bool reversed, float value);
 
 CloudStyle style_of(SplatMode mode);
 
@@ -73,6 +73,6 @@ struct Agreement {
 };
 
 // Draws the scene in the perspective mode and compares each fragment with the oracle.
-Agreement compare(const SplatScene& scene, const View& view, bool reversed, bool doubles, double margin = 0.01);
+Agreement compare(const SplatScene& scene, const Camera& view, bool reversed, bool doubles, double margin = 0.01);
 
 }  // namespace pcm::test

@@ -37,10 +37,10 @@ std::vector<Disc> ground(std::mt19937_64& random, std::size_t count, double larg
 }
 
 // From somewhere in or around the ground, over land of all sizes; some from above, some parallel.
-View look_around(std::mt19937_64& random, const Vec3d& origin)
+Camera look_around(std::mt19937_64& random, const Vec3d& origin)
 {
     std::uniform_real_distribution<double> unit(0, 1);
-    View view;
+    Camera view;
     view.width = 160;
     view.height = 120;
     view.origin = origin;
@@ -62,7 +62,7 @@ struct Drawn {
 };
 
 Drawn draw(SplatPass& pass, const DepthFramebuffer& framebuffer, const SplatScene& scene, const VertexEntry& entry,
-           const View& view, const CloudStyle& style, const ChunkLook& look)
+           const Camera& view, const CloudStyle& style, const ChunkLook& look)
 {
     framebuffer.clear(true);
     scene.draw(entry, pass, view, style, true, 1, look);
@@ -135,7 +135,7 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
             group.largest_radius = whole.largest_radius;
         }
         for (int i = 0; i < 40; ++i) {
-            const View view = look_around(random, {50, 50, 0});
+            const Camera view = look_around(random, {50, 50, 0});
             for (const SplatMode mode :
                  {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
                 CloudStyle style = style_of(mode);
@@ -185,7 +185,7 @@ TEST(VertexGroups, PreviewsTellHowMuchIsInView)
     double log_of_sizes = 0, log_of_counts = 0;
     int views = 0;
     for (int i = 0; i < 200; ++i) {
-        const View view = look_around(random, {0, 0, 0});
+        const Camera view = look_around(random, {0, 0, 0});
         double squares = 0;
         std::uint64_t inside = 0;
         for (const Disc& disc : discs) {

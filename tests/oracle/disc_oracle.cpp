@@ -14,7 +14,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-DiscOracle::DiscOracle(const View& view) : view_(view)
+DiscOracle::DiscOracle(const Camera& view) : view_(view)
 {
     Matrix4d& m = view_.modelview;
     Matrix4d& p = view_.projection;

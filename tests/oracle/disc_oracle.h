@@ -29,7 +29,7 @@ struct DiscHit {
 class DiscOracle {
 public:
     // `view` as Frustum::of() accepts it, perspective or orthographic, off-axis too.
-    explicit DiscOracle(const View& view);
+    explicit DiscOracle(const Camera& view);
 
     // At window coordinates (pixel centres are at halves, y upwards). `margin`: pixels; 0: everything is certain.
     DiscHit cast(const std::vector<Disc>& discs, double x, double y, double margin = 0) const;
@@ -45,7 +45,7 @@ private:
     // Depth along the ray; infinity for a miss.
     double hit(const Ray& ray, const Disc& disc) const;
 
-    View view_;
+    Camera view_;
     bool orthographic_ = false;
     Vec3d eye_{};
     Vec3d columns_[3];  // of the inverse modelview's 3x3

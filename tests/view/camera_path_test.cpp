@@ -25,12 +25,12 @@ Vec4 times(const Matrix4d& m, const Vec4& v)
 }
 
 // Of a point in source coordinates: eye space, and normalised device coordinates.
-Vec4 in_eye(const View& view, const Vec3d& p)
+Vec4 in_eye(const Camera& view, const Vec3d& p)
 {
     return times(view.modelview, {p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2], 1});
 }
 
-Vec3d on_screen(const View& view, const Vec3d& p)
+Vec3d on_screen(const Camera& view, const Vec3d& p)
 {
     const Vec4 clip = times(view.projection, in_eye(view, p));
     return {clip[0] / clip[3], clip[1] / clip[3], clip[2] / clip[3]};
@@ -59,7 +59,7 @@ TEST(Camera, SeesItsTargetInTheMiddleAndUpIsUp)
     const Box3d box = box_of({499900, 4799900, 90}, {500100, 4800100, 130});
     for (const Vec3d& origin : {Vec3d{500000, 4800000, 0}, Vec3d{499900, 4799900, 90}}) {
         const CameraFrame frame = looking({499990, 4799800, 150}, {500000, 4800000, 100}, 60);
-        const View view = view_of(frame, origin, box, 640, 480);
+        const Camera view = view_of(frame, origin, box, 640, 480);
         EXPECT_EQ(view.origin, origin);
         EXPECT_EQ(view.width, 640);
         EXPECT_EQ(view.height, 480);
@@ -95,7 +95,7 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
         const bool parallel = i % 2;
         const CameraFrame frame = looking(point(3 * size), point(size),
                                           parallel ? std::nullopt : std::optional<double>(50), parallel ? size : 0);
-        const View view = view_of(frame, centre, box, 300, 200);
+        const Camera view = view_of(frame, centre, box, 300, 200);
         ASSERT_TRUE(Frustum::of(view));
         for (unsigned corner = 0; corner < 8; ++corner) {
             Vec3d p{};
@@ -109,8 +109,8 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
 
 TEST(Camera, OrthographicHeightIsWhatIsSeen)
 {
-    const View view = view_of(looking({0, 0, 50}, {0, 10, 0}, std::nullopt, 20), {0, 0, 0},
-                              box_of({-100, -100, -5}, {100, 100, 5}), 200, 100);
+    const Camera view = view_of(looking({0, 0, 50}, {0, 10, 0}, std::nullopt, 20), {0, 0, 0},
+                                box_of({-100, -100, -5}, {100, 100, 5}), 200, 100);
     const Vec4 top = times(view.projection, {0, 10, -30, 1}), side = times(view.projection, {20, 0, -30, 1});
     EXPECT_NEAR(top[1] / top[3], 1, 1e-12);
     EXPECT_NEAR(side[0] / side[3], 1, 1e-12);
@@ -139,7 +139,7 @@ TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
                  {std::optional<double>(45), std::optional<double>(), std::optional<double>(120)}) {
                 const CameraFrame frame = overview_of(box, angle, width, height);
                 EXPECT_NO_THROW(check(frame));
-                const View view = view_of(frame, box.centre(), box, width, height);
+                const Camera view = view_of(frame, box.centre(), box, width, height);
                 ASSERT_TRUE(Frustum::of(view));
                 double largest = 0;
                 Box3d shown;

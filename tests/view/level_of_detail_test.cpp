@@ -34,7 +34,7 @@ double error_of(const SyntheticTree& tree, const Frustum& frustum, NodeId id)
     return frustum.pixels(tree.nodes[tree.nodes[id].parent].spacing, tree.grid.to_source(tree.nodes[id].box));
 }
 
-BruteForce brute_force(const SyntheticTree& tree, const View& view, const DetailLimits& limits)
+BruteForce brute_force(const SyntheticTree& tree, const Camera& view, const DetailLimits& limits)
 {
     BruteForce result;
     const auto frustum = Frustum::of(view);
@@ -71,7 +71,7 @@ BruteForce brute_force(const SyntheticTree& tree, const View& view, const Detail
     return result;
 }
 
-double error_of_drawn(const SyntheticTree& tree, const View& view, const std::set<NodeId>& drawn)
+double error_of_drawn(const SyntheticTree& tree, const Camera& view, const std::set<NodeId>& drawn)
 {
     // Any visible node that is not drawn shows its nearest drawn ancestors; empty nodes count as drawn when those are.
     const auto frustum = Frustum::of(view);
@@ -104,7 +104,7 @@ TEST(Frustum, NeverDropsABoxWithAVisiblePoint)
             return Vec3d{place[0] + spread * (unit(random) - 0.5), place[1] + spread * (unit(random) - 0.5),
                          place[2] + spread * (unit(random) - 0.5)};
         };
-        const View view = random_view(random, near_place(reach), origin, reach);
+        const Camera view = random_view(random, near_place(reach), origin, reach);
         const auto frustum = Frustum::of(view);
         ASSERT_TRUE(frustum);
         Vec3d point = near_place(reach);
@@ -146,7 +146,7 @@ TEST(Frustum, CullsWhatIsBeyondOnePlane)
     std::size_t outside = 0;
     for (int i = 0; i < 20000; ++i) {
         const Vec3d place{500000, 5000000, 100};
-        const View view = random_view(random, place, place, 10);
+        const Camera view = random_view(random, place, place, 10);
         Box3d box;
         for (int corner = 0; corner < 2; ++corner)
             box.extend(Vec3d{place[0] + 40 * (unit(random) - 0.5), place[1] + 40 * (unit(random) - 0.5),
@@ -182,7 +182,7 @@ TEST(Frustum, PixelsAreThoseOfAProjectedSegment)
         const Vec3d origin = i % 2 ? eye : Vec3d{0, 0, 0};
         const Matrix4d turn = rotation(random);
         const double scale = std::pow(10.0, 2 * unit(random) - 1);
-        View view;
+        Camera view;
         view.origin = origin;
         view.width = 900;
         view.height = 600;
@@ -212,7 +212,7 @@ TEST(Frustum, PixelsAreThoseOfAProjectedSegment)
 
 TEST(Frustum, TheEyeInsideABoxGivesAFiniteSizeLimitedByTheNearPlane)
 {
-    View view;
+    Camera view;
     view.modelview = identity();
     view.projection = perspective(-1e-6, 1e-6, -1e-6, 1e-6, 1e-6, 1);
     view.width = view.height = 1000;
@@ -227,12 +227,12 @@ TEST(Frustum, TheEyeInsideABoxGivesAFiniteSizeLimitedByTheNearPlane)
 
 TEST(Frustum, RefusesViewsThatShowNothing)
 {
-    View view;
+    Camera view;
     view.modelview = identity();
     view.projection = orthographic(1, 1, -1, 1);
     view.width = view.height = 10;
     EXPECT_TRUE(Frustum::of(view));
-    View bad = view;
+    Camera bad = view;
     bad.width = 0;
     EXPECT_FALSE(Frustum::of(bad));
     bad = view;
@@ -268,7 +268,7 @@ TEST_P(SelectDetail, IsWhatBruteForceFinds)
         Vec3d eye = bounds.centre();
         for (std::size_t a = 0; a < 3; ++a) eye[a] += spread * (unit(random) - 0.5) * bounds.extent(a);
         const Vec3d origin = i % 2 ? tree.grid.offset : Vec3d{0, 0, 0};
-        const View view = random_view(random, eye, origin, 100);
+        const Camera view = random_view(random, eye, origin, 100);
         DetailLimits limits;
         limits.target_px = std::pow(10.0, 3 * unit(random) - 1);
         limits.point_budget = i % 4 == 0 ? random() % 200000 : 1000000000;
@@ -340,7 +340,7 @@ TEST(SelectDetail, TheErrorOfAFullPictureIsZeroAndOfTheTargetBelowIt)
 {
     std::mt19937_64 random(6);
     const SyntheticTree tree = random_tree(random, 500, {5e6, 5e6, 0});
-    View view;
+    Camera view;
     view.origin = tree.grid.offset;
     view.width = 800;
     view.height = 600;
@@ -363,7 +363,7 @@ TEST(SelectDetail, AnyThreadGetsTheSame)
 {
     std::mt19937_64 random(7);
     const SyntheticTree tree = random_tree(random, 3000, {5e6, 5e6, 0});
-    View view = random_view(random, tree.grid.to_source(tree.nodes[0].box).centre(), tree.grid.offset, 100);
+    Camera view = random_view(random, tree.grid.to_source(tree.nodes[0].box).centre(), tree.grid.offset, 100);
     const DetailSelection reference = select_detail(tree.nodes, tree.grid, view, {});
     std::vector<DetailSelection> results(8);
     std::vector<std::thread> threads;

@@ -10,9 +10,9 @@ namespace {
 using namespace pcm;
 
 // Turned about z by `angle`, then moved.
-View view_at(double angle, const Vec3d& move, double scale = 1)
+Camera view_at(double angle, const Vec3d& move, double scale = 1)
 {
-    View view;
+    Camera view;
     view.modelview = {std::cos(angle) * scale,
                       std::sin(angle) * scale,
                       0,
@@ -35,7 +35,7 @@ View view_at(double angle, const Vec3d& move, double scale = 1)
     return view;
 }
 
-void expect_near(const View& a, const View& b)
+void expect_near(const Camera& a, const Camera& b)
 {
     for (std::size_t i = 0; i < 16; ++i)
         EXPECT_NEAR(a.modelview[i], b.modelview[i], 1e-9 * (1 + std::fabs(b.modelview[i]))) << i;
@@ -58,7 +58,7 @@ TEST(Motion, GoesOnAsItCame)
         EXPECT_EQ(found->width, 640);
     }
     // A common factor of a matrix says nothing.
-    View before = view_at(0, {0, 0, -5}), now = view_at(0, {0, 0, -4});
+    Camera before = view_at(0, {0, 0, -5}), now = view_at(0, {0, 0, -4});
     for (double& v : before.modelview) v *= 2;
     for (double& v : now.modelview) v *= -3;
     const auto found = predict(before, now, 3);
@@ -68,9 +68,9 @@ TEST(Motion, GoesOnAsItCame)
 
 TEST(Motion, WhatSaysNothingOfAMotion)
 {
-    const View view = view_at(0, {0, 0, -5}), moved = view_at(0, {0, 0, -4});
+    const Camera view = view_at(0, {0, 0, -5}), moved = view_at(0, {0, 0, -4});
     EXPECT_FALSE(predict(view, view, 8));
-    View other = moved;
+    Camera other = moved;
     other.width = 641;
     EXPECT_FALSE(predict(view, other, 8));
     other = moved;

@@ -92,7 +92,7 @@ inline Matrix4d orthographic(double half_width, double half_height, double near,
             1};
 }
 
-inline std::array<double, 4> clip(const View& view, const Vec3d& source)
+inline std::array<double, 4> clip(const Camera& view, const Vec3d& source)
 {
     const auto apply = [](const Matrix4d& m, const std::array<double, 4>& v) {
         std::array<double, 4> r{};
@@ -113,10 +113,10 @@ inline bool is_visible(const std::array<double, 4>& c)
 }
 
 // Looks from `eye` in a random direction; the modelview scales by `scale` as a trackball does.
-inline View random_view(std::mt19937_64& random, const Vec3d& eye, const Vec3d& origin, double reach)
+inline Camera random_view(std::mt19937_64& random, const Vec3d& eye, const Vec3d& origin, double reach)
 {
     std::uniform_real_distribution<double> unit(0, 1);
-    View view;
+    Camera view;
     view.origin = origin;
     view.width = 1280;
     view.height = 720;

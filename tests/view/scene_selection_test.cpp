@@ -27,9 +27,9 @@ Scene random_scene(std::mt19937_64& random)
     for (std::size_t t = 0; t < count; ++t)
         scene.trees.push_back(random_tree(random, 2 + random() % 80, {500000 + 100 * unit(random), 5000000, 0}));
     const Vec3d eye{500000 + 300 * unit(random), 5000000 + 200 * unit(random), 60 * unit(random)};
-    const View view = random_view(random, eye, {500000, 5000000, 0}, 100);
+    const Camera view = random_view(random, eye, {500000, 5000000, 0}, 100);
     for (std::size_t t = 0; t < count; ++t) {
-        View own = view;
+        Camera own = view;
         if (t % 2) {  // the same view from another local origin
             own.origin = {500100, 5000000, 0};
             own.modelview = product(view.modelview, translation({100, 0, 0}));
@@ -156,7 +156,7 @@ TEST(SelectScene, TremblingErrorsChangeNothing)
     std::size_t changes_without = 0, changes_with = 0;
     for (int i = 0; i < 100; ++i) {
         const SyntheticTree tree = random_tree(random, 200, {0, 0, 0});
-        const View view = random_view(random, {100, 75, 120}, {0, 0, 0}, 100);
+        const Camera view = random_view(random, {100, 75, 120}, {0, 0, 0}, 100);
         for (const bool hysteresis : {false, true}) {
             std::set<Pick> before;
             for (int frame = 0; frame < 8; ++frame) {

@@ -1,8 +1,8 @@
 // pcmlab render: draws trees to PNG without a window. `pcmlab` starts it; exit codes are those of `pcmlab`.
 #include "pcm/cli/render/arguments.h"
-#include "pcm/system/error.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <chrono>
@@ -40,7 +40,7 @@ public:
     Drawn draw(const CameraFrame& camera, std::size_t number, std::size_t count)
     {
         const auto start = Clock::now();
-        const View view = scene_.view_of(camera, screen_.width(), screen_.height());
+        const Camera view = scene_.view_of(camera, screen_.width(), screen_.height());
         const std::uint64_t uploaded = scene_.l1_statistics().uploaded_bytes;
         scene_.forget();
         Drawn drawn;
