@@ -13,14 +13,15 @@ class Faults : public testing::Test {
 protected:
     Faults()
     {
-        const Faulty made = run_with_fault({paths::command, "generate", "-n", "2000", (folder_ / "scene.las").string()},
-                                           folder_ / "none", "count");
+        const Faulty made =
+            run_with_fault({pcm::paths::command, "generate", "-n", "2000", (folder_ / "scene.las").string()},
+                           folder_ / "none", "count");
         EXPECT_EQ(made.code, 0) << made.err;
         fs::create_directory(folder_ / "out");
     }
     std::vector<std::string> convert() const
     {
-        return {paths::command, "convert", (folder_ / "scene.las").string(), (folder_ / "out/copy.xyz").string()};
+        return {pcm::paths::command, "convert", (folder_ / "scene.las").string(), (folder_ / "out/copy.xyz").string()};
     }
     bool empty() const { return fs::is_empty(folder_ / "out"); }
     TemporaryFolder folder_;
