@@ -22,7 +22,7 @@ class RenderWithout : public CommandTest {};
 // Debian's packages and other people's scripts may take pcmlab alone.
 TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 {
-    fs::copy_file(paths::command, folder_ / "pcmlab");
+    fs::copy_file(pcm::paths::command, folder_ / "pcmlab");
     const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     const std::string said = bytes_of(folder_ / "said.txt");
@@ -33,7 +33,7 @@ TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
 
 TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
 {
-    const std::string program = bytes_of(paths::command);
+    const std::string program = bytes_of(pcm::paths::command);
     for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"})
         EXPECT_EQ(program.find(library), std::string::npos) << library;
 }
