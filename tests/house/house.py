@@ -1,0 +1,245 @@
+"""What holds the house together, as checks over the sources: who may include whom, sizes, layout, words.
+
+Each check takes a Tree and returns a list of complaints, one line of text per complaint. test_house.py runs them on the project, and
+on small trees with one fault each.
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SOURCES = (".h", ".cpp")
+LIST_BEGINS = "```arrows"
+
+# Files over 500 lines and functions over 60, each with the reason why it is not divided.
+LONG_FILES: dict[str, str] = {}
+LONG_FUNCTIONS: dict[str, str] = {}
+FILE_LINES = 500
+FUNCTION_LINES = 60
+
+# Headers of other packages and the rooms that may use them; a pattern, then rooms.
+PACKAGES = {
+    r"<(GL|EGL)/": {"gl", "offscreen", "tests", "bench", "plugin/render", "examples"},
+    r"<png.h>": {"offscreen"},
+    r"<CLI/": {"cli", "bench"},
+    r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
+    r"<pcl/": {"bench"},
+}
+
+
+class Tree:
+    """The C++ sources below a folder: path relative to it -> text."""
+
+    def __init__(self, sources, arrows):
+        self.sources = sources
+        self.arrows = arrows
+
+    @staticmethod
+    def of_project(root=ROOT):
+        names = [path.relative_to(root).as_posix() for folder in ("core", "plugin", "tests", "bench")
+                 for path in sorted((root / folder).rglob("*")) if path.suffix in SOURCES]
+        return Tree({name: (root / name).read_text(encoding="utf-8") for name in names},
+                    read_arrows((root / "core" / "README.md").read_text(encoding="utf-8")))
+
+
+def read_arrows(text):
+    """The block of core/README.md: ROOM: ROOM... in each line. Returns room -> set of rooms that it may include."""
+    if LIST_BEGINS not in text:
+        raise ValueError(f"core/README.md has no block {LIST_BEGINS}")
+    block = text.split(LIST_BEGINS, 1)[1].split("```", 1)[0]
+    arrows = {}
+    for line in block.strip().splitlines():
+        room, _, rooms = line.partition(":")
+        arrows[room.strip()] = set(rooms.split())
+    for room, rooms in arrows.items():
+        for other in rooms:
+            if other not in arrows:
+                raise ValueError(f"core/README.md: {room} may use {other}, which is no room of the list")
+    return arrows
+
+
+def room_of(name, arrows):
+    """The room of a source file: the longest folder of its path that the list has, without the leading core/."""
+    if name.startswith(("tests/", "bench/")):
+        return name.split("/")[0]
+    path = name.removeprefix("core/")
+    folder = path.rpartition("/")[0]
+    if not folder:
+        return "point_cloud"  # the sources at the root of core/: the facade
+    while folder and folder not in arrows:
+        folder = folder.rpartition("/")[0]
+    return folder or path.split("/")[0]
+
+
+def includes_of(text):
+    return re.findall(r'^#\s*include\s+([<"][^>"]+[>"])', text, re.MULTILINE)
+
+
+def check_arrows(tree):
+    complaints = []
+    for name, text in tree.sources.items():
+        room = room_of(name, tree.arrows)
+        everything = room in ("tests", "bench")
+        if not everything and room not in tree.arrows:
+            complaints.append(f"{name}: the room {room} is not in the list of core/README.md")
+            continue
+        for include in includes_of(text):
+            path = include[1:-1]
+            for pattern, rooms in PACKAGES.items():
+                if re.match(pattern, include) and room not in rooms:
+                    complaints.append(f"{name}: includes {include}, which only {', '.join(sorted(rooms))} may use")
+            if include[0] == "<":
+                continue
+            target = path.removeprefix("pcm/") if path.startswith("pcm/") else path
+            if not path.startswith(("pcm/", "plugin/", "tests/", "bench/")):
+                if room.startswith(("plugin/", "tests", "examples")) or room == "bench":
+                    continue  # headers of MeshLab, or of the example's own folder
+                complaints.append(f"{name}: includes \"{path}\" without the prefix pcm/")
+                continue
+            other = room_of(target if not path.startswith("pcm/") else "core/" + target, tree.arrows)
+            if everything or other == room or other in tree.arrows[room]:
+                continue
+            complaints.append(f"{name}: includes {path}; {room} may not use {other}")
+    return complaints
+
+
+# Formats whose folder builds on another's: theirs is text too.
+SHARED_FOLDERS = {"text", "pipe"}
+
+
+def check_formats(tree):
+    """The folders in core/io: a format's includes none of another format's."""
+    complaints = []
+    for name, text in tree.sources.items():
+        match = re.match(r"core/io/(\w+)/", name)
+        for include in includes_of(text) if match else ():
+            other = re.match(r'"pcm/io/(\w+)/', include)
+            if other and other[1] != match[1] and other[1] not in SHARED_FOLDERS:
+                complaints.append(f"{name}: includes {include}; a format does not know another")
+    return complaints
+
+
+def check_list(tree):
+    """The list itself: one way only, and no arrow that nothing uses."""
+    complaints = []
+    order = list(tree.arrows)
+    for place, room in enumerate(order):
+        for other in tree.arrows[room]:
+            if order.index(other) >= place:
+                complaints.append(f"the list has {room} use {other}, which does not stand above it")
+    used = {room: set() for room in order}
+    for name, text in tree.sources.items():
+        room = room_of(name, tree.arrows)
+        for include in includes_of(text):
+            if include.startswith(('"pcm/', '"plugin/')) and room in used:
+                path = include[1:-1]
+                used[room].add(room_of("core/" + path[4:] if path.startswith("pcm/") else path, tree.arrows))
+    for room in order:
+        for other in sorted(tree.arrows[room] - used[room]):
+            complaints.append(f"the list lets {room} use {other}, and nothing does")
+    return complaints
+
+
+def functions_of(text):
+    """(first line, lines) of each function: its body begins and ends with a brace alone in a line, at the same depth."""
+    lines = text.split("\n")
+    at = 0
+    while at < len(lines):
+        match = re.fullmatch(r"(\s*)\{", lines[at])
+        if match:
+            end = at + 1
+            while end < len(lines) and not re.fullmatch(re.escape(match[1]) + r"\}.*", lines[end]):
+                end += 1
+            head = at
+            while head > 0 and not re.fullmatch(r"\s*(|[{};]|.*[;}{:]|//.*|#.*)", lines[head - 1]):
+                head -= 1
+            yield head + 1, end - head + 1
+        at += 1
+
+
+def long_files(tree):
+    return {name: text.count("\n") for name, text in tree.sources.items() if text.count("\n") > FILE_LINES}
+
+
+def long_functions(tree):
+    """FILE:FIRST LINE OF THE FUNCTION -> (line, lines). A test case may be as long as its story: TEST(...) is no function."""
+    found = {}
+    for name, text in tree.sources.items():
+        lines = text.splitlines()
+        for line, length in functions_of(text):
+            head = lines[line - 1].strip()
+            if length > FUNCTION_LINES and not head.startswith("TEST"):
+                found[f"{name}:{head}"] = (line, length)
+    return found
+
+
+def check_sizes(tree):
+    complaints = [f"{name}: {lines} lines, more than {FILE_LINES}" for name, lines in long_files(tree).items()
+                  if name not in LONG_FILES]
+    for key, (line, length) in long_functions(tree).items():
+        name, _, head = key.partition(":")
+        if key not in LONG_FUNCTIONS:
+            complaints.append(f"{name}:{line}: a function of {length} lines, more than {FUNCTION_LINES}: {head}")
+    return complaints
+
+
+def check_exceptions(tree, files=None, functions=None):
+    files = LONG_FILES if files is None else files
+    functions = LONG_FUNCTIONS if functions is None else functions
+    return ([f"{name} is not over {FILE_LINES} lines any more" for name in files if name not in long_files(tree)] +
+            [f"{key} is not over {FUNCTION_LINES} lines any more" for key in functions if key not in long_functions(tree)])
+
+
+def formatter():
+    """clang-format 14 (Debian 12's): other versions lay out some lines in other ways. None where it is not installed."""
+    for name in ("clang-format-14", "clang-format"):
+        program = shutil.which(name)
+        if program and " 14." in subprocess.run([program, "--version"], capture_output=True, text=True).stdout:
+            return program
+    return None
+
+
+def check_format(program, root=ROOT, names=None):
+    names = names or list(Tree.of_project(root).sources)
+    complaints = []
+    for first in range(0, len(names), 100):
+        result = subprocess.run([program, "--dry-run", *names[first:first + 100]], cwd=root, capture_output=True,
+                                text=True)
+        found = sorted(set(re.findall(r"^(\S+?):\d+:\d+: (?:warning|error)", result.stderr, re.MULTILINE)))
+        complaints += [f"{name}: not laid out as .clang-format says; run clang-format -i {name}" for name in found]
+    return complaints
+
+
+# Words of the project's former dialect, and what to write instead. Patterns for comments, messages and read-me files.
+WORDS = {
+    r"numbers? that (is|are) (none|not a number)": "NaN",
+    r"\bgo(es)? on with\b|\bgone on with\b": "resume",
+    r"\bwho has it open\b": "open readers",
+    r"\bat one (stroke|instant)\b": "atomically",
+    r"\bbegun afresh\b|\bbegins? afresh\b": "restart",
+    r"\b(a|one) bit a (cell|point|row)\b|\b(a|one) row a node\b": "one ... per ...",
+    r"\bexactly the side\b": "edge-on",
+    r"\bfor the search of errors\b": "for debugging",
+    r"\btold exactly\b|\btold apart\b": "classified, distinguished",
+    r"\b(rising|falling) (order|error|distance|number)": "ascending, descending",
+    r"\bwho(ever)? (wants|needs|asks|calls|holds|reads|writes|finds|changes|links)\b": "the noun",
+}
+
+
+def other_texts(root=ROOT):
+    """Read-me files, shaders, and the scripts that speak to a person."""
+    paths = [*root.glob("*.md"), *root.glob("core/**/*.md"), *root.glob("plugin/*.md"), *root.glob("bench/*.md"),
+             *root.glob("shaders/*"), *(path for path in root.glob("packaging/*") if path.is_file() and path.suffix != ".png")]
+    return {path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+
+
+def check_words(texts):
+    """`texts`: name -> text of a source or a read-me file."""
+    complaints = []
+    for name, text in texts.items():
+        for number, line in enumerate(text.splitlines(), 1):
+            for pattern, better in WORDS.items():
+                if re.search(pattern, line):
+                    complaints.append(f"{name}:{number}: {line.strip()}  (write: {better})")
+    return complaints

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""The house as core/README.md draws it, held against the sources; and that each check notices the fault it is there for.
+
+    python3 tests/house/test_house.py            all of it
+    python3 tests/house/test_house.py --arrows   prints the arrows that the sources have, in the form of the list
+"""
+import sys
+import unittest
+
+import house
+
+LIST = """
+```arrows
+system:
+cloud: system
+tree: cloud system
+build: tree cloud
+gl: tree
+```
+"""
+
+
+def small(sources):
+    return house.Tree(sources, house.read_arrows(LIST))
+
+
+class Project(unittest.TestCase):
+    tree = house.Tree.of_project()
+
+    def none(self, complaints):
+        self.assertEqual(complaints, [], "\n" + "\n".join(complaints))
+
+    def test_includes_follow_the_arrows(self):
+        self.none(house.check_arrows(self.tree))
+
+    def test_the_list_of_arrows_is_one_way_and_used(self):
+        self.none(house.check_list(self.tree))
+
+    def test_formats_do_not_know_each_other(self):
+        self.none(house.check_formats(self.tree))
+
+    def test_files_and_functions_are_short(self):
+        self.none(house.check_sizes(self.tree))
+
+    def test_exceptions_from_the_sizes_are_still_needed(self):
+        self.none(house.check_exceptions(self.tree))
+
+    def test_words_are_plain(self):
+        self.none(house.check_words({**self.tree.sources, **house.other_texts()}))
+
+    def test_layout_is_clang_format_s(self):
+        program = house.formatter()
+        if not program:
+            self.skipTest("clang-format 14 is not installed (Debian 12: clang-format)")
+        self.none(house.check_format(program, names=list(self.tree.sources)))
+
+
+class Checks(unittest.TestCase):
+    """A check that cannot complain is none."""
+
+    def test_an_arrow_that_is_not_in_the_list(self):
+        good = {"core/build/a.cpp": '#include "pcm/tree/b.h"\n', "core/tree/b.h": '#include "pcm/cloud/c.h"\n'}
+        self.assertEqual(house.check_arrows(small(good)), [])
+        bad = dict(good, **{"core/tree/b.h": '#include "pcm/build/a.h"\n'})
+        self.assertEqual(house.check_arrows(small(bad)), ["core/tree/b.h: includes pcm/build/a.h; tree may not use build"])
+
+    def test_a_room_that_is_not_in_the_list(self):
+        self.assertEqual(len(house.check_arrows(small({"core/attic/a.h": ""}))), 1)
+
+    def test_an_include_without_prefix(self):
+        self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": '#include "tree/b.h"\n'}))), 1)
+
+    def test_a_package_in_the_wrong_room(self):
+        sources = {"core/gl/a.h": "#include <GL/glew.h>\n"}
+        self.assertEqual(house.check_arrows(small(sources)), [])
+        self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": "#include <GL/glew.h>\n"}))), 1)
+        self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": "#include <QString>\n"}))), 1)
+
+    def test_a_list_that_goes_back(self):
+        with self.assertRaises(ValueError):
+            house.read_arrows("```arrows\na: b\n```")
+        tree = house.Tree({}, house.read_arrows("```arrows\na: b\nb:\n```"))
+        self.assertIn("the list has a use b, which does not stand above it", house.check_list(tree))
+
+    def test_an_arrow_that_nothing_uses(self):
+        tree = house.Tree({"core/b/x.h": ""}, house.read_arrows("```arrows\na:\nb: a\n```"))
+        self.assertEqual(house.check_list(tree), ["the list lets b use a, and nothing does"])
+
+    def test_a_format_that_reads_another(self):
+        sources = {"core/io/las/a.cpp": '#include "pcm/io/ply/b.h"\n'}
+        self.assertEqual(len(house.check_formats(small(sources))), 1)
+        self.assertEqual(house.check_formats(small({"core/io/las/a.cpp": '#include "pcm/io/reader.h"\n'})), [])
+
+    def test_a_long_function_and_a_long_file(self):
+        body = "    call();\n"
+        self.assertEqual(house.check_sizes(small({"core/tree/a.cpp": "int f()\n{\n" + body * 57 + "}\n"})), [])
+        self.assertEqual(len(house.check_sizes(small({"core/tree/a.cpp": "int f()\n{\n" + body * 58 + "}\n"}))), 1)
+        inner = "struct S {\n    int f(int a,\n          int b)\n    {\n" + "        call();\n" * 70 + "    }\n};\n"
+        self.assertEqual(house.check_sizes(small({"core/tree/a.cpp": inner})),
+                         ["core/tree/a.cpp:2: a function of 74 lines, more than 60: int f(int a,"])
+        self.assertEqual(len(house.check_sizes(small({"core/tree/a.cpp": "int a;\n" * 501}))), 1)
+
+    def test_an_exception_that_is_no_longer_needed(self):
+        self.assertEqual(len(house.check_exceptions(small({"core/tree/a.h": ""}), {"core/tree/a.h": "x"}, {})), 1)
+        self.assertEqual(len(house.check_exceptions(small({"core/tree/a.h": ""}), {}, {"core/tree/a.h:int f()": "x"})), 1)
+
+    def test_a_word_of_the_dialect(self):
+        self.assertEqual(len(house.check_words({"a.h": "// whoever wants to\n// a bit a cell\n// a resumed build\n"})), 2)
+
+    def test_a_line_that_clang_format_would_change(self):
+        program = house.formatter()
+        if not program:
+            self.skipTest("clang-format 14 is not installed")
+        import pathlib
+        import tempfile
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / ".clang-format").write_text((house.ROOT / ".clang-format").read_text())
+            (root / "good.h").write_text("int a;\n")
+            (root / "bad.h").write_text("int   a;\n")
+            self.assertEqual(len(house.check_format(program, root, ["good.h", "bad.h"])), 1)
+
+
+def print_arrows():
+    tree = Project.tree
+    rooms = {}
+    for name, text in tree.sources.items():
+        room = house.room_of(name, tree.arrows)
+        for include in house.includes_of(text):
+            if include.startswith(('"pcm/', '"plugin/')):
+                path = include[1:-1]
+                other = house.room_of("core/" + path[4:] if path.startswith("pcm/") else path, tree.arrows)
+                rooms.setdefault(room, {}).setdefault(other, set()).add(f"{name.rpartition('/')[2]}>{path.rpartition('/')[2]}")
+    for room, others in sorted(rooms.items()):
+        if room not in ("tests", "bench"):
+            print(f"{room}: {' '.join(sorted(other for other in others if other != room))}")
+            for other, files in sorted(others.items()):
+                if other != room:
+                    print(f"    {other}: {' '.join(sorted(files)[:6])}")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--arrows"]:
+        print_arrows()
+    else:
+        unittest.main()
