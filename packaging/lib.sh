@@ -41,9 +41,11 @@ configure() {
         return 1
     fi
 }
-# build PRESET [WRAPPER...]: incremental, so that a second time it takes a moment.
+# build PRESET [OPTION...]: incremental, so that a second time it takes a moment. Options are those of cmake --build; words in
+# the array build_wrapper stand before the command.
+build_wrapper=()
 build() {
     local preset=$1
     shift
-    (cd "$root" && "$@" cmake --build --preset "$preset" --parallel "$(build_jobs)") </dev/null
+    (cd "$root" && "${build_wrapper[@]}" cmake --build --preset "$preset" --parallel "$(build_jobs)" "$@") </dev/null
 }
