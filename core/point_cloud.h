@@ -22,17 +22,17 @@
 // A PointCloud may be shared between threads; a cursor belongs to one thread.
 #pragma once
 
+#include "pcm/build/builder.h"
 #include "pcm/cache/l2_cache.h"
 #include "pcm/cloud/affine.h"
-#include "pcm/edit_cursor.h"
 #include "pcm/cloud/selection.h"
+#include "pcm/edit_cursor.h"
 #include "pcm/query/estimate.h"
 #include "pcm/query/nearest.h"
 #include "pcm/query/point_blocks.h"
 #include "pcm/query/query.h"
-#include "pcm/threads/task_pool.h"
 #include "pcm/query/read_rates.h"
-#include "pcm/build/builder.h"
+#include "pcm/threads/task_pool.h"
 #include "pcm/tree/tree.h"
 
 #include <filesystem>
@@ -182,7 +182,7 @@ private:
     std::unique_ptr<L2Cache> cache_;
     ReadRates rates_;
     BlockCache blocks_;
-    ReadPool pool_;  // its threads use all of the above
+    TaskPool pool_;  // its threads use all of the above
     friend class PointCursor;
 };
 

@@ -1,13 +1,14 @@
 // What the stages of a build have in common, and what they tell each other.
 #pragma once
 
-#include "pcm/cloud/metadata.h"
-#include "pcm/build/builder.h"
-#include "pcm/threads/crew.h"
-#include "pcm/build/nodes/node_builder.h"
 #include "pcm/build/bins/observed.h"
 #include "pcm/build/bins/scratch.h"
 #include "pcm/build/bins/top_tree.h"
+#include "pcm/build/builder.h"
+#include "pcm/build/nodes/node_builder.h"
+#include "pcm/cloud/metadata.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,7 +16,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <variant>
 #include <vector>
 
@@ -26,7 +26,7 @@ inline constexpr const char* scratch_file_name = "scratch.tmp";
 struct BuildState {
     BuildState(const BuildOptions& build_options, std::filesystem::path work_folder)
         : options(build_options),
-          threads(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+          threads(thread_count(options.threads)),
           folder(std::move(work_folder)),
           watch(options.progress)
     {

@@ -1,12 +1,12 @@
 #include "pcm/convert/convert.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/text.h"
+#include "pcm/build/builder.h"
 #include "pcm/convert/open_cloud.h"
 #include "pcm/convert/output_grid.h"
 #include "pcm/io/names.h"
-#include "pcm/build/builder.h"
-#include "pcm/threads/crew.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <cmath>

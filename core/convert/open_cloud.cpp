@@ -1,11 +1,11 @@
 #include "pcm/convert/open_cloud.h"
 
 #include "pcm/system/error.h"
+#include "pcm/threads/thread_count.h"
 #include "pcm/tree/tree_reader.h"
 
 #include <algorithm>
 #include <optional>
-#include <thread>
 #include <utility>
 
 namespace pcm {
@@ -19,11 +19,7 @@ fs::path folder_of_tree(const fs::path& path)
     return path.filename().empty() ? path.parent_path() : path;
 }
 
-unsigned chunks_ahead(const ReadOptions& read)
-{
-    const unsigned threads = read.threads ? read.threads : std::thread::hardware_concurrency();
-    return std::clamp(threads, 1u, 8u);
-}
+unsigned chunks_ahead(const ReadOptions& read) { return std::min(thread_count(read.threads), 8u); }
 
 std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions& options, const Selection& selection)
 {

@@ -1,24 +1,21 @@
 #include "pcm/generate/scene.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/file.h"
 #include "pcm/generate/determinism.h"
 #include "pcm/generate/ray_cast.h"
 #include "pcm/generate/site.h"
 #include "pcm/generate/surface.h"
 #include "pcm/io/las/las_writer.h"
+#include "pcm/system/error.h"
+#include "pcm/system/file.h"
+#include "pcm/threads/ordered.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
-#include <chrono>
-#include <condition_variable>
-#include <exception>
 #include <limits>
-#include <map>
-#include <mutex>
-#include <optional>
-#include <thread>
+#include <utility>
+#include <vector>
 
 namespace pcm {
 namespace {
@@ -29,6 +26,7 @@ constexpr double points_per_square_metre = 2500;
 constexpr double nearest_range = 0.6, farthest_range = 150;                       // metres
 constexpr double lowest_elevation = -50.0 / 360, highest_elevation = 50.0 / 360;  // turns
 constexpr std::uint64_t block_points = 8192;
+constexpr const char* stage = "Scanning the scene";
 
 struct ScannedPoint {
     std::int32_t x = 0, y = 0, z = 0;  // on the grid
@@ -97,91 +95,6 @@ ScannedPoint Scanner::point(std::uint64_t number) const
     return point;
 }
 
-// Casts blocks of points on several threads and hands them out in order. At most a few blocks wait for their turn.
-class BlockMaker {
-public:
-    BlockMaker(const Scanner& scanner, std::uint64_t points, unsigned threads)
-        : scanner_(scanner), points_(points), window_(4 * std::uint64_t{threads})
-    {
-        try {
-            for (unsigned i = 0; i < threads; ++i) workers_.emplace_back([this] { work(); });
-        } catch (...) {
-            stop();
-            throw;
-        }
-    }
-    ~BlockMaker() { stop(); }
-    BlockMaker(const BlockMaker&) = delete;
-    BlockMaker& operator=(const BlockMaker&) = delete;
-
-    // The next block, or nothing when it is not ready after `patience`. Rethrows what a worker threw.
-    std::optional<std::vector<ScannedPoint>> next(std::chrono::milliseconds patience)
-    {
-        std::unique_lock lock(mutex_);
-        ready_.wait_for(lock, patience, [&] { return failure_ || blocks_.count(taken_); });
-        if (failure_) std::rethrow_exception(failure_);
-        const auto found = blocks_.find(taken_);
-        if (found == blocks_.end()) return std::nullopt;
-        std::vector<ScannedPoint> block = std::move(found->second);
-        blocks_.erase(found);
-        ++taken_;
-        room_.notify_all();
-        return block;
-    }
-
-private:
-    void work()
-    {
-        try {
-            const std::uint64_t count = (points_ + block_points - 1) / block_points;
-            for (;;) {
-                std::uint64_t index;
-                {
-                    std::unique_lock lock(mutex_);
-                    room_.wait(lock, [&] { return stopping_ || begun_ >= count || begun_ < taken_ + window_; });
-                    if (stopping_ || begun_ >= count) return;
-                    index = begun_++;
-                }
-                const std::uint64_t first = index * block_points;
-                std::vector<ScannedPoint> block(static_cast<std::size_t>(std::min(block_points, points_ - first)));
-                for (std::size_t i = 0; i < block.size(); ++i) {
-                    block[i] = scanner_.point(first + i);
-                    if (i % 1024 == 0 && stopping_) return;
-                }
-                const std::lock_guard lock(mutex_);
-                blocks_.emplace(index, std::move(block));
-                if (index == taken_) ready_.notify_one();
-            }
-        } catch (...) {
-            const std::lock_guard lock(mutex_);
-            failure_ = std::current_exception();
-            ready_.notify_one();
-        }
-    }
-
-    void stop()
-    {
-        {
-            const std::lock_guard lock(mutex_);
-            stopping_ = true;
-        }
-        room_.notify_all();
-        for (std::thread& worker : workers_) worker.join();
-        workers_.clear();
-    }
-
-    const Scanner& scanner_;
-    const std::uint64_t points_;
-    const std::uint64_t window_;
-    std::mutex mutex_;
-    std::condition_variable ready_, room_;
-    std::map<std::uint64_t, std::vector<ScannedPoint>> blocks_;  // made and not yet handed out
-    std::uint64_t begun_ = 0, taken_ = 0;
-    std::atomic<bool> stopping_{false};
-    std::exception_ptr failure_;
-    std::vector<std::thread> workers_;
-};
-
 // Turns blocks into batches with the fields of LAS point format 2.
 class BatchMaker {
 public:
@@ -239,39 +152,6 @@ private:
     FileInfo info_;
     PointBatch batch_;
     std::size_t intensity_ = 0, classification_ = 0, source_id_ = 0, colour_ = 0;
-};
-
-// Calls the caller's function a few times a second and throws when it says stop.
-class Watch {
-public:
-    explicit Watch(const ProgressFunction& progress) : progress_(progress) {}
-
-    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-    void report(double fraction)
-    {
-        if (Clock::now() - last_ < std::chrono::milliseconds(100)) return;
-        if (!tell(fraction)) throw Error(ErrorCode::cancelled, {}, "generating the scene was cancelled");
-    }
-    // Too late to cancel.
-    void done() { tell(1); }
-
-private:
-    using Clock = std::chrono::steady_clock;
-
-    bool tell(double fraction)
-    {
-        if (!progress_) return true;
-        last_ = Clock::now();
-        ProgressUpdate update;
-        update.stage = "Scanning the scene";
-        update.fraction = fraction;
-        if (fraction > 0.01) update.seconds_left = seconds() * (1 - fraction) / fraction;
-        return progress_(update);
-    }
-
-    const ProgressFunction& progress_;
-    const Clock::time_point start_ = Clock::now();
-    Clock::time_point last_{};
 };
 
 // Seventeen significant digits give every double back; printf would follow the locale.
@@ -339,22 +219,24 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
     WriteOptions writing;
     writing.threads = options.threads;
     const auto writer = create_las(las, batches.info(), writing);  // early: an unwritable folder shows at once
-    watch.report(0);
+    watch.report(stage, 0, true);
     Site site = make_site(side, options.seed);
     const Scanner scanner(site, grid, options);
     std::vector<std::uint64_t> counts(site.primitives.size() + 1);
-    {
-        const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
-        BlockMaker maker(scanner, options.points, options.threads ? options.threads : processors);
-        for (std::uint64_t written = 0; written < options.points;) {
-            if (const auto block = maker.next(std::chrono::milliseconds(100))) {
-                writer->write(batches.batch_of(*block));
-                written += block->size();
-                for (const ScannedPoint& point : *block) ++counts[point.source_id];
-            }
-            watch.report(static_cast<double>(written) / static_cast<double>(options.points));
-        }
-    }
+    const auto cast = [&](std::size_t index) {
+        const std::uint64_t first = index * block_points;
+        std::vector<ScannedPoint> block(static_cast<std::size_t>(std::min(block_points, options.points - first)));
+        for (std::size_t i = 0; i < block.size(); ++i) block[i] = scanner.point(first + i);
+        return block;
+    };
+    const auto write = [&](std::size_t, const std::vector<ScannedPoint>& block) {
+        writer->write(batches.batch_of(block));
+        for (const ScannedPoint& point : block) ++counts[point.source_id];
+    };
+    const auto blocks = static_cast<std::size_t>((options.points + block_points - 1) / block_points);
+    in_turn(blocks, thread_count(options.threads), cast, write, [&](std::size_t done) {
+        watch.report(stage, 0.999 * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, blocks)));
+    });
     writer->finish();
 
     SceneReport report;
@@ -369,7 +251,7 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
         const std::string text = truth_json(options, side, report.primitives);
         replace_file(truth, text.data(), text.size());
     }
-    watch.done();
+    watch.finish(stage);
     report.outcome.points_in = report.outcome.points_out = options.points;
     report.outcome.seconds = watch.seconds();
     report.outcome.error = options.noise;

@@ -67,7 +67,7 @@ std::uint32_t SelectedChunk::number(std::size_t index) const
     return first[part] + static_cast<std::uint32_t>(index - begins[part]);
 }
 
-ChunkStream::ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector,
+ChunkStream::ChunkStream(L2Cache& cache, TaskPool& pool, ReadRates& rates, Selector selector,
                          const std::optional<std::uint16_t>& level, const ColumnSet& columns, unsigned in_flight)
     : cache_(cache),
       pool_(pool),
@@ -75,7 +75,7 @@ ChunkStream::ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selec
       selector_(std::move(selector)),
       level_(level),
       columns_(columns),
-      in_flight_(std::clamp(in_flight, 1u, ReadPool::most_threads)),
+      in_flight_(std::clamp(in_flight, 1u, TaskPool::most_threads)),
       nodes_(selected_nodes(cache.tree(), selector_, level))
 {
     box_ = selector_.bounds() ? grid_box(cache.tree(), *selector_.bounds()) : cache.tree().info().box;
@@ -96,9 +96,9 @@ const SelectedChunk* ChunkStream::next()
             ahead_.push_back(std::make_unique<Job>());
             Job* job = ahead_.back().get();
             job->node = nodes_[next_];
-            job->task = std::make_shared<ReadTask>([this, job] { read(*job); });
+            job->task = std::make_shared<Task>([this, job] { read(*job); });
             // The caller does the first itself.
-            if (ahead_.size() > 1) pool_.ask(job->task, static_cast<unsigned>(in_flight_ - 1));
+            if (ahead_.size() > 1) pool_.submit(job->task, static_cast<unsigned>(in_flight_ - 1));
         }
         current_ = std::move(ahead_.front());
         ahead_.pop_front();

@@ -4,8 +4,8 @@
 
 #include "pcm/cache/l2_cache.h"
 #include "pcm/cloud/selection.h"
-#include "pcm/threads/task_pool.h"
 #include "pcm/query/read_rates.h"
+#include "pcm/threads/task_pool.h"
 #include "pcm/tree/selected_nodes.h"
 
 #include <chrono>
@@ -42,7 +42,7 @@ struct SelectedChunk {
 // rates outlive the stream.
 class ChunkStream {
 public:
-    ChunkStream(L2Cache& cache, ReadPool& pool, ReadRates& rates, Selector selector,
+    ChunkStream(L2Cache& cache, TaskPool& pool, ReadRates& rates, Selector selector,
                 const std::optional<std::uint16_t>& level, const ColumnSet& columns, unsigned in_flight);
     ~ChunkStream();
     ChunkStream(const ChunkStream&) = delete;
@@ -68,13 +68,13 @@ private:
         std::uint64_t bytes = 0;
         double seconds = 0;
         bool cached = false;
-        std::shared_ptr<ReadTask> task;
+        std::shared_ptr<Task> task;
     };
     void read(Job& job) const;
     void select(Job& job, const std::vector<BoxRelation>& relations) const;
 
     L2Cache& cache_;
-    ReadPool& pool_;
+    TaskPool& pool_;
     ReadRates& rates_;
     Selector selector_;
     std::optional<std::uint16_t> level_;

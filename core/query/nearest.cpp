@@ -3,6 +3,8 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/crew.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <atomic>
@@ -11,7 +13,6 @@
 #include <functional>
 #include <numeric>
 #include <queue>
-#include <thread>
 #include <tuple>
 
 namespace pcm {
@@ -342,8 +343,7 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
         compared += search.compared();
     };
     const std::size_t most = (points.size() + at_once - 1) / at_once;
-    const std::size_t threads = std::min<std::size_t>(
-        options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency()), most);
+    const std::size_t threads = std::min<std::size_t>(thread_count(options.threads), most);
     {
         Crew crew(signal);
         for (std::size_t t = 0; t < threads; ++t) crew.add(work);

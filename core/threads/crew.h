@@ -1,13 +1,10 @@
-// Threads that work together, and the watch the user keeps on them.
+// Threads that work together on one operation.
 #pragma once
 
-#include "pcm/system/error.h"
-#include "pcm/system/progress.h"
-
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -16,38 +13,8 @@
 
 namespace pcm {
 
-// Passes progress on to the user, at most ten times a second, and turns a wish to cancel into an exception.
-class Watch {
-public:
-    explicit Watch(const ProgressFunction& progress)
-        : progress_(progress), start_(std::chrono::steady_clock::now()), last_(start_)
-    {
-    }
-
-    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-    // On the calling thread only; throws Error(cancelled). `at_once`: however little time has passed.
-    void report(std::string_view stage, double fraction, bool at_once = false)
-    {
-        if (!progress_) return;
-        const auto now = std::chrono::steady_clock::now();
-        if (!at_once && fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
-        last_ = now;
-        fraction_ = std::clamp(fraction, fraction_, 1.0);
-        ProgressUpdate update;
-        update.stage = stage;
-        update.fraction = fraction_;
-        if (fraction_ > 0.02) update.seconds_left = seconds() * (1 - fraction_) / fraction_;
-        if (!progress_(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
-    }
-
-private:
-    const ProgressFunction& progress_;
-    std::chrono::steady_clock::time_point start_, last_;
-    double fraction_ = 0;
-};
-
-// What threads that work together wait on, and whether they are to stop.
+// What the threads of an operation wait on, and whether they are to stop. `stopped` may be read without the mutex; it
+// is set with the mutex held, so that a thread that waits for `wake` with a test of `stopped` never misses it.
 struct Signal {
     std::mutex mutex;
     std::condition_variable wake;
@@ -63,8 +30,9 @@ struct Signal {
     }
 };
 
-// Threads that stop together: the first exception of any is thrown by join(). Declare it after all that the threads
-// use: when it dies they have ended.
+// Threads that stop together: the first exception of any of them sets `stopped` and is thrown by join(). The work has
+// to test `stopped` often. Declare the crew after everything that its threads use: its destructor stops and joins them.
+// One thread owns the crew and calls it.
 class Crew {
 public:
     explicit Crew(Signal& signal) : signal_(signal) {}
@@ -76,6 +44,8 @@ public:
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
 
+    // Starts a thread that runs work(). Throws std::system_error when the system gives no thread; those that run are
+    // stopped and joined by the destructor.
     template <class F>
     void add(F work)
     {
@@ -97,7 +67,8 @@ public:
             signal_.wake.notify_all();
         });
     }
-    // Waits for all threads, calling `tick` a few times a second on this thread.
+    // Waits for all threads, calling tick() a few times a second on this thread; what tick() throws comes out at once,
+    // and the destructor ends the threads.
     template <class F>
     void join(F&& tick)
     {

@@ -1,39 +1,58 @@
 #include "pcm/threads/task_pool.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace pcm {
 
-void ReadTask::run_if_waiting()
+void Task::run_if_waiting()
 {
     {
         const std::lock_guard lock(mutex_);
         if (state_ != State::waiting) return;
         state_ = State::running;
     }
-    work_();
+    std::exception_ptr error;
+    try {
+        work_();
+    } catch (...) {
+        error = std::current_exception();
+    }
+    work_ = nullptr;  // what it holds is freed now, not when the pool comes to it
     {
         const std::lock_guard lock(mutex_);
+        error_ = std::move(error);
         state_ = State::done;
     }
-    done_.notify_all();
+    ended_.notify_all();
 }
 
-void ReadTask::finish()
+void Task::finish()
 {
     run_if_waiting();
     std::unique_lock lock(mutex_);
-    done_.wait(lock, [this] { return state_ == State::done; });
+    ended_.wait(lock, [this] { return state_ == State::done; });
+    if (error_) std::rethrow_exception(error_);
 }
 
-void ReadTask::cancel()
+void Task::cancel()
 {
+    std::function<void()> dropped;  // freed after the lock, and not when the pool comes to it
     std::unique_lock lock(mutex_);
-    if (state_ == State::waiting) state_ = State::done;
-    done_.wait(lock, [this] { return state_ == State::done; });
+    if (state_ == State::waiting) {
+        state_ = State::done;
+        dropped.swap(work_);
+    }
+    ended_.wait(lock, [this] { return state_ == State::done; });
 }
 
-ReadPool::~ReadPool()
+bool Task::done() const
+{
+    const std::lock_guard lock(mutex_);
+    return state_ == State::done;
+}
+
+TaskPool::~TaskPool()
 {
     {
         const std::lock_guard lock(mutex_);
@@ -43,20 +62,23 @@ ReadPool::~ReadPool()
     for (std::thread& thread : threads_) thread.join();
 }
 
-void ReadPool::ask(std::shared_ptr<ReadTask> task, unsigned threads)
+void TaskPool::submit(std::shared_ptr<Task> task, unsigned threads)
 {
     {
         const std::lock_guard lock(mutex_);
         tasks_.push_back(std::move(task));
-        while (threads_.size() < std::clamp(threads, 1u, most_threads)) threads_.emplace_back([this] { work(); });
+        try {
+            while (threads_.size() < std::clamp(threads, 1u, most_threads)) threads_.emplace_back([this] { work(); });
+        } catch (const std::system_error&) {  // too many threads in this process or system
+        }
     }
     wake_.notify_one();
 }
 
-void ReadPool::work()
+void TaskPool::work()
 {
     for (;;) {
-        std::shared_ptr<ReadTask> task;
+        std::shared_ptr<Task> task;
         {
             std::unique_lock lock(mutex_);
             wake_.wait(lock, [this] { return closing_ || !tasks_.empty(); });

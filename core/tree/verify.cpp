@@ -1,8 +1,9 @@
 #include "pcm/tree/verify.h"
 
-#include "pcm/system/error.h"
-#include "pcm/tree/about.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/system/error.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/tree/about.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/tree_lock.h"
 
@@ -165,7 +166,7 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
             }
         }
     };
-    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    threads = thread_count(threads);
     std::vector<std::thread> crew;
     for (unsigned t = 0; t < threads; ++t) crew.emplace_back(work);
     bool cancelled = false;

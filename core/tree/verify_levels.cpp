@@ -1,6 +1,8 @@
 #include "pcm/tree/verify_levels.h"
 
 #include "pcm/threads/crew.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,10 +106,7 @@ private:
 class Measurement {
 public:
     Measurement(const Tree& tree, unsigned threads, const ProgressFunction& progress)
-        : tree_(tree),
-          info_(tree.info()),
-          threads_(threads ? threads : std::max(1u, std::thread::hardware_concurrency())),
-          watch_(progress)
+        : tree_(tree), info_(tree.info()), threads_(thread_count(threads)), watch_(progress)
     {
     }
 

@@ -1,14 +1,14 @@
 #include "pcm/update/compact.h"
 
 #include "pcm/system/error.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/tree/tree_lock.h"
 #include "pcm/tree/tree_reader.h"
 #include "pcm/update/fitted_reader.h"
-#include "pcm/tree/tree_lock.h"
 
 #include <algorithm>
 #include <memory>
 #include <optional>
-#include <thread>
 
 namespace pcm {
 
@@ -24,7 +24,7 @@ CompactReport compact_tree(const fs::path& path, const CompactOptions& options)
     const std::shared_ptr<const Tree> tree = Tree::open(path);
     const TreeInfo& info = tree->info();
 
-    const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = thread_count(options.threads);
     TreeReader points(tree, std::nullopt, {}, std::clamp(threads, 1u, 8u));
     FittedReader cloud(points, info, tree->folder());
     BuildOptions build;

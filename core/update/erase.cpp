@@ -1,13 +1,15 @@
 #include "pcm/update/erase.h"
 
 #include "pcm/bpc/chunk_codec.h"
-#include "pcm/system/error.h"
 #include "pcm/build/bins/observed.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/system/error.h"
+#include "pcm/threads/ordered.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 #include "pcm/tree/selected_nodes.h"
 #include "pcm/update/chunk_points.h"
 #include "pcm/update/extremes.h"
-#include "pcm/threads/in_turn.h"
 #include "pcm/update/part_nodes.h"
 #include "pcm/update/tree_update.h"
 
@@ -15,7 +17,6 @@
 #include <numeric>
 #include <optional>
 #include <set>
-#include <thread>
 #include <utility>
 
 namespace pcm {
@@ -152,9 +153,7 @@ private:
 class Erasure {
 public:
     Erasure(const std::filesystem::path& path, const Selection& selection, const EraseOptions& options)
-        : options_(options),
-          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
-          watch_(options.progress)
+        : options_(options), threads_(thread_count(options.threads)), watch_(options.progress)
     {
         if (!selection.chooses_points())
             throw Error(ErrorCode::invalid_argument, path, "nothing says which points are to be deleted",

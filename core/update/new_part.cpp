@@ -1,9 +1,9 @@
 #include "pcm/update/new_part.h"
 
 #include "pcm/build/levels/morton_sort.h"
-#include "pcm/build/nodes/node_jobs.h"
 #include "pcm/build/levels/sorted_bins.h"
-#include "pcm/threads/in_turn.h"
+#include "pcm/build/nodes/node_jobs.h"
+#include "pcm/threads/ordered.h"
 
 #include <utility>
 

@@ -1,23 +1,24 @@
 #include "pcm/update/repair.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/text.h"
-#include "pcm/tree/about.h"
-#include "pcm/build/build_folder.h"
 #include "pcm/build/bins/observed.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/build/build_folder.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/ordered.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
+#include "pcm/tree/about.h"
+#include "pcm/tree/verify.h"
 #include "pcm/update/chunk_scan.h"
-#include "pcm/threads/in_turn.h"
 #include "pcm/update/inferred_info.h"
 #include "pcm/update/tree_update.h"
-#include "pcm/tree/verify.h"
 
 #include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
-#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -58,10 +59,7 @@ std::optional<TreeInfo> read_about_if_whole(const fs::path& folder, std::string&
 class Repair {
 public:
     Repair(const fs::path& folder, const RepairOptions& options)
-        : folder_(folder),
-          options_(options),
-          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
-          watch_(options.progress)
+        : folder_(folder), options_(options), threads_(thread_count(options.threads)), watch_(options.progress)
     {
         if (!options_.check_only) put_back_replaced(folder_);
         if (fs::exists(folder_ / build_marker_name))

@@ -1,10 +1,9 @@
 #include "pcm/update/tree_changes.h"
 
-#include "pcm/system/error.h"
 #include "pcm/build/bins/row.h"
-#include "pcm/threads/in_turn.h"
-
-#include <thread>
+#include "pcm/system/error.h"
+#include "pcm/threads/ordered.h"
+#include "pcm/threads/thread_count.h"
 
 namespace pcm {
 
@@ -125,7 +124,7 @@ std::uint64_t TreeChanges::hash_with_added_attributes() const
             others.push_back(id);
     }
     in_turn(
-        others.size(), std::thread::hardware_concurrency(),
+        others.size(), thread_count(0),
         [&](std::size_t i) {
             std::vector<std::byte> scratch;
             return hash_chunk(read_now(others[i], ColumnSet::all(info.schema)), layout, scratch);

@@ -1,5 +1,6 @@
 #include "plugin/host/registry.h"
 
+#include "pcm/threads/thread_count.h"
 #include "plugin/host/origin.h"
 #include "plugin/host/vertex_attributes.h"
 
@@ -8,7 +9,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <thread>
 
 namespace pcm::host {
 
@@ -21,7 +21,7 @@ Registry& Registry::instance()
 std::shared_ptr<PointCloud> Registry::open(const std::filesystem::path& path)
 {
     L2Options cache;
-    cache.threads = std::clamp(std::thread::hardware_concurrency() / 2, 1u, 4u);
+    cache.threads = std::clamp(thread_count(0) / 2, 1u, 4u);
 
     for (auto it = clouds_.begin(); it != clouds_.end();) it = it->second.expired() ? clouds_.erase(it) : std::next(it);
     std::error_code ignored;

@@ -2,8 +2,7 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/system/error.h"
-#include "pcm/threads/crew.h"
-#include "pcm/threads/turns.h"
+#include "pcm/threads/ordered.h"
 
 namespace pcm {
 namespace {
@@ -228,7 +227,7 @@ Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints,
 {
     if (jobs_.empty()) return nullptr;
     Signal signal;
-    Turns<typename Builder::Output> commits(restored_);
+    OrderedResults<typename Builder::Output> commits(restored_);
     std::uint64_t points_done = 0;
     for (std::size_t j = 0; j < restored_; ++j)
         if (jobs_[j].bin) points_done += bins_.rows(*jobs_[j].bin);

@@ -3,6 +3,7 @@
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/thread_count.h"
 
 #include <algorithm>
 #include <chrono>
@@ -103,7 +104,7 @@ int render(const RenderArguments& arguments)
         static_cast<std::uint32_t>(std::clamp<std::uint64_t>(arguments.l1, std::uint64_t(1) << 20, l1.block_bytes));
     L2Options l2;
     l2.capacity_bytes = arguments.l2;
-    l2.threads = arguments.threads ? arguments.threads : std::max(1u, std::thread::hardware_concurrency());
+    l2.threads = thread_count(arguments.threads);
     const Offscreen screen(size.width, size.height);
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
     const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);

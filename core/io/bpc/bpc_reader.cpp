@@ -2,15 +2,15 @@
 
 #include "pcm/bpc/batch_chunk.h"
 #include "pcm/bpc/bpc_file.h"
-#include "pcm/system/text.h"
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/thread_count.h"
 
 #include <algorithm>
 #include <cstring>
 #include <deque>
 #include <future>
 #include <string>
-#include <thread>
 
 namespace pcm {
 namespace {
@@ -132,8 +132,7 @@ bool BpcReader::read(PointBatch& batch, std::size_t max_points)
 
 std::unique_ptr<PointReader> open_bpc(const std::filesystem::path& path, const ReadOptions& options)
 {
-    const unsigned threads = options.threads ? options.threads : std::thread::hardware_concurrency();
-    return std::make_unique<BpcReader>(path, std::clamp(threads, 1u, 64u));
+    return std::make_unique<BpcReader>(path, std::min(thread_count(options.threads), 64u));
 }
 
 }  // namespace pcm

@@ -3,6 +3,7 @@
 #include "pcm/bpc/batch_chunk.h"
 #include "pcm/bpc/bpc_file_writer.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/thread_count.h"
 
 #include <algorithm>
 #include <cstring>
@@ -10,7 +11,6 @@
 #include <future>
 #include <memory>
 #include <string>
-#include <thread>
 
 namespace pcm {
 namespace {
@@ -130,8 +130,7 @@ std::unique_ptr<PointWriter> create_bpc(const std::filesystem::path& path, const
                                         const WriteOptions& options)
 {
     // A chunk that is encoded takes some 20 MB.
-    const unsigned threads = options.threads ? options.threads : std::thread::hardware_concurrency();
-    return std::make_unique<BpcWriter>(path, cloud, std::clamp(threads, 1u, 8u));
+    return std::make_unique<BpcWriter>(path, cloud, std::min(thread_count(options.threads), 8u));
 }
 
 }  // namespace pcm

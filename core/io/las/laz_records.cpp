@@ -1,10 +1,11 @@
 #include "pcm/io/las/las_records.h"
 
-#include "pcm/system/error.h"
 #include "pcm/io/las/laz_layout.h"
+#include "pcm/system/error.h"
 
 #ifdef PCM_HAVE_DECODERS
 #include "pcm/decoders/decoders.h"
+#include "pcm/threads/thread_count.h"
 #endif
 
 #include <algorithm>
@@ -273,8 +274,7 @@ public:
         if (header_.evlr_count && header_.evlr_start > header_.point_offset)
             chunks_.end = std::min(file_size_, header_.evlr_start);
         if (header_.points && chunks_.compressor != laz::Compressor::pointwise) find_chunks();
-        const unsigned wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
-        const unsigned crew = chunks_.has_table() ? threads_in_bounds(wanted) : 1;
+        const unsigned crew = chunks_.has_table() ? threads_in_bounds(thread_count(threads)) : 1;
         if (crew > 1) return std::make_unique<LazCrew>(std::move(chunks_), crew);
         return std::make_unique<LazStream>(std::move(chunks_));
     }

@@ -1,10 +1,11 @@
 #include "pcm/io/las/las_sink.h"
 
-#include "pcm/system/error.h"
 #include "pcm/io/las/laz_layout.h"
+#include "pcm/system/error.h"
 
 #ifdef PCM_HAVE_DECODERS
 #include "pcm/decoders/decoders.h"
+#include "pcm/threads/thread_count.h"
 #endif
 
 #include <algorithm>
@@ -221,7 +222,7 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length,
     const std::size_t extra = type == laz::byte || type == laz::byte14 ? load<std::uint16_t>(last + 2) : std::size_t{0};
     const unsigned format = load<std::uint16_t>(&laszip_vlr[at::compressor]) == 3 ? 6 : 0;
     const std::size_t each = 2 * chunk_points_of(record_length) * record_length + laz::coder_bytes(format, extra);
-    const std::size_t wanted = threads ? threads : std::max(1u, std::thread::hardware_concurrency());
+    const std::size_t wanted = thread_count(threads);
     const std::size_t fit = std::max<std::size_t>(1, most_ahead_bytes / each);
     return std::make_unique<LazSink>(out, record_length, std::move(laszip_vlr),
                                      static_cast<unsigned>(std::min(wanted, fit)));

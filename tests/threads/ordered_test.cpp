@@ -1,7 +1,8 @@
-#include "pcm/threads/in_turn.h"
+#include "pcm/threads/ordered.h"
 
-#include "tests/support.h"
+#include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <numeric>
@@ -11,6 +12,38 @@
 namespace {
 
 using namespace pcm;
+
+TEST(OrderedResults, TakesEachResultOnceInOrderWithTheLockReleased)
+{
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    OrderedResults<int> results(3);
+    std::vector<std::pair<std::size_t, int>> taken;
+    const auto take = [&](std::size_t number, int result) {
+        EXPECT_FALSE(lock.owns_lock());
+        taken.emplace_back(number, result);
+    };
+    results.add(lock, 5, 50, take);
+    results.add(lock, 4, 40, take);
+    EXPECT_TRUE(taken.empty());
+    EXPECT_EQ(results.next(), 3u);
+    results.add(lock, 3, 30, take);
+    EXPECT_TRUE(lock.owns_lock());
+    EXPECT_EQ(results.next(), 6u);
+    EXPECT_EQ(taken, (std::vector<std::pair<std::size_t, int>>{{3, 30}, {4, 40}, {5, 50}}));
+}
+
+TEST(OrderedResults, NothingIsTakenAfterAnError)
+{
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    OrderedResults<int> results;
+    EXPECT_THROW(results.add(lock, 0, 0, [](std::size_t, int) { throw std::runtime_error("taken"); }),
+                 std::runtime_error);
+    if (!lock.owns_lock()) lock.lock();
+    results.add(lock, 1, 1, [](std::size_t, int) { FAIL(); });
+    EXPECT_EQ(results.next(), 0u);
+}
 
 TEST(InTurn, TakesResultsInOrder)
 {
