@@ -11,15 +11,15 @@ namespace {
 // A chunk that could not be loaded is asked for again after this time: the network may be back.
 constexpr std::chrono::seconds retry_after{5};
 
-std::string_view attribute_of(VertexColour colour)
+std::string_view attribute_of(ColourSource colour)
 {
-    return colour == VertexColour::rgb         ? attribute_name::rgb
-           : colour == VertexColour::intensity ? attribute_name::intensity
+    return colour == ColourSource::rgb         ? attribute_name::rgb
+           : colour == ColourSource::intensity ? attribute_name::intensity
                                                : attribute_name::classification;
 }
 
 // Whether the colours are scaled to what the coarsest chunk holds.
-bool is_scaled(VertexColour colour) { return colour == VertexColour::rgb || colour == VertexColour::intensity; }
+bool is_scaled(ColourSource colour) { return colour == ColourSource::rgb || colour == ColourSource::intensity; }
 
 }  // namespace
 
@@ -152,7 +152,7 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
 ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
 {
     std::vector<std::string> names;
-    if (format.colour != VertexColour::none) names.emplace_back(attribute_of(format.colour));
+    if (format.colour != ColourSource::none) names.emplace_back(attribute_of(format.colour));
     if (format.radius) names.emplace_back(attribute_name::radius);
     if (format.normal) names.emplace_back(attribute_name::normal);
     return ColumnSet::named(cloud_->info().schema, names);
@@ -162,7 +162,7 @@ VertexAttributes ChunkFeed::attributes_of(const Chunk& chunk, const VertexFormat
 {
     const Schema& schema = cloud_->info().schema;
     VertexAttributes attributes;
-    if (format.colour != VertexColour::none) {
+    if (format.colour != ColourSource::none) {
         const std::size_t place = *schema.find(attribute_of(format.colour));
         const Column& column = *chunk.attributes[place];
         if (is_scaled(format.colour)) {

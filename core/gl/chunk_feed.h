@@ -2,10 +2,10 @@
 #pragma once
 
 #include "pcm/gl/l1_cache.h"
-#include "pcm/gl/vertex_colours.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/point_cloud.h"
 #include "pcm/view/level_of_detail.h"
+#include "pcm/view/point_colours.h"
 
 #include <chrono>
 #include <cstdint>
@@ -92,7 +92,7 @@ private:
     bool asked_last_ = false;
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
-    std::map<VertexColour, ColourScale> scales_;
+    std::map<ColourSource, ColourScale> scales_;
     std::vector<std::uint8_t> rgba_;
     std::vector<float> radii_, normals_;
 };

@@ -51,7 +51,7 @@ DetailLimits Frame::current_limits()
         if (!cloud.tree->nodes().empty()) roots += cloud.tree->nodes()[0].points;
         // Counted as if all entries had colour: those of another style stay until there is need for their room.
         VertexFormat format = cloud.format;
-        if (format.colour == VertexColour::none) format.colour = VertexColour::rgb;
+        if (format.colour == ColourSource::none) format.colour = ColourSource::rgb;
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
     }
     allowed.point_budget = picture.budget.points(roots, options.point_budget);

@@ -19,7 +19,7 @@ void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, cons
 {
     const std::size_t stride = format.stride();
     const std::size_t radius_place = format.radius_place();
-    const std::uint8_t* const rgba = format.colour == VertexColour::none ? nullptr : attributes.rgba;
+    const std::uint8_t* const rgba = format.colour == ColourSource::none ? nullptr : attributes.rgba;
     for (std::size_t i = 0; i < count; ++i, to += stride) {
         float position[3];
         for (std::size_t a = 0; a < 3; ++a)

@@ -21,11 +21,11 @@ struct Renderer::Impl {
     static void share_format(Frame& frame, FrameCloud& cloud)
     {
         VertexFormat& former = frame.clouds[cloud.leader].format;
-        if (former.colour != VertexColour::none && cloud.format.colour != VertexColour::none &&
+        if (former.colour != ColourSource::none && cloud.format.colour != ColourSource::none &&
             former.colour != cloud.format.colour)
             throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, in the colours of two attributes",
                         "give it another DrawnCloud for the second, or the same colours");
-        if (former.colour == VertexColour::none) former.colour = cloud.format.colour;
+        if (former.colour == ColourSource::none) former.colour = cloud.format.colour;
         former.radius = former.radius || cloud.format.radius;
         former.normal = former.normal || cloud.format.normal;
         for (FrameCloud& other : frame.clouds)

@@ -242,7 +242,7 @@ struct SplatPass::Impl {
         if (p.orthographic) p.mode = SplatMode::perspective;  // the same, and exact
         const bool reads_colour = style.colour == ColourMode::rgb || style.colour == ColourMode::intensity ||
                                   style.colour == ColourMode::classification;
-        if (reads_colour && entry.format.colour != VertexColour::none) p.colouring = Colouring::vertex;
+        if (reads_colour && entry.format.colour != ColourSource::none) p.colouring = Colouring::vertex;
         if (style.colour == ColourMode::height) p.colouring = Colouring::height;
         p.samples = p.is_disc() && device->sample_mask ? samples : 1;
         p.doubles = p.mode == SplatMode::perspective && device->doubles && may_use_doubles;

@@ -2,13 +2,11 @@
 #pragma once
 
 #include "pcm/gl/splat_style.h"
+#include "pcm/view/point_colours.h"
 
 #include <cstdint>
 
 namespace pcm {
-
-// What the colour of a vertex was made from.
-enum class VertexColour : std::uint8_t { none, rgb, intensity, classification };
 
 // Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour; float
 // radius, source units; float[3] normal, of length 1 or, where the cloud has none, 0. Of the last three only what the
@@ -16,23 +14,23 @@ enum class VertexColour : std::uint8_t { none, rgb, intensity, classification };
 // L1's page, so that a chunk in consecutive pages is one array. Normals are full floats: at a graze of 0.1 degree an
 // error of 1e-4 would be a twentieth of what is seen.
 struct VertexFormat {
-    VertexColour colour = VertexColour::none;
+    ColourSource colour = ColourSource::none;
     bool radius = false;
     bool normal = false;
 
     std::uint32_t stride() const
     {
-        return normal ? 32u : 12u + (colour != VertexColour::none ? 4u : 0u) + (radius ? 4u : 0u);
+        return normal ? 32u : 12u + (colour != ColourSource::none ? 4u : 0u) + (radius ? 4u : 0u);
     }
     // Byte places in a vertex; meaningful for what the format has.
     static constexpr std::uint32_t colour_place = 12;
-    std::uint32_t radius_place() const { return normal || colour != VertexColour::none ? 16 : 12; }
+    std::uint32_t radius_place() const { return normal || colour != ColourSource::none ? 16 : 12; }
     static constexpr std::uint32_t normal_place = 20;
 
     // Whether vertices of this format have all that `wanted` names.
     bool serves(const VertexFormat& wanted) const
     {
-        return (wanted.colour == VertexColour::none || wanted.colour == colour) && (radius || !wanted.radius) &&
+        return (wanted.colour == ColourSource::none || wanted.colour == colour) && (radius || !wanted.radius) &&
                (normal || !wanted.normal);
     }
     // 0 to 15, another one for each format.
@@ -46,9 +44,9 @@ inline bool operator<(const VertexFormat& a, const VertexFormat& b) { return a.n
 inline VertexFormat format_of(const CloudStyle& usable)
 {
     VertexFormat format;
-    if (usable.colour == ColourMode::rgb) format.colour = VertexColour::rgb;
-    if (usable.colour == ColourMode::intensity) format.colour = VertexColour::intensity;
-    if (usable.colour == ColourMode::classification) format.colour = VertexColour::classification;
+    if (usable.colour == ColourMode::rgb) format.colour = ColourSource::rgb;
+    if (usable.colour == ColourMode::intensity) format.colour = ColourSource::intensity;
+    if (usable.colour == ColourMode::classification) format.colour = ColourSource::classification;
     format.radius = usable.splats != SplatMode::constant;
     format.normal = usable.splats == SplatMode::affine || usable.splats == SplatMode::perspective;
     return format;

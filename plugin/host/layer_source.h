@@ -4,8 +4,8 @@
 // that a vertex that nobody has changed is written with the file's own digits.
 #pragma once
 
-#include "pcm/gl/vertex_colours.h"
 #include "pcm/io/reader.h"
+#include "pcm/view/point_colours.h"
 
 #include <common/ml_mesh_type.h>
 

@@ -208,7 +208,7 @@ void set_vertices(MeshModel& layer, LayerSource& source, const Points& points)
     std::optional<std::size_t> rgb;
     for (std::size_t s = 0; s < source.places.size(); ++s)
         if (source.places[s].kind == Kind::colour) rgb = s;
-    if (rgb) source.colour_scale = ColourScale::of(points.columns[*rgb], VertexColour::rgb);
+    if (rgb) source.colour_scale = ColourScale::of(points.columns[*rgb], ColourSource::rgb);
     if (slot) colours = colours_of(points.columns[*slot], slot == rgb);
 
     OwnedAttribute<KeptVertex>& kept = add_vertex_attribute<KeptVertex>(layer, kept_vertices);

@@ -1,6 +1,6 @@
 #include "plugin/host/proxy.h"
 
-#include "pcm/gl/vertex_colours.h"
+#include "pcm/view/point_colours.h"
 
 #include <cstring>
 #include <optional>
@@ -49,7 +49,7 @@ Sample sample_level(PointCloud& cloud, std::uint16_t level, std::uint64_t stride
 
 std::vector<std::array<std::uint8_t, 3>> colours_of(const Column& column, bool is_rgb)
 {
-    const auto kind = is_rgb ? VertexColour::rgb : VertexColour::intensity;
+    const auto kind = is_rgb ? ColourSource::rgb : ColourSource::intensity;
     std::vector<std::uint8_t> rgba;
     make_colours(column, ColourScale::of(column, kind), rgba);
     std::vector<std::array<std::uint8_t, 3>> colours(column.size());

@@ -1,8 +1,8 @@
 // L1 against a naive model of the same rules, and what lies in video memory against the chunk.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/l1_cache.h"
+#include "pcm/system/error.h"
 
 #include "tests/gl/l1_model.h"
 
@@ -126,7 +126,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
             ASSERT_EQ(cache.use(owner, node) != nullptr, model.use(owner, node)) << "step " << step;
         } else if (action < 998) {
             const std::size_t chunk = random() % 1000 < 3 ? 8 : node % 8;
-            const VertexFormat format{static_cast<VertexColour>(random() % 4), random() % 2 == 1, random() % 2 == 1};
+            const VertexFormat format{static_cast<ColourSource>(random() % 4), random() % 2 == 1, random() % 2 == 1};
             const std::uint32_t per_page = L1Cache::points_per_page(format);
             const bool done =
                 model.insert(owner, node, (sizes[chunk] + per_page - 1) / per_page, format.number(), false);
@@ -504,7 +504,7 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
     for (const bool wide : {false, true})
         for (const std::uint32_t points : {1u, 3840u, 5121u, 200000u})
             for (unsigned form = 0; form < 8; ++form) {
-                const VertexFormat format{form & 1 ? VertexColour::rgb : VertexColour::none, (form & 2) != 0,
+                const VertexFormat format{form & 1 ? ColourSource::rgb : ColourSource::none, (form & 2) != 0,
                                           (form & 4) != 0};
                 const ChunkPositions positions = chunk_of(points, wide, points);
                 std::vector<std::uint8_t> rgba(4 * points);
@@ -529,7 +529,7 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
                         extent[a] = std::max(extent[a], exact);
                     }
                     const std::byte* const at = bytes.data() + i * entry->stride();
-                    if (format.colour != VertexColour::none)
+                    if (format.colour != ColourSource::none)
                         ASSERT_EQ(std::memcmp(at + VertexFormat::colour_place, rgba.data() + i * 4, 4), 0);
                     if (format.radius) ASSERT_EQ(std::memcmp(at + format.radius_place(), &radii[i], 4), 0);
                     if (format.normal) ASSERT_EQ(std::memcmp(at + VertexFormat::normal_place, &normals[3 * i], 12), 0);

@@ -2,7 +2,6 @@
 #include "tests/gl/splat_scene.h"
 
 #include "pcm/gl/gl_state.h"
-#include "pcm/gl/vertex_colours.h"
 
 #include <gtest/gtest.h>
 
@@ -381,9 +380,9 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
     const Camera view = perspective_view();
     const auto discs = field(40, 7);
     const SplatScene all(fine_grid(), discs);
-    const SplatScene no_normals(fine_grid(), discs, {VertexColour::rgb, true, false});
-    const SplatScene bare(fine_grid(), discs, {VertexColour::rgb, false, false});
-    const SplatScene no_colours(fine_grid(), discs, {VertexColour::none, true, true});
+    const SplatScene no_normals(fine_grid(), discs, {ColourSource::rgb, true, false});
+    const SplatScene bare(fine_grid(), discs, {ColourSource::rgb, false, false});
+    const SplatScene no_colours(fine_grid(), discs, {ColourSource::none, true, true});
     const auto same = [](const Drawn& a, const Drawn& b) { return a.colours == b.colours && a.depths == b.depths; };
     EXPECT_TRUE(
         same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::dynamic))));

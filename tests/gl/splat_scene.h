@@ -32,7 +32,7 @@ class SplatScene {
 public:
     // Centres are source coordinates and are rounded to the grid.
     SplatScene(const Grid& grid, const std::vector<Disc>& source_discs,
-               const VertexFormat& format = {VertexColour::rgb, true, true});
+               const VertexFormat& format = {ColourSource::rgb, true, true});
     ~SplatScene();
 
     // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii

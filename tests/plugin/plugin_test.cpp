@@ -2,8 +2,9 @@
 #include "tests/las_points.h"
 #include "tests/support.h"
 
-#include "plugin/filter/tree_information.h"
+#include "pcm/build/builder.h"
 #include "pcm/generate/scene.h"
+#include "plugin/filter/tree_information.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/layer_reader.h"
 #include "plugin/host/operation.h"
@@ -13,7 +14,6 @@
 #include "plugin/host/text.h"
 #include "plugin/host/vertex_attributes.h"
 #include "plugin/io/tree_beside.h"
-#include "pcm/build/builder.h"
 
 #include <QApplication>
 #include <QKeyEvent>
@@ -327,7 +327,7 @@ TEST(LayerReader, GivesWhatWasChanged)
     EXPECT_EQ(position(4, 0), static_cast<double>(layer->cm.vert[4].cP()[0]) + origin[0]);
     const Column& rgb = read.attributes[*info.schema.find(attribute_name::rgb)];
     ASSERT_EQ(rgb.type(), ScalarType::u16);
-    const double full = ColourScale::of(rgb, VertexColour::rgb).high;
+    const double full = ColourScale::of(rgb, ColourSource::rgb).high;
     EXPECT_EQ(rgb.value(5, 0), full);
     EXPECT_EQ(rgb.value(5, 1), 0);
     EXPECT_EQ(rgb.value(5, 2), std::round(full / 5));

@@ -1,15 +1,17 @@
-// Turns an attribute of any type into the bytes that the rasteriser reads.
+// Turns an attribute of any type into 8-bit colours, for a rasteriser or for the vertices of a mesh. No OpenGL here.
 #pragma once
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/cloud/attribute.h"
-#include "pcm/gl/vertex_format.h"
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace pcm {
+
+// The attribute that colours are made from.
+enum class ColourSource : std::uint8_t { none, rgb, intensity, classification };
 
 // How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk,
 // which is a sample of the whole, so that every chunk of a picture has the same scale.
@@ -20,14 +22,14 @@ struct ColourScale {
     // Integer rgb: the type's range, or 0..255 when a 16-bit or wider type holds no more than that (many LAS files do).
     // Floating rgb: 0..1, or 0..255 when values are above 1. Intensity: from the 0.5th to the 99.5th percentile, as
     // sensors fill very different parts of the range.
-    static ColourScale of(const Column& column, VertexColour colour);
+    static ColourScale of(const Column& column, ColourSource colour);
 };
 
-// For VertexColour::rgb and ::intensity: RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component.
+// For ColourSource::rgb and ::intensity: RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component.
 // Values that are not numbers are black.
 void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba);
 
-// For VertexColour::classification: the colour of each point's class, raw * scale + offset rounded. Classes 0 to 18 of
+// For ColourSource::classification: the colour of each point's class, raw * scale + offset rounded. Classes 0 to 18 of
 // LAS 1.4 (ASPRS) have the colours that they mostly have on maps; the reserved and the user's own (19 to 255) have one
 // each, bright, from a fixed sequence. What is no number from 0 to 255 is magenta.
 void make_class_colours(const Column& column, const Attribute& attribute, std::vector<std::uint8_t>& rgba);

@@ -1,4 +1,4 @@
-#include "pcm/gl/vertex_colours.h"
+#include "pcm/view/point_colours.h"
 
 #include "pcm/cloud/with_type.h"
 
@@ -21,7 +21,7 @@ void with_values(const Column& column, const Use& use)
 
 }  // namespace
 
-ColourScale ColourScale::of(const Column& column, VertexColour colour)
+ColourScale ColourScale::of(const Column& column, ColourSource colour)
 {
     std::vector<double> values;
     const std::size_t scalars = column.size() * column.components();
@@ -36,7 +36,7 @@ ColourScale ColourScale::of(const Column& column, VertexColour colour)
         }
     });
     if (values.empty()) return {};
-    if (colour == VertexColour::rgb) {
+    if (colour == ColourSource::rgb) {
         const double most = *std::max_element(values.begin(), values.end());
         if (type_maximum == 1) return {0, most > 1 ? 255.0 : 1.0};
         return {0, type_maximum > 255 && most <= 255 ? 255.0 : type_maximum};
