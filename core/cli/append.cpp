@@ -57,20 +57,18 @@ int append(Arguments& arguments)
 
 }  // namespace
 
-void add_append(CLI::App& app, int& result)
+Run add_append(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("append", "Add files to a tree");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")
-        ->required();
-    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    arguments->reading.add_to(*command);
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = append(*arguments); });
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.positional("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")
+        .required();
+    options.option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    arguments->reading.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return append(*arguments); };
 }
 
 }  // namespace pcm::cli

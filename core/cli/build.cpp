@@ -1,6 +1,6 @@
+#include "pcm/build/builder.h"
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
-#include "pcm/build/builder.h"
 
 #include <cstdio>
 #include <memory>
@@ -64,28 +64,26 @@ int build(Arguments& arguments)
 
 }  // namespace
 
-void add_build(CLI::App& app, int& result)
+Run add_build(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("build", "Build a point cloud tree from files");
-    command->add_option("input", arguments->inputs, "Files, or folders of files, that together are one cloud")
-        ->required();
-    command->add_option("-o,--output", arguments->output, "Tree folder to make (default: first input with .pct)");
-    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    command->add_flag("--fast", arguments->fast, "Choose the points of levels by a grid: quicker, and less even");
-    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
-    command->add_flag("!--no-resume", arguments->options.resume,
-                      "Start afresh where a build of these files was interrupted, and make no checkpoints");
-    command
-        ->add_option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
-                     "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
-        ->check(CLI::NonNegativeNumber);
-    arguments->reading.add_to(*command);
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = build(*arguments); });
+    options.positional("input", arguments->inputs, "Files, or folders of files, that together are one cloud")
+        .required();
+    options.option("-o,--output", arguments->output, "Tree folder to make (default: first input with .pct)");
+    options.option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    options.flag("--fast", arguments->fast, "Choose the points of levels by a grid: quicker, and less even");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
+    options.off_flag("--no-resume", arguments->options.resume,
+                     "Start afresh where a build of these files was interrupted, and make no checkpoints");
+    options
+        .option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
+                "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
+        .not_negative();
+    arguments->reading.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return build(*arguments); };
 }
 
 }  // namespace pcm::cli

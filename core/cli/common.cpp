@@ -1,14 +1,11 @@
 #include "pcm/cli/common.h"
 
-#include "pcm/system/error.h"
-
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <new>
 
 namespace pcm::cli {
 namespace {
@@ -19,10 +16,10 @@ void on_interrupt(int) { interrupted = true; }
 
 }  // namespace
 
-void add_common(CLI::App& command, Common& common)
+void add_common(Options& options, Common& common)
 {
-    command.add_flag("--json", common.json, "Print one JSON object instead of text");
-    command.add_flag("-q,--quiet", common.quiet, "Show no progress");
+    options.flag("--json", common.json, "Print one JSON object instead of text");
+    options.flag("-q,--quiet", common.quiet, "Show no progress");
 }
 
 ProgressFunction console_progress(const Common& common)
@@ -67,29 +64,6 @@ void put_outcome(Json& json, const Outcome& outcome)
     json["seconds"] = outcome.seconds;
     json["points_per_second"] = points_per_second(outcome);
     json["peak_rss_bytes"] = peak_rss_bytes();
-}
-
-int run(CLI::App& app, int argc, char** argv, int& result, const std::function<void()>& first)
-{
-    std::string problem;
-    try {
-        if (first) first();
-        app.parse(argc, argv);
-        return result;
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    } catch (const Error& error) {
-        problem = error.what();
-        result = error.code() == ErrorCode::cancelled ? 130 : 1;
-    } catch (const std::bad_alloc&) {
-        std::fputs("pcmlab: out of memory\n", stderr);
-        return 1;
-    } catch (const std::exception& error) {
-        problem = error.what();
-        result = 1;
-    }
-    std::fprintf(stderr, "pcmlab: %s\n", problem.c_str());
-    return result;
 }
 
 }  // namespace pcm::cli

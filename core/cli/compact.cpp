@@ -43,21 +43,17 @@ int compact(Arguments& arguments)
 
 }  // namespace
 
-void add_compact(CLI::App& app, int& result)
+Run add_compact(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command =
-        app.add_subcommand("compact", "Write a tree anew after appending and deleting: smaller, with even levels");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
-    command->add_flag("--overwrite", arguments->options.overwrite,
-                      "Replace the output if there is a tree of this name");
-    command->add_option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = compact(*arguments); });
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace the output if there is a tree of this name");
+    options.option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    add_common(options, arguments->common);
+    return [arguments] { return compact(*arguments); };
 }
 
 }  // namespace pcm::cli

@@ -43,7 +43,7 @@ void take_grid(const Arguments& arguments, ConvertOptions& options)
 
 int convert(Arguments& arguments)
 {
-    if (arguments.paths.size() < 2) throw CLI::ValidationError("paths", "an input and an output are needed");
+    if (arguments.paths.size() < 2) throw UsageError("paths: an input and an output are needed");
     ConvertOptions& options = arguments.options;
     const std::string output = arguments.paths.back();
     const std::vector<std::filesystem::path> inputs(arguments.paths.begin(), arguments.paths.end() - 1);
@@ -84,66 +84,64 @@ int convert(Arguments& arguments)
     return 0;
 }
 
+void add_choice(Options& options, Arguments& arguments)
+{
+    const char* const group = "What is taken";
+    CloudOptions& cloud = arguments.options.cloud;
+    options.option("--level", cloud.level, "Of trees: the cloud at this level").group(group);
+    options.option("--max-points", cloud.max_points, "Of a tree: its deepest level with at most so many points")
+        .group(group);
+    arguments.region.add_to(options, group);
+    options.option("--attributes,--keep", cloud.selection.keep, "Only these attributes, names between commas")
+        .separated_by(',')
+        .one_value_each()
+        .group(group);
+    options.option("--drop", cloud.selection.drop, "All attributes but these, names between commas")
+        .separated_by(',')
+        .one_value_each()
+        .group(group);
+}
+
+void add_output(Options& options, Arguments& arguments)
+{
+    const char* const group = "How it is written";
+    ConvertOptions& to = arguments.options;
+    const Option step =
+        options
+            .option("--grid", arguments.step,
+                    "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
+            .group(group);
+    options.option("--scale", arguments.scale, "LAS, LAZ: steps x y z").values(3).excludes(step).group(group);
+    options.option("--offset", arguments.offset, "LAS, LAZ: offset x y z of the grid").values(3).group(group);
+    options.option("--decimals", to.write.decimals, "Text: digits after the point (default: as many as are exact)")
+        .group(group);
+    options.flag("--ascii", to.write.ascii, "PLY, PCD: text instead of binary").group(group);
+    options.option("-m,--memory", arguments.memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
+        .bytes()
+        .group(group);
+    options.option("--chunk-points", to.chunk_points, "Trees: most points of a chunk (default 25000)").group(group);
+    options.flag("--overwrite", to.overwrite, "Replace the output if it is there").group(group);
+}
+
 }  // namespace
 
-void add_convert(CLI::App& app, int& result)
+Run add_convert(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    ConvertOptions& options = arguments->options;
-    CLI::App* command =
-        app.add_subcommand("convert", "Write clouds of any format, or trees, as a file of another, or as a tree");
     std::string writable = tree_extension;
     for (const std::string& extension : writable_extensions()) writable += ", " + extension;
-    command
-        ->add_option(
+    options
+        .positional(
             "paths", arguments->paths,
             "Files, folders of files or trees, together one cloud; last the output, whose extension says the format: " +
                 writable)
-        ->required();
-
-    const char* group = "What is taken";
-    command->add_option("--level", options.cloud.level, "Of trees: the cloud at this level")->group(group);
-    command
-        ->add_option("--max-points", options.cloud.max_points,
-                     "Of a tree: its deepest level with at most so many points")
-        ->group(group);
-    arguments->region.add_to(*command, group);
-    command
-        ->add_option("--attributes,--keep", options.cloud.selection.keep, "Only these attributes, names between commas")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->group(group);
-    command->add_option("--drop", options.cloud.selection.drop, "All attributes but these, names between commas")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->group(group);
-
-    group = "How it is written";
-    command
-        ->add_option("--grid", arguments->step,
-                     "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
-        ->group(group);
-    command->add_option("--scale", arguments->scale, "LAS, LAZ: steps x y z")
-        ->expected(3)
-        ->excludes("--grid")
-        ->group(group);
-    command->add_option("--offset", arguments->offset, "LAS, LAZ: offset x y z of the grid")->expected(3)->group(group);
-    command
-        ->add_option("--decimals", options.write.decimals,
-                     "Text: digits after the point (default: as many as are exact)")
-        ->group(group);
-    command->add_flag("--ascii", options.write.ascii, "PLY, PCD: text instead of binary")->group(group);
-    command
-        ->add_option("-m,--memory", arguments->memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
-        ->transform(CLI::AsSizeValue(false))
-        ->group(group);
-    command->add_option("--chunk-points", options.chunk_points, "Trees: most points of a chunk (default 25000)")
-        ->group(group);
-    command->add_flag("--overwrite", options.overwrite, "Replace the output if it is there")->group(group);
-    command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
-    arguments->reading.add_to(*command);
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = convert(*arguments); });
+        .required();
+    add_choice(options, *arguments);
+    add_output(options, *arguments);
+    options.option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
+    arguments->reading.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return convert(*arguments); };
 }
 
 }  // namespace pcm::cli

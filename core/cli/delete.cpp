@@ -49,22 +49,22 @@ int erase(Arguments& arguments)
                 bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(),
                 report.outcome.seconds);
     if (!report.coverage_kept)
-        std::printf("note: coarse levels have gaps where points went; 'pcmlab compact' closes them and frees the space\n");
+        std::printf(
+            "note: coarse levels have gaps where points went; 'pcmlab compact' closes them and frees the space\n");
     return 0;
 }
 
 }  // namespace
 
-void add_delete(CLI::App& app, int& result)
+Run add_delete(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("delete", "Delete points of a tree");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    arguments->region.add_to(*command, "What is deleted");
-    command->add_flag("--count", arguments->options.count_only, "Only say how many points that would be");
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = erase(*arguments); });
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    arguments->region.add_to(options, "What is deleted");
+    options.flag("--count", arguments->options.count_only, "Only say how many points that would be");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    add_common(options, arguments->common);
+    return [arguments] { return erase(*arguments); };
 }
 
 }  // namespace pcm::cli

@@ -47,25 +47,24 @@ int generate(Arguments& arguments)
 
 }  // namespace
 
-void add_generate(CLI::App& app, int& result)
+Run add_generate(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    SceneOptions& options = arguments->options;
-    CLI::App* command = app.add_subcommand("generate", "Write a scan-like scene with exact ground truth as LAS or LAZ");
-    command->add_option("output", arguments->output, "LAS or LAZ file to write")->required();
-    command->add_option("-n,--points", options.points, "Number of points (default 1000000)");
-    command
-        ->add_option("--origin", arguments->origin,
-                     "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
-        ->delimiter(',')
-        ->expected(3);
-    command->add_option("--extent", options.extent, "Side of the scene, metres (default: grows with the points)");
-    command->add_option("--noise", options.noise, "Standard deviation of the range, metres (default 0.003)");
-    command->add_option("--scale", options.scale, "Step of the coordinates, metres (default 0.001)");
-    command->add_option("--seed", options.seed, "Seed of the random numbers (default 1)");
-    command->add_flag("--no-truth", arguments->no_truth, "Do not write the primitives beside the file");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = generate(*arguments); });
+    SceneOptions& scene = arguments->options;
+    options.positional("output", arguments->output, "LAS or LAZ file to write").required();
+    options.option("-n,--points", scene.points, "Number of points (default 1000000)");
+    options
+        .option("--origin", arguments->origin,
+                "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
+        .separated_by(',')
+        .values(3);
+    options.option("--extent", scene.extent, "Side of the scene, metres (default: grows with the points)");
+    options.option("--noise", scene.noise, "Standard deviation of the range, metres (default 0.003)");
+    options.option("--scale", scene.scale, "Step of the coordinates, metres (default 0.001)");
+    options.option("--seed", scene.seed, "Seed of the random numbers (default 1)");
+    options.flag("--no-truth", arguments->no_truth, "Do not write the primitives beside the file");
+    add_common(options, arguments->common);
+    return [arguments] { return generate(*arguments); };
 }
 
 }  // namespace pcm::cli

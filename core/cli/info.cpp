@@ -1,8 +1,8 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
-#include "pcm/system/error.h"
-#include "pcm/io/pipe/merged_reader.h"
 #include "pcm/io/metadata_text.h"
+#include "pcm/io/pipe/merged_reader.h"
+#include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
 
 #include <cmath>
@@ -249,19 +249,18 @@ int info(const Arguments& arguments)
 
 }  // namespace
 
-void add_info(CLI::App& app, int& result)
+Run add_info(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("info", "Say what a point cloud tree, or cloud files of any format, hold");
-    command
-        ->add_option("input", arguments->inputs,
-                     "A tree folder, or the index file in it; or files and folders of files, together one cloud")
-        ->required();
-    command->add_flag("--scan", arguments->scan, "Files: read all points, for the true number and box");
-    command->add_option("-t,--threads", arguments->threads, "Threads to read with (default: one a processor)");
-    arguments->reading.add_to(*command);
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = info(*arguments); });
+    options
+        .positional("input", arguments->inputs,
+                    "A tree folder, or the index file in it; or files and folders of files, together one cloud")
+        .required();
+    options.flag("--scan", arguments->scan, "Files: read all points, for the true number and box");
+    options.option("-t,--threads", arguments->threads, "Threads to read with (default: one a processor)");
+    arguments->reading.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return info(*arguments); };
 }
 
 }  // namespace pcm::cli

@@ -226,42 +226,36 @@ int query(const Arguments& arguments)
 
 }  // namespace
 
-void add_query(CLI::App& app, int& result)
+Run add_query(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand(
-        "query", "Ask a tree: how many points are in a region, which are nearest to a point, what a ray meets first");
-    command->add_option("tree", arguments->tree, "A tree folder, or the index file in it")->required();
+    options.positional("tree", arguments->tree, "A tree folder, or the index file in it").required();
 
     const char* group = "What is asked";
-    command
-        ->add_flag("--count", arguments->count,
-                   "How many points there are, and the box around them (this is the default)")
-        ->group(group);
-    command
-        ->add_flag("--estimate", arguments->estimate,
-                   "How many to expect and what it would cost, without reading a point")
-        ->group(group);
-    command
-        ->add_flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")
-        ->group(group);
-    command->add_option("--nearest", arguments->nearest, "The points nearest to x y z")->expected(3)->group(group);
-    command->add_option("-k", arguments->k, "How many (default 1)")->needs("--nearest")->group(group);
-    command->add_option("--max-distance", arguments->max_distance, "None farther than this")->group(group);
-    command->add_flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets")
-        ->group(group);
+    options
+        .flag("--count", arguments->count, "How many points there are, and the box around them (this is the default)")
+        .group(group);
+    options
+        .flag("--estimate", arguments->estimate, "How many to expect and what it would cost, without reading a point")
+        .group(group);
+    options.flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")
+        .group(group);
+    const Option nearest =
+        options.option("--nearest", arguments->nearest, "The points nearest to x y z").values(3).group(group);
+    options.option("-k", arguments->k, "How many (default 1)").needs(nearest).group(group);
+    options.option("--max-distance", arguments->max_distance, "None farther than this").group(group);
+    options.flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets").group(group);
 
     group = "Of which points";
-    command->add_option("--level", arguments->level, "The cloud at this level (default: all of it)")->group(group);
-    arguments->region.add_to(*command, group);
+    options.option("--level", arguments->level, "The cloud at this level (default: all of it)").group(group);
+    arguments->region.add_to(options, group);
 
-    command->add_option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")
-        ->check(CLI::Range(1, 64));
-    command->add_option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = query(*arguments); });
+    options.option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")
+        .between(1, 64);
+    options.option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)").bytes();
+    options.flag("--statistics", arguments->statistics, "Tell what the cache did");
+    add_common(options, arguments->common);
+    return [arguments] { return query(*arguments); };
 }
 
 }  // namespace pcm::cli

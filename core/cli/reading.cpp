@@ -4,17 +4,16 @@
 
 namespace pcm::cli {
 
-void ReadingOptions::add_to(CLI::App& command)
+void ReadingOptions::add_to(Options& options)
 {
     const char* const group = "Text files (detected where not given)";
-    command.add_option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")
-        ->group(group);
-    command
-        .add_option("--separator", separator_,
-                    "space (any run of blanks), tab, comma, semicolon, or the character itself")
-        ->group(group);
-    command.add_option("--skip-lines", skip_lines_, "Lines before the first point")->group(group);
-    command.add_option("--colour-range", colour_range_, "Largest value of a colour: 1, 255 or 65535")->group(group);
+    options.option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")
+        .group(group);
+    options
+        .option("--separator", separator_, "space (any run of blanks), tab, comma, semicolon, or the character itself")
+        .group(group);
+    options.option("--skip-lines", skip_lines_, "Lines before the first point").group(group);
+    options.option("--colour-range", colour_range_, "Largest value of a colour: 1, 255 or 65535").group(group);
 }
 
 ReadOptions ReadingOptions::get(unsigned threads) const

@@ -12,7 +12,7 @@ namespace pcm::cli {
 class ReadingOptions {
 public:
     // --columns, --separator, --skip-lines, --colour-range.
-    void add_to(CLI::App& command);
+    void add_to(Options& options);
     // Throws Error(invalid_argument).
     ReadOptions get(unsigned threads) const;
 

@@ -4,13 +4,13 @@
 
 namespace pcm::cli {
 
-void RegionOptions::add_to(CLI::App& command, const char* group)
+void RegionOptions::add_to(Options& options, const char* group)
 {
-    command.add_option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
-        ->expected(6)
-        ->group(group);
+    options.option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
+        .values(6)
+        .group(group);
     const auto add = [&](const char* name, int least, int most, const char* help) {
-        command.add_option(std::string("--") + name, given_[name], help)->expected(least, most)->group(group);
+        options.option(std::string("--") + name, given_[name], help).values(least, most).group(group);
     };
     add("sphere", 4, 4, "Points in the sphere cx cy cz radius");
     add("oriented-box", 7, 12,
@@ -25,16 +25,16 @@ void RegionOptions::add_to(CLI::App& command, const char* group)
     add("planes", 7, 259,
         "On the inner side of planes: a centre cx cy cz, then nx ny nz offset for each, where n.(p-c)+offset>=0 is "
         "inside");
-    command.add_option("--region", given_["region"], "One of these in words, such as \"sphere 1 2 3 0.5\"")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->group(group);
-    command
-        .add_option("--where", where_,
-                    "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or "
-                    "gps_time=100..200 or rgb[0]!=0; of several all")
-        ->allow_extra_args(false)
-        ->group(group);
+    options.option("--region", given_["region"], "One of these in words, such as \"sphere 1 2 3 0.5\"")
+        .values(1)
+        .one_value_each()
+        .group(group);
+    options
+        .option("--where", where_,
+                "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or "
+                "gps_time=100..200 or rgb[0]!=0; of several all")
+        .one_value_each()
+        .group(group);
 }
 
 Selection RegionOptions::get() const

@@ -1,9 +1,8 @@
 // Options that choose points.
 #pragma once
 
+#include "pcm/cli/command_line.h"
 #include "pcm/cloud/selection.h"
-
-#include <CLI/CLI.hpp>
 
 #include <map>
 #include <optional>
@@ -16,7 +15,7 @@ namespace pcm::cli {
 // them; --where.
 class RegionOptions {
 public:
-    void add_to(CLI::App& command, const char* group);
+    void add_to(Options& options, const char* group);
     // Throws Error(invalid_argument) for more than one region, and what parse_region() and parse_condition() throw.
     Selection get() const;
 

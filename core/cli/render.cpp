@@ -1,5 +1,4 @@
 // `pcmlab render` is a program of its own beside this one, so that nothing else here needs OpenGL.
-#include "pcm/cli/common.h"
 #include "pcm/system/error.h"
 
 #include <unistd.h>
@@ -11,14 +10,7 @@
 
 namespace pcm::cli {
 
-void add_render(CLI::App& app)
-{
-    app.add_subcommand(
-        "render",
-        "Draw trees to PNG, from a camera or along a path, without a window");  // for --help; see run_render()
-}
-
-void run_render(char** arguments)
+void start_render(char** arguments)
 {
     std::error_code error;
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);

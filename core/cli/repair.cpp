@@ -50,16 +50,14 @@ int repair(Arguments& arguments)
 
 }  // namespace
 
-void add_repair(CLI::App& app, int& result)
+Run add_repair(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command =
-        app.add_subcommand("repair", "Make a tree's index anew from its chunks, without those that are damaged");
-    command->add_option("tree", arguments->tree, "Tree folder")->required();
-    command->add_flag("--check", arguments->options.check_only, "Only say what is damaged and what could be saved");
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = repair(*arguments); });
+    options.positional("tree", arguments->tree, "Tree folder").required();
+    options.flag("--check", arguments->options.check_only, "Only say what is damaged and what could be saved");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    add_common(options, arguments->common);
+    return [arguments] { return repair(*arguments); };
 }
 
 }  // namespace pcm::cli

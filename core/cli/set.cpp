@@ -188,26 +188,23 @@ int set(Arguments& arguments)
 
 }  // namespace
 
-void add_set(CLI::App& app, int& result)
+Run add_set(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command =
-        app.add_subcommand("set", "Set attributes of a tree's points, and add attributes; all at once or not at all");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("values", arguments->values,
-                        "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
-    command
-        ->add_option("--new", arguments->attributes,
-                     "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
-        ->allow_extra_args(false);
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.positional("values", arguments->values,
+                       "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
+    options
+        .option("--new", arguments->attributes,
+                "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
+        .one_value_each();
     const char* const group = "Of which points (default: all)";
-    command->add_option("--level", arguments->level, "The cloud at this level")->group(group);
-    arguments->region.add_to(*command, group);
-    command->add_option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_flag("--statistics", arguments->statistics, "Tell what the cache did");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = set(*arguments); });
+    options.option("--level", arguments->level, "The cloud at this level").group(group);
+    arguments->region.add_to(options, group);
+    options.option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)").bytes();
+    options.flag("--statistics", arguments->statistics, "Tell what the cache did");
+    add_common(options, arguments->common);
+    return [arguments] { return set(*arguments); };
 }
 
 }  // namespace pcm::cli

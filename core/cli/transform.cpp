@@ -1,8 +1,8 @@
 #include "pcm/io/pipe/transformed_reader.h"
 
+#include "pcm/build/builder.h"
 #include "pcm/cli/common.h"
 #include "pcm/system/error.h"
-#include "pcm/build/builder.h"
 #include "pcm/tree/tree_reader.h"
 
 #include <cstdio>
@@ -93,33 +93,31 @@ int transform(Arguments& arguments)
 
 }  // namespace
 
-void add_transform(CLI::App& app, int& result)
+Run add_transform(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("transform", "Move, turn or scale a tree, into a new one");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("output", arguments->output, "The new tree's folder, by convention NAME.pct")->required();
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.positional("output", arguments->output, "The new tree's folder, by convention NAME.pct").required();
     const char* group = "How (scaled and turned about the pivot, then moved)";
-    command->add_option("--translate", arguments->translate, "By dx dy dz, source units")->expected(3)->group(group);
-    command
-        ->add_option("--rotate", arguments->rotate,
-                     "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")
-        ->expected(4)
-        ->group(group);
-    command->add_option("--scale", arguments->scale, "By a factor (default 1)")->group(group);
-    command->add_option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")
-        ->expected(12)
-        ->group(group);
-    command->add_option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")
-        ->expected(3)
-        ->group(group);
-    command->add_option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)")
-        ->transform(CLI::AsSizeValue(false));
-    command->add_option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    command->add_option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    command->add_flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = transform(*arguments); });
+    options.option("--translate", arguments->translate, "By dx dy dz, source units").values(3).group(group);
+    options
+        .option("--rotate", arguments->rotate,
+                "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")
+        .values(4)
+        .group(group);
+    options.option("--scale", arguments->scale, "By a factor (default 1)").group(group);
+    options.option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")
+        .values(12)
+        .group(group);
+    options.option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")
+        .values(3)
+        .group(group);
+    options.option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");
+    add_common(options, arguments->common);
+    return [arguments] { return transform(*arguments); };
 }
 
 }  // namespace pcm::cli

@@ -90,16 +90,14 @@ int verify(const Arguments& arguments)
 
 }  // namespace
 
-void add_verify(CLI::App& app, int& result)
+Run add_verify(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    CLI::App* command =
-        app.add_subcommand("verify", "Check a tree: checksums, counts, boxes, and that every point is there once");
-    command->add_option("tree", arguments->tree, "Tree folder, or the index file in it")->required();
-    command->add_option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
-    command->add_flag("--levels", arguments->levels, "Also measure how even the levels are: exact, and slower");
-    add_common(*command, arguments->common);
-    command->callback([arguments, &result] { result = verify(*arguments); });
+    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
+    options.flag("--levels", arguments->levels, "Also measure how even the levels are: exact, and slower");
+    add_common(options, arguments->common);
+    return [arguments] { return verify(*arguments); };
 }
 
 }  // namespace pcm::cli

@@ -96,101 +96,110 @@ void require_png(const fs::path& file)
                     "let the output's name end with .png");
 }
 
+void add_camera(Options& options, RenderArguments& a)
+{
+    const char* const group = "Where from (default: the whole, seen obliquely)";
+    const Option eye =
+        options.option("--eye", a.eye, "Where the camera is, x y z in source coordinates").values(3).group(group);
+    const Option target =
+        options.option("--target", a.target, "What it looks at (default: the middle)").values(3).group(group);
+    const Option up = options.option("--up", a.up, "What is up in the picture (default: 0 0 1)").values(3).group(group);
+    const Option angle =
+        options.option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)").group(group);
+    const Option parallel =
+        options.flag("--orthographic", a.orthographic, "Parallel, not in perspective").group(group).excludes(angle);
+    const Option height =
+        options.option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")
+            .group(group)
+            .excludes(angle);
+    options.option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
+        .group(group)
+        .excludes(eye)
+        .excludes(target)
+        .excludes(up)
+        .excludes(angle)
+        .excludes(parallel)
+        .excludes(height);
+}
+
+void add_look(Options& options, RenderArguments& a)
+{
+    const char* const group = "How it looks";
+    options.option("--size", a.size, "WIDTHxHEIGHT in pixels").show_default().group(group);
+    options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(SplatMode::perspective)))
+        .show_default()
+        .one_of(names_of(SplatMode::perspective))
+        .group(group);
+    options.option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(ColourMode::uniform)))
+        .show_default()
+        .one_of(names_of(ColourMode::uniform))
+        .group(group);
+    options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")
+        .group(group);
+    options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
+        .show_default()
+        .between(0.1, 1000.0)
+        .group(group);
+    options.option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")
+        .show_default()
+        .between(1e-6, 1e6)
+        .group(group);
+    options.option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")
+        .show_default()
+        .between(1, 8)
+        .group(group);
+    options
+        .option("--eye-dome", a.options.eye_dome,
+                "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
+        .show_default()
+        .between(0.0, 100.0)
+        .group(group);
+    options.option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")
+        .show_default()
+        .group(group);
+}
+
+void add_amount(Options& options, RenderArguments& a)
+{
+    const char* const group = "How much is drawn";
+    options
+        .option("--until", a.until,
+                "full: every point in view; target: until --target-px is reached, or as many points as the budgets "
+                "allow in a frame")
+        .show_default()
+        .one_of({"full", "target"})
+        .group(group);
+    options.option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")
+        .show_default()
+        .between(0.01, 1e6)
+        .group(group);
+    options
+        .option("--frame-budget", a.frame_budget_ms, "Milliseconds that drawing a frame may take (default: no limit)")
+        .positive()
+        .group(group);
+    options.option("--point-budget", a.options.point_budget, "Most points of a frame")
+        .show_default()
+        .positive()
+        .group(group);
+    options.option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)").bytes().group(group);
+    options.option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)").bytes().group(group);
+}
+
 }  // namespace
 
-void add_to(CLI::App& app, RenderArguments& a)
+void add_to(Options& options, RenderArguments& a)
 {
-    app.add_option("trees", a.trees, "Trees, drawn together")->required();
-    app.add_option("-o,--output", a.output,
-                   "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")
-        ->required();
-    app.add_flag("--overwrite", a.overwrite, "Replace pictures that are there");
-
-    const char* group = "Where from (default: the whole, seen obliquely)";
-    CLI::Option* const eye =
-        app.add_option("--eye", a.eye, "Where the camera is, x y z in source coordinates")->expected(3)->group(group);
-    CLI::Option* const target =
-        app.add_option("--target", a.target, "What it looks at (default: the middle)")->expected(3)->group(group);
-    CLI::Option* const up =
-        app.add_option("--up", a.up, "What is up in the picture (default: 0 0 1)")->expected(3)->group(group);
-    CLI::Option* const angle =
-        app.add_option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)")->group(group);
-    CLI::Option* const parallel =
-        app.add_flag("--orthographic", a.orthographic, "Parallel, not in perspective")->group(group)->excludes(angle);
-    CLI::Option* const height =
-        app.add_option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")
-            ->group(group)
-            ->excludes(angle);
-    app.add_option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
-        ->group(group)
-        ->excludes(eye)
-        ->excludes(target)
-        ->excludes(up)
-        ->excludes(angle)
-        ->excludes(parallel)
-        ->excludes(height);
-
-    group = "How it looks";
-    app.add_option("--size", a.size, "WIDTHxHEIGHT in pixels")->capture_default_str()->group(group);
-    app.add_option("--splats", a.splats, "What points are drawn as: " + listed(names_of(SplatMode::perspective)))
-        ->capture_default_str()
-        ->check(CLI::IsMember(names_of(SplatMode::perspective)))
-        ->group(group);
-    app.add_option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(ColourMode::uniform)))
-        ->capture_default_str()
-        ->check(CLI::IsMember(names_of(ColourMode::uniform)))
-        ->group(group);
-    app.add_option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")
-        ->group(group);
-    app.add_option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
-        ->capture_default_str()
-        ->check(CLI::Range(0.1, 1000.0))
-        ->group(group);
-    app.add_option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")
-        ->capture_default_str()
-        ->check(CLI::Range(1e-6, 1e6))
-        ->group(group);
-    app.add_option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 8))
-        ->group(group);
-    app.add_option("--eye-dome", a.options.eye_dome,
-                   "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 100.0))
-        ->group(group);
-    app.add_option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")
-        ->capture_default_str()
-        ->group(group);
-
-    group = "How much is drawn";
-    app.add_option("--until", a.until,
-                   "full: every point in view; target: until --target-px is reached, or as many points as the budgets "
-                   "allow in a frame")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"full", "target"}))
-        ->group(group);
-    app.add_option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")
-        ->capture_default_str()
-        ->check(CLI::Range(0.01, 1e6))
-        ->group(group);
-    app.add_option("--frame-budget", a.frame_budget_ms,
-                   "Milliseconds that drawing a frame may take (default: no limit)")
-        ->check(CLI::PositiveNumber)
-        ->group(group);
-    app.add_option("--point-budget", a.options.point_budget, "Most points of a frame")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber)
-        ->group(group);
-    app.add_option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)")
-        ->transform(CLI::AsSizeValue(false))
-        ->group(group);
-    app.add_option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)")
-        ->transform(CLI::AsSizeValue(false))
-        ->group(group);
-    app.add_option("-t,--threads", a.threads, "Threads that load (default: one a processor)")
-        ->check(CLI::Range(1, 256));
-    add_common(app, a.common);
+    options.positional("trees", a.trees, "Trees, drawn together").required();
+    options
+        .option("-o,--output", a.output,
+                "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")
+        .required();
+    options.flag("--overwrite", a.overwrite, "Replace pictures that are there");
+    add_camera(options, a);
+    add_look(options, a);
+    add_amount(options, a);
+    options.option("-t,--threads", a.threads, "Threads that load (default: one a processor)").between(1, 256);
+    add_common(options, a.common);
 }
 
 PictureSize size_of(const RenderArguments& arguments)

@@ -26,7 +26,7 @@ struct RenderArguments {
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
     unsigned threads = 0;  // loaders; 0: one a processor
 };
-void add_to(CLI::App& app, RenderArguments& arguments);
+void add_to(Options& options, RenderArguments& arguments);
 
 // Everything that can be said before a tree is opened. Throws Error(invalid_argument).
 struct PictureSize {

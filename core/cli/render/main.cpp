@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <memory>
 #include <set>
 #include <thread>
 
@@ -162,16 +163,20 @@ int render(const RenderArguments& arguments)
     return 0;
 }
 
+Run add_render(Options& options)
+{
+    auto arguments = std::make_shared<RenderArguments>();
+    add_to(options, *arguments);
+    return [arguments] { return render(*arguments); };
+}
+
 }  // namespace
 }  // namespace pcm::cli
 
 int main(int argc, char** argv)
 {
-    CLI::App app{"Draw trees to PNG, from a camera or along a path, without a window"};
-    app.name("pcmlab render");
-    pcm::cli::RenderArguments arguments;
-    pcm::cli::add_to(app, arguments);
-    int result = 0;
-    app.callback([&] { result = pcm::cli::render(arguments); });
-    return pcm::cli::run(app, argc, argv, result);
+    using namespace pcm::cli;
+    return run_program(
+        {"pcmlab render", "Draw trees to PNG, from a camera or along a path, without a window", add_render}, argc,
+        argv);
 }

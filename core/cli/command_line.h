@@ -1,0 +1,92 @@
+// The command line: options, flags and positional arguments of commands, their help, and exit codes.
+//
+// command_line.cpp is the only source that includes CLI11. Its inline functions would be most of the compile time of
+// every command.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace pcm::cli {
+
+// One option of a command. A handle: copies mean the same option; valid while its Options are.
+class Option {
+public:
+    explicit Option(CLI::Option* option) : option_(option) {}
+
+    Option required() const;
+    Option group(const char* heading) const;  // in the help
+    Option values(int count) const { return values(count, count); }
+    Option values(int least, int most) const;  // that follow the option's name
+    Option one_value_each() const;             // of a list: "--new a --new b", never "--new a b"
+    Option separated_by(char separator) const;
+    Option show_default() const;  // the help shows the variable's present value
+
+    Option excludes(Option other) const;
+    Option needs(Option other) const;
+
+    // What is accepted.
+    Option one_of(const std::vector<std::string>& names) const;
+    Option between(int least, int most) const;
+    Option between(double least, double most) const;
+    Option positive() const;
+    Option not_negative() const;
+    Option bytes() const;  // a number with a unit, powers of 1024: 512M, 2G
+
+private:
+    CLI::Option* option_;
+};
+
+// What one command accepts. The variables are written while the command line is parsed; those of options that are not
+// given keep their values. They must live until the command has run.
+class Options {
+public:
+    explicit Options(CLI::App& command) : command_(command) {}
+
+    // `names` between commas: "-o,--output". Variables: std::string, float, double, std::uint32_t, std::uint64_t,
+    // std::vector of std::string and double, std::optional of double, std::uint16_t and std::uint64_t.
+    template <class T>
+    Option option(const std::string& names, T& variable, const std::string& help);
+    // Given by its place, not by a name.
+    template <class T>
+    Option positional(const std::string& name, T& variable, const std::string& help);
+    // Sets the variable to true, or, off_flag(), to false.
+    Option flag(const std::string& names, bool& variable, const std::string& help);
+    Option off_flag(const std::string& names, bool& variable, const std::string& help);
+
+private:
+    CLI::App& command_;
+};
+
+// What a command does once its command line is parsed; returns the exit code.
+using Run = std::function<int()>;
+
+struct Command {
+    std::string name;
+    std::string help;  // one line
+    // Declares the options and returns what is to be done with them. Null for a command that has a `start`.
+    Run (*add)(Options& options) = nullptr;
+    // Replaces this process by the program of the command. arguments[0] is the command's name.
+    void (*start)(char** arguments) = nullptr;
+};
+
+// The command line makes no sense: exit code 2, with the message and a hint at --help. For what the options above
+// cannot express.
+class UsageError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// The main function of a program with commands, and of a program that is one command. Parses, runs what was asked for,
+// and reports errors on stderr. Exit codes: 0 success; 1 failure; 2 usage error; 130 cancelled.
+int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv);
+int run_program(const Command& command, int argc, char** argv);
+
+}  // namespace pcm::cli

@@ -1,0 +1,225 @@
+// Options, exit codes and help, on commands of the test's own.
+
+#include "pcm/cli/command_line.h"
+#include "pcm/system/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <stdexcept>
+
+namespace pcm::cli {
+namespace {
+
+struct Given {
+    std::string word, mode = "fast";
+    std::vector<std::string> files, names, keys;
+    std::vector<double> box;
+    float size = 2;
+    double factor = 1;
+    std::uint32_t threads = 0;
+    std::uint64_t memory = 7, points = 3;
+    std::optional<std::uint16_t> level;
+    std::optional<std::uint32_t> decimals;
+    std::optional<std::uint64_t> lines;
+    std::optional<double> angle, height;
+    bool overwrite = false, resume = true;
+};
+Given given;
+Run work = [] { return 0; };
+
+Run add_all(Options& options)
+{
+    given = {};
+    options.positional("word", given.word, "A word").required();
+    options.positional("files", given.files, "Files");
+    options.option("--names", given.names, "Names").one_value_each();
+    options.option("--keys", given.keys, "Keys").separated_by(',').one_value_each();
+    options.option("--box", given.box, "Box").values(2, 4);
+    options.option("--size", given.size, "Size").between(0.5, 10.0).show_default();
+    options.option("--factor", given.factor, "Factor").positive();
+    options.option("-t,--threads", given.threads, "Threads").between(1, 8);
+    options.option("-m,--memory", given.memory, "Memory").bytes();
+    options.option("--points", given.points, "Points").not_negative();
+    options.option("--level", given.level, "Level").group("Which points");
+    options.option("--decimals", given.decimals, "Decimals");
+    options.option("--lines", given.lines, "Lines");
+    const Option angle = options.option("--angle", given.angle, "Angle");
+    options.option("--height", given.height, "Height").excludes(angle);
+    options.option("--mode", given.mode, "Mode").one_of({"fast", "even"}).needs(angle);
+    options.flag("--overwrite", given.overwrite, "Overwrite");
+    options.off_flag("--no-resume", given.resume, "Do not resume");
+    return work;
+}
+
+Run add_other(Options&)
+{
+    return [] { return 3; };
+}
+
+struct Result {
+    int code = -1;
+    std::string out, err;
+};
+
+template <class Run>
+Result captured(const Run& run, std::vector<std::string> words)
+{
+    words.insert(words.begin(), "program");
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    Result result;
+    result.code = run(static_cast<int>(words.size()), arguments.data());
+    result.out = testing::internal::GetCapturedStdout();
+    result.err = testing::internal::GetCapturedStderr();
+    return result;
+}
+
+// A program that is the command add_all().
+Result one(const std::vector<std::string>& words)
+{
+    return captured(
+        [](int argc, char** argv) {
+            return run_program(Command{"one", "One thing", add_all}, argc, argv);
+        },
+        words);
+}
+
+// A program with commands.
+Result many(const std::vector<std::string>& words)
+{
+    const std::vector<Command> commands = {
+        {"all", "Every kind of option", add_all},
+        {"other", "Another command", add_other},
+        {"away", "A program of its own", nullptr, [](char** arguments) { throw std::runtime_error(arguments[1]); }},
+    };
+    return captured([&](int argc, char** argv) { return run_program("many", "Many things", commands, argc, argv); },
+                    words);
+}
+
+TEST(CommandLine, VariablesTakeWhatIsGiven)
+{
+    const Result result =
+        one({"w",      "a",        "b",           "--names",     "x",       "--names", "y",          "--keys",  "k,l",
+             "--box",  "1",        "2.5",         "-3",          "--size",  "0.5",     "--factor",   "1e-3",    "-t",
+             "8",      "--memory", "2K",          "--points",    "0",       "--level", "65535",      "--angle", "-1",
+             "--mode", "even",     "--overwrite", "--no-resume", "--lines", "0",       "--decimals", "4"});
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(given.word, "w");
+    EXPECT_EQ(given.files, (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(given.names, (std::vector<std::string>{"x", "y"}));
+    EXPECT_EQ(given.keys, (std::vector<std::string>{"k", "l"}));
+    EXPECT_EQ(given.box, (std::vector<double>{1, 2.5, -3}));
+    EXPECT_EQ(given.size, 0.5f);
+    EXPECT_EQ(given.factor, 1e-3);
+    EXPECT_EQ(given.threads, 8u);
+    EXPECT_EQ(given.memory, 2048u);
+    EXPECT_EQ(given.points, 0u);
+    EXPECT_EQ(given.level, 65535);
+    EXPECT_EQ(given.lines, 0u);
+    EXPECT_EQ(given.decimals, 4u);
+    EXPECT_EQ(given.angle, -1.0);
+    EXPECT_EQ(given.mode, "even");
+    EXPECT_TRUE(given.overwrite);
+    EXPECT_FALSE(given.resume);
+}
+
+TEST(CommandLine, WhatIsNotGivenKeepsItsValue)
+{
+    EXPECT_EQ(one({"w"}).code, 0);
+    EXPECT_EQ(given.mode, "fast");
+    EXPECT_EQ(given.memory, 7u);
+    EXPECT_TRUE(given.files.empty() && given.box.empty());
+    EXPECT_FALSE(given.level || given.lines || given.decimals || given.angle || given.overwrite);
+    EXPECT_TRUE(given.resume);
+}
+
+TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
+{
+    const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
+        {{}, "word is required"},
+        {{"w", "--nonsense"}, "--nonsense"},
+        {{"w", "--box", "1"}, "--box"},
+        {{"w", "--box", "1", "x"}, "--box"},
+        {{"w", "--size", "0.4"}, "--size"},
+        {{"w", "--size", "11"}, "--size"},
+        {{"w", "--factor", "0"}, "--factor"},
+        {{"w", "--threads", "9"}, "--threads"},
+        {{"w", "--memory", "2Q"}, "--memory"},
+        {{"w", "--points", "-1"}, "--points"},
+        {{"w", "--level", "65536"}, "--level"},
+        {{"w", "--angle", "1", "--height", "2"}, "excludes"},
+        {{"w", "--mode", "even"}, "--mode requires --angle"},
+        {{"w", "--angle", "1", "--mode", "slow"}, "{fast,even}"},
+    };
+    for (const auto& [words, message] : mistakes) {
+        const Result result = one(words);
+        EXPECT_EQ(result.code, 2) << message;
+        EXPECT_NE(result.err.find(message), std::string::npos) << message << ": " << result.err;
+        EXPECT_NE(result.err.find("--help"), std::string::npos) << result.err;
+    }
+    // One value each: the second is taken as a file.
+    EXPECT_EQ(one({"w", "--names", "x", "y"}).code, 0);
+    EXPECT_EQ(given.files, (std::vector<std::string>{"y"}));
+}
+
+TEST(CommandLine, ExitCodesOfTheWork)
+{
+    const auto ends_with = [](const Run& run) {
+        work = run;
+        const Result result = one({"w"});
+        work = [] { return 0; };
+        return result;
+    };
+    EXPECT_EQ(ends_with([] { return 1; }).code, 1);
+    EXPECT_EQ(ends_with([]() -> int { throw Error(ErrorCode::cancelled, {}, "stopped"); }).code, 130);
+    const Result failed = ends_with([]() -> int { throw Error(ErrorCode::io, "a.las", "it broke", "mend it"); });
+    EXPECT_EQ(failed.code, 1);
+    EXPECT_EQ(failed.err, "pcmlab: a.las: it broke (mend it)\n");
+    EXPECT_EQ(ends_with([]() -> int { throw std::bad_alloc(); }).err, "pcmlab: out of memory\n");
+    EXPECT_EQ(ends_with([]() -> int { throw std::runtime_error("odd"); }).err, "pcmlab: odd\n");
+    const Result usage = ends_with([]() -> int { throw UsageError("word: too short"); });
+    EXPECT_EQ(usage.code, 2);
+    EXPECT_EQ(usage.err, "word: too short\nRun with --help for more information.\n");
+}
+
+TEST(CommandLine, HelpShowsOptionsTheirGroupsAndDefaults)
+{
+    const Result help = one({"--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_TRUE(help.err.empty());
+    for (const char* part : {"One thing", "word TEXT REQUIRED", "-t,--threads UINT", "--size", "=2",
+                             "Which points:", "--mode TEXT:{fast,even}", "--box FLOAT x [2 - 4]"})
+        EXPECT_NE(help.out.find(part), std::string::npos) << part << " is not in\n" << help.out;
+}
+
+TEST(CommandLine, CommandsOfAProgram)
+{
+    EXPECT_EQ(many({"all", "w"}).code, 0);
+    EXPECT_EQ(given.word, "w");
+    EXPECT_EQ(many({"other"}).code, 3);
+    EXPECT_EQ(many({}).code, 2);
+    EXPECT_EQ(many({"unknown"}).code, 2);
+    const Result help = many({"--help"});
+    EXPECT_EQ(help.code, 0);
+    for (const char* part : {"Many things", "all", "Every kind of option", "other", "away", "A program of its own"})
+        EXPECT_NE(help.out.find(part), std::string::npos) << part;
+    const Result of_one = many({"all", "--help"});
+    EXPECT_EQ(of_one.code, 0);
+    EXPECT_NE(of_one.out.find("Usage: many all"), std::string::npos) << of_one.out;
+}
+
+TEST(CommandLine, ACommandThatIsAProgramGetsItsArgumentsUnparsed)
+{
+    const Result result = many({"away", "--nonsense"});
+    EXPECT_EQ(result.code, 1);
+    EXPECT_EQ(result.err, "pcmlab: --nonsense\n");
+}
+
+}  // namespace
+}  // namespace pcm::cli
