@@ -168,14 +168,16 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
     EXPECT_EQ(given.files, (std::vector<std::string>{"y"}));
 }
 
+Result ends_with(const Run& run)
+{
+    work = run;
+    const Result result = one({"w"});
+    work = [] { return 0; };
+    return result;
+}
+
 TEST(CommandLine, ExitCodesOfTheWork)
 {
-    const auto ends_with = [](const Run& run) {
-        work = run;
-        const Result result = one({"w"});
-        work = [] { return 0; };
-        return result;
-    };
     EXPECT_EQ(ends_with([] { return 1; }).code, 1);
     EXPECT_EQ(ends_with([]() -> int { throw Error(ErrorCode::cancelled, {}, "stopped"); }).code, 130);
     const Result failed = ends_with([]() -> int { throw Error(ErrorCode::io, "a.las", "it broke", "mend it"); });
