@@ -127,6 +127,39 @@ bool meet_box(const Box3d& box, const Vec3d& origin, const Vec3d& inverse, doubl
     return enter <= leave;
 }
 
+constexpr std::size_t bin_count = 16;
+struct Bin {
+    Box3d box;
+    std::size_t count = 0;
+};
+
+// The first bin of the right side of the cut with the least cost: sum over both sides of area times shapes.
+std::size_t cheapest_cut(const std::array<Bin, bin_count>& bins, std::size_t shapes)
+{
+    std::array<double, bin_count> cost_above{};  // of the bins from here on
+    Box3d box;
+    std::size_t count = 0;
+    for (std::size_t bin = bin_count - 1; bin > 0; --bin) {
+        box.extend(bins[bin].box);
+        count += bins[bin].count;
+        cost_above[bin] = area(box) * static_cast<double>(count);
+    }
+    box = {};
+    count = 0;
+    double best_cost = std::numeric_limits<double>::infinity();
+    std::size_t best = 1;
+    for (std::size_t bin = 1; bin < bin_count; ++bin) {
+        box.extend(bins[bin - 1].box);
+        count += bins[bin - 1].count;
+        const double cost = area(box) * static_cast<double>(count) + cost_above[bin];
+        if (count && count < shapes && cost < best_cost) {
+            best_cost = cost;
+            best = bin;
+        }
+    }
+    return best;
+}
+
 }  // namespace
 
 RayCaster::RayCaster(const Site& site) : site_(site), order_(site.shapes.size())
@@ -150,7 +183,6 @@ RayCaster::RayCaster(const Site& site) : site_(site), order_(site.shapes.size())
 // volume hierarchies).
 void RayCaster::split(std::uint32_t index, std::vector<Box3d>& boxes)
 {
-    constexpr std::size_t bins = 16;
     const Node node = nodes_[index];
     if (node.count <= leaf_shapes) return;
     const auto begin = order_.begin() + node.first;
@@ -164,38 +196,16 @@ void RayCaster::split(std::uint32_t index, std::vector<Box3d>& boxes)
     if (!(centres.extent(axis) > 1e-9)) return;  // all in one place: stays a leaf
     const auto bin_of = [&](std::uint32_t i) {
         const double place = (boxes[i].centre()[axis] - centres.min[axis]) / centres.extent(axis);
-        return std::min(bins - 1, static_cast<std::size_t>(place * bins));
+        return std::min(bin_count - 1, static_cast<std::size_t>(place * bin_count));
     };
-
-    std::array<Box3d, bins> bin_box;
-    std::array<std::size_t, bins> bin_count{};
+    std::array<Bin, bin_count> bins;
     for (auto i = begin; i != end; ++i) {
-        const std::size_t bin = bin_of(*i);
-        bin_box[bin].extend(boxes[*i]);
-        ++bin_count[bin];
-    }
-    std::array<double, bins> cost_above{};  // of the bins from here on
-    Box3d box;
-    std::size_t count = 0;
-    for (std::size_t bin = bins - 1; bin > 0; --bin) {
-        box.extend(bin_box[bin]);
-        count += bin_count[bin];
-        cost_above[bin] = area(box) * static_cast<double>(count);
-    }
-    box = {};
-    count = 0;
-    double best_cost = std::numeric_limits<double>::infinity();
-    std::size_t best = 1;
-    for (std::size_t bin = 1; bin < bins; ++bin) {
-        box.extend(bin_box[bin - 1]);
-        count += bin_count[bin - 1];
-        const double cost = area(box) * static_cast<double>(count) + cost_above[bin];
-        if (count && count < node.count && cost < best_cost) {
-            best_cost = cost;
-            best = bin;
-        }
+        Bin& bin = bins[bin_of(*i)];
+        bin.box.extend(boxes[*i]);
+        ++bin.count;
     }
 
+    const std::size_t best = cheapest_cut(bins, node.count);
     const auto middle = std::stable_partition(begin, end, [&](std::uint32_t i) { return bin_of(i) < best; });
     const auto left = static_cast<std::uint32_t>(middle - begin);
     std::array<Node, 2> children;

@@ -79,95 +79,147 @@ bool is_window(const Shape& s, double a, double b, bool& is_frame)
     return column < 0.6 && row < 0.7;
 }
 
+// A point on a shape: relative to its centre, and, on flat surfaces and along cylinders, in metres along and up.
+struct Place {
+    Vec3d from;
+    double a = 0, b = 0;
+    bool round = false;  // on a cylinder
+};
+
+Place place_of(const Shape& s, const Vec3d& p)
+{
+    Place at;
+    at.from = p - s.centre;
+    at.round = s.kind == Shape::Kind::cylinder;
+    at.a = at.round ? 0 : dot(at.from, s.u);
+    at.b = at.round ? dot(at.from, s.n) : dot(at.from, s.v);
+    return at;
+}
+
+void brick(const Shape& s, const Place& at, Look& look)
+{
+    bool is_frame = false;
+    if (!at.round && is_window(s, at.a, at.b, is_frame)) {
+        look.colour = is_frame ? Colour{232, 230, 224} : Colour{58, 74, 92};
+        look.reflectivity = is_frame ? 0.6 : 0.12;
+        return;
+    }
+    const double course = floor(at.b / 0.16);
+    const double offset = fraction(0.5 * course) * 0.3;
+    if (fraction(at.b / 0.16) < 0.12 || (!at.round && fraction((at.a + offset) / 0.3) < 0.05))
+        look.colour = {190, 182, 170};
+    else
+        look.colour = blend(s.colour, {96, 48, 40}, 0.35 * cell_value(floor((at.a + offset) / 0.3), course, s.id));
+    look.reflectivity = 0.38;
+}
+
+void plaster(const Shape& s, const Place& at, Look& look)
+{
+    bool is_frame = false;
+    if (is_window(s, at.a, at.b, is_frame)) {
+        look.colour = is_frame ? Colour{120, 88, 64} : Colour{62, 78, 96};
+        look.reflectivity = is_frame ? 0.4 : 0.12;
+    } else {
+        look.colour = blend(s.colour, {150, 142, 130}, 0.3 * smooth_noise(at.a * 0.7, at.b * 0.35, s.id));
+        look.reflectivity = 0.62;
+    }
+}
+
+void cladding(const Shape& s, const Place& at, Look& look)
+{
+    look.colour = blend(s.colour, {0, 0, 0}, fraction(at.a / 0.3) < 0.25 ? 0.2 : 0.0);
+    const double height = at.b + s.half_v - 1.0;
+    if (height > 2 * s.half_v - 2.6 && height < 2 * s.half_v - 1.8) look.colour = {70, 88, 106};  // strip of windows
+    if (std::abs(at.a) < 2.2 && height < 3.6) look.colour = {196, 92, 48};                        // gate
+    look.reflectivity = 0.55;
+}
+
+void tiles(const Shape& s, const Place& at, Look& look)
+{
+    const double row = floor(at.b / 0.32);
+    look.colour = blend(s.colour, {58, 40, 36}, 0.25 * cell_value(floor(at.a / 0.24), row, s.id));
+    if (fraction(at.b / 0.32) < 0.14) look.colour = blend(look.colour, {30, 24, 24}, 0.4);
+    look.reflectivity = 0.33;
+}
+
+void flat_roof(const Shape& s, const Place& at, Look& look)
+{
+    look.colour = blend(s.colour, {96, 96, 96}, smooth_noise(at.a * 0.5, at.b * 0.5, s.id));
+    if (fraction(at.a / 4) < 0.02) look.colour = {84, 84, 86};
+    look.reflectivity = 0.3;
+}
+
+void concrete(const Shape& s, const Place& at, Look& look)
+{
+    look.colour = blend(s.colour, {138, 136, 130}, smooth_noise(at.a * 0.4, at.b * 0.4, s.id));
+    if (fraction(at.a / 3) < 0.012 || fraction(at.b / 3) < 0.012) look.colour = {118, 116, 112};
+    look.reflectivity = 0.42;
+}
+
+void metal(const Shape& s, const Place& at, Look& look)
+{
+    if (fraction(at.b / 2.4) < 0.06) look.colour = blend(s.colour, {70, 70, 74}, 0.6);  // flanges
+    look.reflectivity = 0.72;
+}
+
+void paint(const Shape& s, const Place& at, Look& look)
+{
+    const double height = at.round ? at.b + s.half_v : at.from[2];
+    if (at.round && s.radius > 0.5) {
+        if (fraction(height / 1.8) < 0.02) look.colour = blend(s.colour, {90, 90, 90}, 0.5);  // weld seams
+        const double stain = smooth_noise(std::abs(at.from[0]) * 1.5 + at.from[1], height * 0.15, s.id);
+        if (stain > 0.72) look.colour = blend(look.colour, {142, 92, 58}, (stain - 0.72) * 1.6);
+    } else if (s.kind == Shape::Kind::sphere && std::abs(height) < 0.12 && s.lowest < -1e8) {
+        look.colour = {170, 60, 48};  // equator band
+    }
+    look.reflectivity = 0.68;
+}
+
+void leaf(const Shape& s, const Place& at, Look& look)
+{
+    const double height = std::clamp((at.from[2] / s.radius + 1) / 2, 0.0, 1.0);
+    look.colour = blend(blend(s.colour, {0, 0, 0}, 0.35), s.colour, height);
+    look.reflectivity = 0.45;
+}
+
 Look shape_look(const Shape& s, const Vec3d& p)
 {
     Look look;
     look.classification = s.classification;
     look.colour = s.colour;
     look.reflectivity = 0.5;
-    const Vec3d from = p - s.centre;
-    const bool round = s.kind == Shape::Kind::cylinder;
-    const double a = round ? 0 : dot(from, s.u);
-    const double b = round ? dot(from, s.n) : dot(from, s.v);
+    const Place at = place_of(s, p);
     switch (s.material) {
-        case Material::brick: {
-            bool is_frame = false;
-            if (!round && is_window(s, a, b, is_frame)) {
-                look.colour = is_frame ? Colour{232, 230, 224} : Colour{58, 74, 92};
-                look.reflectivity = is_frame ? 0.6 : 0.12;
-                break;
-            }
-            const double course = floor(b / 0.16);
-            const double offset = fraction(0.5 * course) * 0.3;
-            if (fraction(b / 0.16) < 0.12 || (!round && fraction((a + offset) / 0.3) < 0.05))
-                look.colour = {190, 182, 170};
-            else
-                look.colour = blend(s.colour, {96, 48, 40}, 0.35 * cell_value(floor((a + offset) / 0.3), course, s.id));
-            look.reflectivity = 0.38;
+        case Material::brick:
+            brick(s, at, look);
             break;
-        }
-        case Material::plaster: {
-            bool is_frame = false;
-            if (is_window(s, a, b, is_frame)) {
-                look.colour = is_frame ? Colour{120, 88, 64} : Colour{62, 78, 96};
-                look.reflectivity = is_frame ? 0.4 : 0.12;
-            } else {
-                look.colour = blend(s.colour, {150, 142, 130}, 0.3 * smooth_noise(a * 0.7, b * 0.35, s.id));
-                look.reflectivity = 0.62;
-            }
+        case Material::plaster:
+            plaster(s, at, look);
             break;
-        }
-        case Material::cladding: {
-            look.colour = blend(s.colour, {0, 0, 0}, fraction(a / 0.3) < 0.25 ? 0.2 : 0.0);
-            const double height = b + s.half_v - 1.0;
-            if (height > 2 * s.half_v - 2.6 && height < 2 * s.half_v - 1.8)
-                look.colour = {70, 88, 106};                                     // strip of windows
-            if (std::abs(a) < 2.2 && height < 3.6) look.colour = {196, 92, 48};  // gate
-            look.reflectivity = 0.55;
+        case Material::cladding:
+            cladding(s, at, look);
             break;
-        }
-        case Material::tiles: {
-            const double row = floor(b / 0.32);
-            look.colour = blend(s.colour, {58, 40, 36}, 0.25 * cell_value(floor(a / 0.24), row, s.id));
-            if (fraction(b / 0.32) < 0.14) look.colour = blend(look.colour, {30, 24, 24}, 0.4);
-            look.reflectivity = 0.33;
+        case Material::tiles:
+            tiles(s, at, look);
             break;
-        }
         case Material::flat_roof:
-            look.colour = blend(s.colour, {96, 96, 96}, smooth_noise(a * 0.5, b * 0.5, s.id));
-            if (fraction(a / 4) < 0.02) look.colour = {84, 84, 86};
-            look.reflectivity = 0.3;
+            flat_roof(s, at, look);
             break;
         case Material::concrete:
-            look.colour = blend(s.colour, {138, 136, 130}, smooth_noise(a * 0.4, b * 0.4, s.id));
-            if (fraction(a / 3) < 0.012 || fraction(b / 3) < 0.012) look.colour = {118, 116, 112};
-            look.reflectivity = 0.42;
+            concrete(s, at, look);
             break;
         case Material::metal:
-            if (fraction(b / 2.4) < 0.06) look.colour = blend(s.colour, {70, 70, 74}, 0.6);  // flanges
-            look.reflectivity = 0.72;
+            metal(s, at, look);
             break;
-        case Material::paint: {
-            const double height = round ? b + s.half_v : p[2] - s.centre[2];
-            if (round && s.radius > 0.5) {
-                if (fraction(height / 1.8) < 0.02) look.colour = blend(s.colour, {90, 90, 90}, 0.5);  // weld seams
-                const double stain = smooth_noise(std::abs(from[0]) * 1.5 + from[1], height * 0.15, s.id);
-                if (stain > 0.72) look.colour = blend(look.colour, {142, 92, 58}, (stain - 0.72) * 1.6);
-            } else if (s.kind == Shape::Kind::sphere && std::abs(height) < 0.12 && s.lowest < -1e8) {
-                look.colour = {170, 60, 48};  // equator band
-            }
-            look.reflectivity = 0.68;
+        case Material::paint:
+            paint(s, at, look);
             break;
-        }
         case Material::bark:
             look.reflectivity = 0.3;
             break;
-        case Material::leaf: {
-            const double height = std::clamp((from[2] / s.radius + 1) / 2, 0.0, 1.0);
-            look.colour = blend(blend(s.colour, {0, 0, 0}, 0.35), s.colour, height);
-            look.reflectivity = 0.45;
+        case Material::leaf:
+            leaf(s, at, look);
             break;
-        }
     }
     return look;
 }
@@ -177,7 +229,7 @@ Look shape_look(const Shape& s, const Vec3d& p)
 Look look_at(const Site& site, const Shape* shape, const Vec3d& point, const Vec3d& normal, Random& random)
 {
     Look look = shape ? shape_look(*shape, point) : ground_look(site, point);
-    // A soft sky light, so that the faces of a thing can be told apart in a picture.
+    // A soft sky light distinguishes the faces of a thing in a picture.
     static const Vec3d light{0.40824829046386302, -0.40824829046386302, 0.81649658092772603};
     const bool leaf = shape && shape->material == Material::leaf;
     const double brightness = leaf ? 1.0 : 0.8 + 0.22 * dot(normal, light);

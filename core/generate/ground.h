@@ -1,0 +1,32 @@
+// The ground of the generated site.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace pcm::scene {
+
+// Rolling ground: the sum of a few sine waves.
+class Ground {
+public:
+    Ground() = default;
+    explicit Ground(std::uint64_t seed);
+
+    double height(double x, double y) const;
+    // Also the derivatives along x and y.
+    double height(double x, double y, double& slope_x, double& slope_y) const;
+    // No slope is steeper than this.
+    double steepest() const { return steepest_; }
+    // No second derivative along any direction is greater, 1/m.
+    double most_curved() const { return most_curved_; }
+
+private:
+    struct Wave {
+        double amplitude, x, y, phase;  // amplitude * sin(2 pi (x * px + y * py + phase))
+    };
+    std::array<Wave, 4> waves_{};
+    double steepest_ = 0;
+    double most_curved_ = 0;
+};
+
+}  // namespace pcm::scene
