@@ -4,8 +4,8 @@
 //   bench_caches about                                                        what it draws with
 #include "bench/caches/modes.h"
 
-#include "pcm/cache/l2_cache.h"
 #include "pcm/build/builder.h"
+#include "pcm/cache/l2_cache.h"
 #include "pcm/tree/tree.h"
 
 #include <CLI/CLI.hpp>
@@ -83,16 +83,15 @@ void add_replay(CLI::App& app, Arguments& a)
         ->check(CLI::IsMember({"hash", "ordered"}));
 }
 
-}  // namespace
-
-int main(int argc, char** argv)
-{
-    CLI::App app("Measures the caches of a point cloud tree; prints one line of JSON.");
-    app.require_subcommand(1);
-    Arguments arguments;
-    Settings& s = arguments.settings;
+// What the command line asks for.
+struct Chosen {
     std::string mode;
     std::function<void(const Settings&, Row&)> measure;
+};
+
+void add_modes(CLI::App& app, Arguments& arguments, Chosen& chosen)
+{
+    Settings& s = arguments.settings;
     const auto add = [&](const char* name, const char* what, void (*function)(const Settings&, Row&)) {
         CLI::App* const command = app.add_subcommand(name, what);
         command->add_option("tree", s.tree, "Tree folder")->required()->check(CLI::ExistingDirectory);
@@ -101,9 +100,9 @@ int main(int argc, char** argv)
                          "cold: the system's cache of the tree's files is dropped before")
             ->capture_default_str()
             ->check(CLI::IsMember({"cold", "warm"}));
-        command->callback([&mode, &measure, name, function] {
-            mode = name;
-            measure = function;
+        command->callback([&chosen, name, function] {
+            chosen.mode = name;
+            chosen.measure = function;
         });
         return command;
     };
@@ -133,22 +132,33 @@ int main(int argc, char** argv)
     CLI::App* const replay = add("replay", "A camera path, drawn offscreen", measure_replay);
     add_l2(*replay, arguments);
     add_replay(*replay, arguments);
-    app.add_subcommand("about", "What replay draws with, and the defaults of the library")->callback([&] {
-        mode = "about";
+    app.add_subcommand("about", "What replay draws with, and the defaults of the library")->callback([&chosen] {
+        chosen.mode = "about";
     });
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+    CLI::App app("Measures the caches of a point cloud tree; prints one line of JSON.");
+    app.require_subcommand(1);
+    Arguments arguments;
+    Chosen chosen;
+    add_modes(app, arguments, chosen);
     CLI11_PARSE(app, argc, argv);
     try {
         Row row;
-        if (mode == "about") {
+        if (chosen.mode == "about") {
             std::string why;
             row["gl"] = gl_renderer(why);
             if (!why.empty()) row["why_not"] = why;
             put_defaults(row);
         } else {
             const Settings settings = arguments.get();
-            row["mode"] = mode;
+            row["mode"] = chosen.mode;
             row["points"] = pcm::Tree::open(settings.tree)->info().points;
-            measure(settings, row);
+            chosen.measure(settings, row);
         }
         std::printf("%s\n", row.dump().c_str());
         return 0;

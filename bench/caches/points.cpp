@@ -120,6 +120,59 @@ void measure_scan(const Settings& settings, Row& row)
     }
 }
 
+namespace {
+
+// Questions for chunks that the cache holds.
+struct Hits {
+    L2Cache& cache;
+    const std::vector<NodeId>& nodes;
+    const ColumnSet& columns;
+
+    // Nanoseconds of each of `count` hits; without `ask` what the clock itself takes.
+    std::vector<double> one_by_one(std::uint64_t count, bool ask) const
+    {
+        std::mt19937_64 random(3);
+        std::vector<double> times;
+        times.reserve(count);
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const NodeId node = nodes[random() % nodes.size()];
+            const auto start = Clock::now();
+            if (ask) cache.get(node, columns);
+            times.push_back(1e9 * seconds_since(start));
+        }
+        return times;
+    }
+    // Millions of hits a second, by several threads for so many seconds.
+    double throughput(unsigned threads, double duration) const
+    {
+        std::atomic<bool> go{false}, stop{false};
+        std::vector<std::uint64_t> counts(threads, 0);
+        std::vector<std::thread> team;
+        for (unsigned t = 0; t < threads; ++t)
+            team.emplace_back([&, t] {
+                std::mt19937_64 random(t + 1);
+                std::uint64_t count = 0;
+                while (!go) std::this_thread::yield();
+                while (!stop) {
+                    for (unsigned i = 0; i < 64; ++i) cache.get(nodes[random() % nodes.size()], columns);
+                    count += 64;
+                }
+                counts[t] = count;
+            });
+        const auto start = Clock::now();
+        go = true;
+        std::this_thread::sleep_for(std::chrono::duration<double>(duration));
+        stop = true;
+        for (std::thread& thread : team) thread.join();
+        const double seconds = seconds_since(start);
+        std::uint64_t sum = 0;
+        for (const std::uint64_t count : counts) sum += count;
+        return static_cast<double>(sum) / seconds / 1e6;
+    }
+};
+
+}  // namespace
+
 void measure_hits(const Settings& settings, Row& row)
 {
     prepare_storage(settings, row);
@@ -139,54 +192,20 @@ void measure_hits(const Settings& settings, Row& row)
     };
     const std::uint64_t misses_before = misses();
 
-    const auto one_by_one = [&](bool ask) {
-        std::mt19937_64 random(3);
-        std::vector<double> times;
-        times.reserve(settings.timed_hits);
-        for (std::uint64_t i = 0; i < settings.timed_hits; ++i) {
-            const NodeId node = nodes[random() % nodes.size()];
-            const auto start = Clock::now();
-            if (ask) cache.get(node, columns);
-            times.push_back(1e9 * seconds_since(start));
-        }
-        return times;
-    };
-    one_by_one(true);
-    const std::vector<double> clock = one_by_one(false), times = one_by_one(true);
+    const Hits hits{cache, nodes, columns};
+    hits.one_by_one(settings.timed_hits, true);
+    const std::vector<double> clock = hits.one_by_one(settings.timed_hits, false),
+                              times = hits.one_by_one(settings.timed_hits, true);
     row["chunks"] = nodes.size();
     row["clock_ns"] = quantile(clock, 0.5);
     row["hit_ns_p50"] = quantile(times, 0.5) - quantile(clock, 0.5);
     row["hit_ns_p99"] = quantile(times, 0.99) - quantile(clock, 0.5);
 
-    const auto throughput = [&](unsigned threads) {
-        std::atomic<bool> go{false}, stop{false};
-        std::vector<std::uint64_t> counts(threads, 0);
-        std::vector<std::thread> team;
-        for (unsigned t = 0; t < threads; ++t)
-            team.emplace_back([&, t] {
-                std::mt19937_64 random(t + 1);
-                std::uint64_t count = 0;
-                while (!go) std::this_thread::yield();
-                while (!stop) {
-                    for (unsigned i = 0; i < 64; ++i) cache.get(nodes[random() % nodes.size()], columns);
-                    count += 64;
-                }
-                counts[t] = count;
-            });
-        const auto start = Clock::now();
-        go = true;
-        std::this_thread::sleep_for(std::chrono::duration<double>(settings.seconds));
-        stop = true;
-        for (std::thread& thread : team) thread.join();
-        const double seconds = seconds_since(start);
-        std::uint64_t sum = 0;
-        for (const std::uint64_t count : counts) sum += count;
-        return static_cast<double>(sum) / seconds / 1e6;
-    };
     const std::vector<unsigned> numbers{1, 2, 4, 8};
     std::vector<std::vector<double>> found(numbers.size());
     for (int round = 0; round < 5; ++round)
-        for (std::size_t k = 0; k < numbers.size(); ++k) found[k].push_back(throughput(numbers[k]));
+        for (std::size_t k = 0; k < numbers.size(); ++k)
+            found[k].push_back(hits.throughput(numbers[k], settings.seconds));
     for (std::size_t k = 0; k < numbers.size(); ++k)
         row["mhits_s_" + std::to_string(numbers[k])] = quantile(found[k], 0.5);
     if (misses() != misses_before) throw std::runtime_error("the cache dropped chunks while hits were measured");
