@@ -1,4 +1,4 @@
-# What `cmake --install` puts where, for those who build on the library: the libraries, their public headers, and the
+# What `cmake --install` puts where, for programs that build on the library: the libraries, their public headers, and the
 # package that find_package(pcm) reads. The command and the plugins say so themselves, beside their targets.
 #
 # Components of the install: library (this file), command, meshlab.

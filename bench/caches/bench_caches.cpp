@@ -59,7 +59,7 @@ void add_replay(CLI::App& app, Arguments& a)
 {
     Settings& s = a.settings;
     app.add_option("--path", s.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
-    app.add_option("--passes", s.passes = 2, "How often the path is gone")
+    app.add_option("--passes", s.passes = 2, "Number of passes along the path")
         ->capture_default_str()
         ->check(CLI::Range(1, 100));
     app.add_option("--size", a.size, "Of the picture, pixels")->capture_default_str();

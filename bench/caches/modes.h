@@ -23,7 +23,7 @@ struct Settings {
     double seconds = 0;                  // that a throughput is measured for
 
     std::filesystem::path path;  // of the camera
-    unsigned passes = 1;         // how often it is gone
+    unsigned passes = 1;         // passes along the path
     int width = 0, height = 0;
     double pace_ms = 0;         // a frame takes at least this long, as on a display
     double longest_rest_s = 0;  // a picture that is not complete by then is given up

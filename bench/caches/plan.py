@@ -1,7 +1,7 @@
-"""Which configurations are measured: studies, each of which varies one or two things and holds the others."""
+"""Which configurations are measured: studies; each varies one or two settings and holds the others."""
 import dataclasses
 
-# What tells one configuration from another, in the order of the columns; "" where a mode has no such thing.
+# What distinguishes configurations, in the order of the columns; "" where a mode has no such thing.
 KEYS = ["study", "mode", "cloud", "chunk_points", "path", "storage", "l1_mb", "block_mb", "policy", "container", "l2_mb", "l2_threads",
         "reads", "threads"]
 AS_BUILT = "as built"  # chunk_points of a tree that is measured as it is

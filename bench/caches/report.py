@@ -35,9 +35,9 @@ RULE = f"""Each value of a choice gets a score: for every cloud and every kind o
 the repetitions is divided by that of the best value, and the geometric mean of these ratios is the score; 1 would be best in everything.
 A value is as good as the best when its score is within {TOLERANCE:.0%} of the best score, or within the spread of its figures (half the distance
 of the quartiles, as a share of the median; the mean over the figures) or of the best one's, whichever is most. The library's default is recommended when it is as
-good as the best, for a default is not changed for less than what repetitions differ by; else the best value is. What was measured once tells no
+good as the best, for a default is not changed for less than what repetitions differ by; else the best value is. What was measured once shows no
 spread, and changes no default."""
-SIZE_RULE = """A size is enough when at it, and at each larger one, fewer than 1 % of the requests are capacity misses, on all clouds. L1 must besides hold
+SIZE_RULE = """A size is enough when at it, and at each larger one, fewer than 1 % of the requests are capacity misses, on all clouds. L1 must also hold
 one picture at the renderer's point budget, 16 bytes a point. The library's default is recommended when it is enough; else the next power of two that is."""
 
 
@@ -157,7 +157,7 @@ def defaults_section(table, about):
             differing.append(name)
     verdict = "The library's defaults are those recommended." if not differing else "**The library's defaults differ from those recommended in: " + ", ".join(differing) + ".**"
     if unsure:
-        verdict += f" Some configurations were measured once, so nothing is known of the spread, and the defaults kept for want of it: {', '.join(unsure)}."
+        verdict += f" Some configurations were measured once, so nothing is known of the spread, and so the defaults are kept: {', '.join(unsure)}."
     return [*lines, "", verdict, "", "The scores, and the mean ratios to the best that they are made of:", *tables, ""]
 
 

@@ -84,9 +84,9 @@ double share_in_cache(const std::filesystem::path& tree)
         void* const at = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.number, 0);
         if (at == MAP_FAILED) fail("map", path);
         std::vector<unsigned char> resident((size + page - 1) / page);
-        const bool told = ::mincore(at, size, resident.data()) == 0;
+        const bool known = ::mincore(at, size, resident.data()) == 0;
         ::munmap(at, size);
-        if (!told) fail("ask what is in memory of", path);
+        if (!known) fail("ask what is in memory of", path);
         pages += resident.size();
         for (const unsigned char r : resident) held += r & 1u;
     });

@@ -15,7 +15,7 @@ struct Reading {
 // Writes what is dirty and forgets what the system has cached of the tree's files. Throws std::runtime_error.
 void drop_from_cache(const std::filesystem::path& tree);
 
-// Share of the files' pages that the system holds in memory, 0 to 1. After drop_from_cache() it tells whether that was
+// Share of the files' pages that the system holds in memory, 0 to 1. After drop_from_cache() it shows whether that was
 // done.
 double share_in_cache(const std::filesystem::path& tree);
 

@@ -6,9 +6,9 @@
 // transparent where nothing is drawn.
 #include "bench/caches/row.h"
 
-#include "pcm/system/error.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 #include <CLI/CLI.hpp>
@@ -224,7 +224,7 @@ int main(int argc, char** argv)
     replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    replay->add_option("--passes", a.passes, "How often the path is gone; the last time is measured")
+    replay->add_option("--passes", a.passes, "Number of passes along the path; the last one is measured")
         ->capture_default_str()
         ->check(CLI::Range(1, 100));
     CLI11_PARSE(app, argc, argv);

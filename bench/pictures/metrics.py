@@ -49,6 +49,6 @@ def tiles(covered):
 
 
 def blank_tiles(reference, picture, before=None):
-    """Tiles of which the reference covers at least a quarter and this one nothing; of those that `before`, the picture before, did cover."""
+    """Tiles of which the reference covers at least a quarter and this one nothing; of those also the number that `before`, the previous picture, covers."""
     blank = (tiles(reference[:, :, 3] > 0) >= TILE * TILE / 4) & (tiles(picture[:, :, 3] > 0) == 0)
     return int(blank.sum()), int((blank & (tiles(before[:, :, 3] > 0) > 0)).sum()) if before is not None else 0

@@ -10,7 +10,7 @@ points), is given radii and normals (splats.py) and built into WORK (by default 
 splat mode and budget, and pictures of it are compared with the full-resolution ones. --fly flies through a large tree with caches much smaller than it, and
 looks for regions that go blank. Needs the packages of requirements.txt; --python names an interpreter that has them.
 
-What is in results.csv is not measured again, so a run that was interrupted goes on where it was.
+Rows of results.csv are not measured again, so an interrupted run resumes.
 """
 import argparse
 import importlib.util

@@ -17,7 +17,7 @@ def first_line(path, starts):
 
 
 def disk_kind(folder):
-    """Of the device that holds the folder, as the kernel tells it."""
+    """The device that holds the folder, as the kernel reports it."""
     number = os.stat(folder).st_dev
     device = pathlib.Path(f"/sys/dev/block/{os.major(number)}:{os.minor(number)}")
     if not device.exists():

@@ -1,4 +1,4 @@
-"""What the studies have in common: a table of runs that grows, and goes on where it was."""
+"""What the studies have in common: a table of runs that grows, and resumes."""
 import json
 import os
 import pathlib
@@ -26,8 +26,8 @@ def call(command):
 def add_arguments(parser, program, quick):
     parser.add_argument("--bin", type=pathlib.Path, help=f"where pcmlab and {program} are")
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, besides the generated ones")
-    parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, besides the generated ones")
+    parser.add_argument("--cloud", action="append", default=[], help="NAME=FILE or FILE, in addition to the generated ones")
+    parser.add_argument("--path", action="append", default=[], type=pathlib.Path, help="a camera path, in addition to the generated ones")
     parser.add_argument("--repeat", type=int)
     parser.add_argument("--again", action="append", default=[], metavar="STUDY", help="measure it again, whatever results.csv has of it")
     parser.add_argument("--report", action="store_true", help="only plots and report")
@@ -52,7 +52,7 @@ def begin(parser, arguments, plan):
 
 
 def describe_machine(out, work, about):
-    """Once: a study that goes on is of the machine that it began on."""
+    """Written once: a resumed study belongs to the machine that it was started on."""
     file = out / "sys_info.txt"
     if file.exists():
         return

@@ -7,7 +7,7 @@
 A peer's COMMAND has {input}, {output} (a name in a folder of its own), {threads} and {memory_mb}. Builders take turns in one run so that all
 meet the same machine; medians count. Input and tree are dropped from the system's cache before each run. Time, processor time
 and peak memory are those of the whole process, scratch is the largest size that the output's folder had less what is left
-in the end, and an exponent tells how a figure grows with the number of points (1: in proportion).
+in the end, and an exponent says how a figure grows with the number of points (1: in proportion).
 """
 import argparse
 import json
