@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 namespace pcm::cli {
 namespace {
@@ -76,42 +77,43 @@ void print_metadata(const std::vector<Metadata>& metadata)
     }
 }
 
-int tree_info(const Arguments& arguments)
+Json to_json(const Tree& tree)
 {
-    const auto tree = Tree::open(arguments.inputs[0]);
-    const TreeInfo& info = tree->info();
+    const TreeInfo& info = tree.info();
+    Json json;
+    json["tree"] = tree.folder().string();
+    json["points"] = info.points;
+    json["points_skipped"] = info.points_skipped;
+    json["bounds"] = box_of(info.points ? info.bounds() : Box3d());
+    json["scale"] = info.grid.scale;
+    json["origin"] = info.grid.offset;
+    json["sampling"] = info.sampling == Sampling::grid ? "grid" : "poisson";
+    json["position_type"] = name_of(info.position_type);
+    json["position_error"] = info.position_error;
+    json["attributes"] = attributes_of(info.schema);
+    json["generation"] = info.generation;
+    json["parts"] = tree.part_roots().size();
+    json["coverage_kept"] = info.coverage_kept;
+    json["levels"] = info.levels;
+    json["level"] = Json::array();
+    for (const LevelSummary& level : tree.level_summaries())
+        json["level"].push_back({{"nodes", level.nodes},
+                                 {"points", level.points},
+                                 {"points_to_here", level.points_to_here},
+                                 {"spacing", level.spacing}});
+    json["nodes"] = tree.nodes().size();
+    json["bytes"] = info.bytes;
+    json["metadata"] = metadata_of(info.metadata);
+    json["sources"] = info.sources;
+    return json;
+}
+
+void print(const Tree& tree)
+{
+    const TreeInfo& info = tree.info();
     const Box3d bounds = info.bounds();
-    const std::vector<LevelSummary> levels = tree->level_summaries();
-    if (arguments.common.json) {
-        Json json;
-        json["tree"] = tree->folder().string();
-        json["points"] = info.points;
-        json["points_skipped"] = info.points_skipped;
-        json["bounds"] = box_of(info.points ? bounds : Box3d());
-        json["scale"] = info.grid.scale;
-        json["origin"] = info.grid.offset;
-        json["sampling"] = info.sampling == Sampling::grid ? "grid" : "poisson";
-        json["position_type"] = name_of(info.position_type);
-        json["position_error"] = info.position_error;
-        json["attributes"] = attributes_of(info.schema);
-        json["generation"] = info.generation;
-        json["parts"] = tree->part_roots().size();
-        json["coverage_kept"] = info.coverage_kept;
-        json["levels"] = info.levels;
-        json["level"] = Json::array();
-        for (const LevelSummary& level : levels)
-            json["level"].push_back({{"nodes", level.nodes},
-                                     {"points", level.points},
-                                     {"points_to_here", level.points_to_here},
-                                     {"spacing", level.spacing}});
-        json["nodes"] = tree->nodes().size();
-        json["bytes"] = info.bytes;
-        json["metadata"] = metadata_of(info.metadata);
-        json["sources"] = info.sources;
-        std::printf("%s\n", json.dump(2).c_str());
-        return 0;
-    }
-    std::printf("%s\n", tree->folder().string().c_str());
+    const std::vector<LevelSummary> levels = tree.level_summaries();
+    std::printf("%s\n", tree.folder().string().c_str());
     std::printf("points      %s\n", grouped(info.points).c_str());
     if (info.points_skipped)
         std::printf("skipped     %s without a finite position\n", grouped(info.points_skipped).c_str());
@@ -128,8 +130,8 @@ int tree_info(const Arguments& arguments)
     std::printf("size        %s, %.2f bytes a point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
     if (info.generation > 1)
-        std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree->part_roots().size(),
-                    tree->part_roots().size() == 1 ? "part" : "parts");
+        std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree.part_roots().size(),
+                    tree.part_roots().size() == 1 ? "part" : "parts");
     if (!info.coverage_kept)
         std::printf("levels      have gaps where points were deleted; 'pcmlab compact' closes them\n");
     if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
@@ -140,7 +142,6 @@ int tree_info(const Arguments& arguments)
                     grouped(level.points).c_str(), grouped(level.points_to_here).c_str());
         std::printf("%s\n", level.spacing > 0 ? brief(level.spacing).c_str() : "full");
     }
-    return 0;
 }
 
 // What all points say, as opposed to headers.
@@ -172,39 +173,35 @@ Scan scan(PointReader& cloud, const ProgressFunction& progress)
     return seen;
 }
 
-int file_info(const Arguments& arguments)
+Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
 {
-    MergedReader cloud({arguments.inputs.begin(), arguments.inputs.end()}, arguments.reading.get(arguments.threads));
     const FileInfo& info = cloud.info();
-    std::optional<Scan> scanned;
-    if (arguments.scan) {
-        scanned = scan(cloud, console_progress(arguments.common));
-        end_progress(arguments.common);
+    Json json;
+    json["files"] = Json::array();
+    for (const MergedReader::Source& source : cloud.sources()) json["files"].push_back(source.path.string());
+    json["format"] = info.format;
+    json["points"] = info.points;
+    json["points_known"] = info.points_known;
+    json["promised_bounds"] = box_of(info.promised_box.value_or(Box3d()));
+    if (scanned) {
+        json["scanned"] = {
+            {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
+        json["peak_rss_bytes"] = peak_rss_bytes();
     }
-    if (arguments.common.json) {
-        Json json;
-        json["files"] = Json::array();
-        for (const MergedReader::Source& source : cloud.sources()) json["files"].push_back(source.path.string());
-        json["format"] = info.format;
-        json["points"] = info.points;
-        json["points_known"] = info.points_known;
-        json["promised_bounds"] = box_of(info.promised_box.value_or(Box3d()));
-        if (scanned) {
-            json["scanned"] = {
-                {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
-            json["peak_rss_bytes"] = peak_rss_bytes();
-        }
-        json["position_type"] = name_of(info.position_type);
-        if (info.grid) {
-            json["scale"] = info.grid->scale;
-            json["offset"] = info.grid->offset;
-        }
-        json["attributes"] = attributes_of(info.schema);
-        json["metadata"] = metadata_of(info.metadata);
-        json["notes"] = info.notes;
-        std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+    json["position_type"] = name_of(info.position_type);
+    if (info.grid) {
+        json["scale"] = info.grid->scale;
+        json["offset"] = info.grid->offset;
     }
+    json["attributes"] = attributes_of(info.schema);
+    json["metadata"] = metadata_of(info.metadata);
+    json["notes"] = info.notes;
+    return json;
+}
+
+void print(const MergedReader& cloud, const std::optional<Scan>& scanned)
+{
+    const FileInfo& info = cloud.info();
     if (cloud.sources().size() == 1)
         std::printf("%s\n", cloud.sources()[0].path.string().c_str());
     else
@@ -233,18 +230,42 @@ int file_info(const Arguments& arguments)
     print_attributes(info.schema);
     print_metadata(info.metadata);
     for (const std::string& note : info.notes) std::printf("note        %s\n", note.c_str());
-    return 0;
+}
+
+// The tree among the inputs, which must then be the only one.
+std::shared_ptr<const Tree> tree_of(const std::vector<std::string>& inputs)
+{
+    for (const std::string& input : inputs) {
+        if (!is_tree(input) && std::filesystem::path(input).extension() != std::string(".") + tree_extension) continue;
+        if (inputs.size() > 1) throw Error(ErrorCode::invalid_argument, input, "this is a tree; it is looked at alone");
+        return Tree::open(input);
+    }
+    return nullptr;
+}
+
+template <class... Cloud>
+void show(const Common& common, const Cloud&... cloud)
+{
+    if (common.json)
+        std::printf("%s\n", to_json(cloud...).dump(2).c_str());
+    else
+        print(cloud...);
 }
 
 int info(const Arguments& arguments)
 {
-    for (const std::string& input : arguments.inputs) {
-        if (!is_tree(input) && std::filesystem::path(input).extension() != std::string(".") + tree_extension) continue;
-        if (arguments.inputs.size() > 1)
-            throw Error(ErrorCode::invalid_argument, input, "this is a tree; it is looked at alone");
-        return tree_info(arguments);
+    if (const auto tree = tree_of(arguments.inputs)) {
+        show(arguments.common, *tree);
+        return 0;
     }
-    return file_info(arguments);
+    MergedReader cloud({arguments.inputs.begin(), arguments.inputs.end()}, arguments.reading.get(arguments.threads));
+    std::optional<Scan> scanned;
+    if (arguments.scan) {
+        scanned = scan(cloud, console_progress(arguments.common));
+        end_progress(arguments.common);
+    }
+    show(arguments.common, cloud, scanned);
+    return 0;
 }
 
 }  // namespace

@@ -113,6 +113,59 @@ void make_raw(Assignment& assignment, const Attribute& attribute)
     }
 }
 
+// Finds the attributes of the assignments, and adds them to the query.
+void resolve(std::vector<Assignment>& assignments, const Schema& schema, Query& query)
+{
+    for (Assignment& assignment : assignments) {
+        const auto slot = schema.find(assignment.name);
+        if (!slot) {
+            std::string names;
+            for (const Attribute& attribute : schema) names += (names.empty() ? "" : ", ") + attribute.name;
+            refuse(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
+                   names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
+        }
+        make_raw(assignment, schema[*slot]);
+        assignment.slot = query.attributes.size();
+        query.attributes.push_back(assignment.name);
+    }
+}
+
+void write(const std::vector<Assignment>& assignments, EditView& view)
+{
+    for (const Assignment& assignment : assignments)
+        for (std::size_t i = 0; i < view.size(); ++i)
+            for (std::size_t v = 0; v < assignment.raw.size(); ++v)
+                view.set(i, assignment.slot, assignment.raw[v],
+                         assignment.component.value_or(static_cast<std::uint32_t>(v)));
+    view.mark_written();
+}
+
+struct Counts {
+    std::uint64_t points = 0, chunks = 0;
+};
+
+// All of it, or, when an exception is thrown, nothing.
+Counts change(PointCloud& cloud, const std::vector<Attribute>& added, std::vector<Assignment>& assignments, Query query)
+{
+    Counts set;
+    try {
+        for (const Attribute& attribute : added) cloud.add_attribute(attribute);
+        resolve(assignments, cloud.info().schema, query);
+        if (!assignments.empty()) {
+            auto cursor = cloud.edit(query);
+            for (EditView view; cursor.getNextData(view); ++set.chunks) {
+                write(assignments, view);
+                set.points += view.size();
+            }
+        }
+        cloud.close();
+    } catch (...) {
+        cloud.abandon();
+        throw;
+    }
+    return set;
+}
+
 int set(Arguments& arguments)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -131,47 +184,15 @@ int set(Arguments& arguments)
     for (const std::string& text : arguments.attributes) added.push_back(parse_attribute(text));
 
     const auto cloud = PointCloud::open(arguments.tree, cache, Access::write);
-    std::uint64_t points = 0, chunks = 0;
-    try {
-        for (const Attribute& attribute : added) cloud->add_attribute(attribute);
-        for (Assignment& assignment : assignments) {
-            const auto slot = cloud->info().schema.find(assignment.name);
-            if (!slot) {
-                std::string names;
-                for (const Attribute& attribute : cloud->info().schema)
-                    names += (names.empty() ? "" : ", ") + attribute.name;
-                refuse(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
-                       names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
-            }
-            make_raw(assignment, cloud->info().schema[*slot]);
-            assignment.slot = query.attributes.size();
-            query.attributes.push_back(assignment.name);
-        }
-        if (!assignments.empty()) {
-            auto cursor = cloud->edit(query);
-            for (EditView view; cursor.getNextData(view); ++chunks) {
-                for (const Assignment& assignment : assignments)
-                    for (std::size_t i = 0; i < view.size(); ++i)
-                        for (std::size_t v = 0; v < assignment.raw.size(); ++v)
-                            view.set(i, assignment.slot, assignment.raw[v],
-                                     assignment.component.value_or(static_cast<std::uint32_t>(v)));
-                view.mark_written();
-                points += view.size();
-            }
-        }
-        cloud->close();
-    } catch (...) {
-        cloud->abandon();
-        throw;
-    }
+    const Counts set = change(*cloud, added, assignments, query);
     end_progress(arguments.common);
     const L2Statistics statistics = cloud->cache().statistics();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (arguments.common.json) {
         Json json;
         json["tree"] = arguments.tree;
-        json["points_set"] = points;
-        json["chunks_set"] = chunks;
+        json["points_set"] = set.points;
+        json["chunks_set"] = set.chunks;
         json["chunks_written"] = statistics.written_chunks;
         json["attributes_added"] = added.size();
         json["seconds"] = seconds;
@@ -181,7 +202,7 @@ int set(Arguments& arguments)
         return 0;
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
-                grouped(points).c_str(), grouped(chunks).c_str(), grouped(added.size()).c_str(), seconds);
+                grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(), seconds);
     if (arguments.statistics) print(statistics);
     return 0;
 }

@@ -1,9 +1,11 @@
-// The pcm command as a user meets it: output, JSON, exit codes.
+// The pcmlab command as a user meets it: output, JSON, exit codes.
 
 #include "pcm/cloud/region.h"
 #include "tests/cli/command.h"
 
 #include <fstream>
+#include <set>
+#include <sstream>
 
 namespace {
 
@@ -64,6 +66,26 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     EXPECT_EQ(Json::parse(pcmlab("info --json " + path("scene.pct")).out)["sampling"], "grid");
     EXPECT_NE(pcmlab("info " + path("scene.pct")).out.find("by a grid"), std::string::npos);
     EXPECT_EQ(pcmlab("verify " + path("scene.pct")).code, 0);
+}
+
+TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
+{
+    const Result help = pcmlab("--help");
+    EXPECT_EQ(help.code, 0);
+    std::istringstream lines(help.out.substr(help.out.find("Subcommands:")));
+    std::string line, name, word;
+    std::getline(lines, line);
+    std::set<std::string> names;
+    while (std::getline(lines, line) && std::istringstream(line) >> name >> word) {
+        EXPECT_TRUE(names.insert(name).second) << name << " is listed twice";
+        if (name == "render") continue;  // a program of its own, which need not be there
+        const Result own = pcmlab(name + " --help");
+        EXPECT_EQ(own.code, 0) << name;
+        EXPECT_NE(own.out.find("Usage: pcmlab " + name), std::string::npos) << own.out;
+    }
+    for (const char* expected : {"build", "convert", "info", "verify", "append", "compact", "delete", "repair", "query",
+                                 "set", "transform", "render", "generate"})
+        EXPECT_EQ(names.count(expected), 1u) << expected << " is missing in\n" << help.out;
 }
 
 TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <memory>
 #include <set>
-#include <thread>
 
 namespace pcm::cli {
 namespace {
@@ -93,6 +92,66 @@ private:
     ProgressFunction progress_;
 };
 
+// All pictures together.
+struct Summary {
+    std::vector<std::filesystem::path> files;
+    std::vector<Drawn> drawn;  // for each file
+    std::set<std::string> notices;
+    double seconds = 0, longest_ms = 0;
+    std::uint64_t most_points = 0;
+    bool full = true;
+
+    void add(const Drawn& picture)
+    {
+        drawn.push_back(picture);
+        for (const CloudReport& cloud : picture.report.clouds)
+            if (!cloud.notice.empty()) notices.insert(cloud.notice);
+        longest_ms = std::max(longest_ms, picture.ms);
+        most_points = std::max(most_points, picture.report.points_drawn);
+        full = full && picture.report.full_resolution;
+    }
+};
+
+Json to_json(const Summary& summary, const RenderArguments& arguments, const Offscreen& screen)
+{
+    Json pictures = Json::array();
+    for (std::size_t i = 0; i < summary.files.size(); ++i) {
+        const Drawn& drawn = summary.drawn[i];
+        pictures.push_back({{"file", summary.files[i].string()},
+                            {"points_drawn", drawn.report.points_drawn},
+                            {"screen_error_px", drawn.report.screen_error_px},
+                            {"full_resolution", drawn.report.full_resolution},
+                            {"ms", drawn.ms},
+                            {"frames", drawn.frames},
+                            {"uploaded_bytes", drawn.uploaded_bytes}});
+    }
+    Json json;
+    json["trees"] = arguments.trees;
+    json["width"] = screen.width();
+    json["height"] = screen.height();
+    json["drawn_with"] = screen.renderer();
+    json["notes"] = summary.notices;
+    json["seconds"] = summary.seconds;
+    json["peak_rss_bytes"] = peak_rss_bytes();
+    json["pictures"] = pictures;
+    return json;
+}
+
+void print(const Summary& summary, const Offscreen& screen)
+{
+    const std::vector<std::filesystem::path>& files = summary.files;
+    for (const std::string& notice : summary.notices) std::printf("note: %s\n", notice.c_str());
+    const char* const whole = summary.full ? "every point in view" : "as many points as were asked for";
+    if (files.size() == 1)
+        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(summary.most_points).c_str(), whole,
+                    time_text(summary.seconds).c_str());
+    else
+        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(),
+                    files.back().c_str(), grouped(summary.most_points).c_str(), whole,
+                    time_text(summary.longest_ms / 1000).c_str());
+    std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
+}
+
 int render(const RenderArguments& arguments)
 {
     const auto start = Clock::now();
@@ -109,57 +168,22 @@ int render(const RenderArguments& arguments)
     const Offscreen screen(size.width, size.height);
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
     const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
-    const std::vector<std::filesystem::path> files = files_of(arguments, cameras.size());
-    std::filesystem::path folder = files.front().parent_path();
+    Summary summary;
+    summary.files = files_of(arguments, cameras.size());
+    const std::filesystem::path folder = summary.files.front().parent_path();
     if (!arguments.path.empty() && !folder.empty()) std::filesystem::create_directories(folder);
 
-    Json pictures = Json::array();
-    std::set<std::string> notices;
-    double longest_ms = 0;
-    std::uint64_t most_points = 0;
-    bool full = true;
     Job job(arguments, screen, scene);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        const Drawn drawn = job.draw(cameras[i], i, cameras.size());
-        job.write(files[i]);
-        for (const CloudReport& cloud : drawn.report.clouds)
-            if (!cloud.notice.empty()) notices.insert(cloud.notice);
-        longest_ms = std::max(longest_ms, drawn.ms);
-        most_points = std::max(most_points, drawn.report.points_drawn);
-        full = full && drawn.report.full_resolution;
-        if (arguments.common.json)
-            pictures.push_back({{"file", files[i].string()},
-                                {"points_drawn", drawn.report.points_drawn},
-                                {"screen_error_px", drawn.report.screen_error_px},
-                                {"full_resolution", drawn.report.full_resolution},
-                                {"ms", drawn.ms},
-                                {"frames", drawn.frames},
-                                {"uploaded_bytes", drawn.uploaded_bytes}});
+        summary.add(job.draw(cameras[i], i, cameras.size()));
+        job.write(summary.files[i]);
     }
     end_progress(arguments.common);
-    const double seconds = seconds_since(start);
-    if (arguments.common.json) {
-        Json json;
-        json["trees"] = arguments.trees;
-        json["width"] = size.width;
-        json["height"] = size.height;
-        json["drawn_with"] = screen.renderer();
-        json["notes"] = notices;
-        json["seconds"] = seconds;
-        json["peak_rss_bytes"] = peak_rss_bytes();
-        json["pictures"] = pictures;
-        std::printf("%s\n", json.dump(2).c_str());
-        return 0;
-    }
-    for (const std::string& notice : notices) std::printf("note: %s\n", notice.c_str());
-    const char* const whole = full ? "every point in view" : "as many points as were asked for";
-    if (files.size() == 1)
-        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(most_points).c_str(), whole,
-                    time_text(seconds).c_str());
+    summary.seconds = seconds_since(start);
+    if (arguments.common.json)
+        std::printf("%s\n", to_json(summary, arguments, screen).dump(2).c_str());
     else
-        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(),
-                    files.back().c_str(), grouped(most_points).c_str(), whole, time_text(longest_ms / 1000).c_str());
-    std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
+        print(summary, screen);
     return 0;
 }
 
