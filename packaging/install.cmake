@@ -13,7 +13,7 @@ set(public_headers
   io/reader.h io/pipe/grid_choice.h cloud/selection.h io/text/text_layout.h io/pipe/transformed_reader.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
   tree/chunk_size.h tree/tree.h tree/tree_reader.h tree/selected_nodes.h build/builder.h tree/verify.h tree/verify_levels.h
-  update/append.h update/compact.h update/erase.h update/repair.h
+  update/append.h update/compact.h update/erase.h update/repair.h update/target.h
   query/estimate.h query/nearest.h query/point_blocks.h query/query.h threads/task_pool.h query/read_rates.h
   convert/convert.h
   cache/chunk_store.h cache/l2_cache.h cache/load_times.h)

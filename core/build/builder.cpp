@@ -1,20 +1,20 @@
 #include "pcm/build/builder.h"
 
 #include "pcm/bpc/byte_order.h"
-#include "pcm/system/error.h"
-#include "pcm/io/pipe/merged_reader.h"
-#include "pcm/tree/about.h"
+#include "pcm/build/bins/partition.h"
 #include "pcm/build/build_checkpoint.h"
 #include "pcm/build/build_folder.h"
 #include "pcm/build/build_state.h"
 #include "pcm/build/checkpoints.h"
-#include "pcm/build/nodes/data_files.h"
-#include "pcm/build/nodes/draft_index.h"
 #include "pcm/build/levels/level_sampler.h"
 #include "pcm/build/levels/morton_sort.h"
-#include "pcm/build/nodes/node_jobs.h"
-#include "pcm/build/bins/partition.h"
 #include "pcm/build/levels/sorted_bins.h"
+#include "pcm/build/nodes/data_files.h"
+#include "pcm/build/nodes/draft_index.h"
+#include "pcm/build/nodes/node_jobs.h"
+#include "pcm/io/pipe/merged_reader.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/about.h"
 
 #include <atomic>
 #include <memory>
@@ -401,12 +401,14 @@ BuildReport build(PointReader& cloud, const std::vector<std::string>& sources, c
 
 void check_build_options(const BuildOptions& options)
 {
-    if (options.memory_bytes < (std::uint64_t(64) << 20))
+    if (options.memory_bytes < least_build_memory)
         throw Error(ErrorCode::invalid_argument, {}, "a build needs at least 64 MiB of memory");
-    if (options.chunk_points < 1000 || options.chunk_points > 10000000)
+    if (options.chunk_points < least_chunk_points || options.chunk_points > most_chunk_points)
         throw Error(ErrorCode::invalid_argument, {},
-                    "points a chunk must be between 1000 and 10000000, not " + std::to_string(options.chunk_points));
-    if (options.threads > 1024) throw Error(ErrorCode::invalid_argument, {}, "more than 1024 threads");
+                    "points a chunk must be between " + std::to_string(least_chunk_points) + " and " +
+                        std::to_string(most_chunk_points) + ", not " + std::to_string(options.chunk_points));
+    if (options.threads > most_build_threads)
+        throw Error(ErrorCode::invalid_argument, {}, "more than " + std::to_string(most_build_threads) + " threads");
 }
 
 BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)

@@ -1,8 +1,8 @@
 // Builds a tree folder from files, out of core; core/README.md tells how.
 #pragma once
 
-#include "pcm/system/progress.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/progress.h"
 #include "pcm/tree/chunk_size.h"
 #include "pcm/tree/tree.h"
 
@@ -13,8 +13,12 @@
 
 namespace pcm {
 
+// Bounds that check_build_options() holds options to; those of chunk_points are in tree/chunk_size.h.
+inline constexpr std::uint64_t least_build_memory = std::uint64_t(64) << 20;
+inline constexpr unsigned most_build_threads = 1024;
+
 struct BuildOptions {
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least 64 MiB
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least least_build_memory
     unsigned threads = 0;                                 // 0: one a processor
     std::uint32_t chunk_points = default_chunk_points;    // most points of a chunk
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen

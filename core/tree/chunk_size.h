@@ -9,4 +9,7 @@ namespace pcm {
 
 inline constexpr std::uint32_t default_chunk_points = 25'000;
 
+// The range that builds and updates accept.
+inline constexpr std::uint32_t least_chunk_points = 1'000, most_chunk_points = 10'000'000;
+
 }  // namespace pcm

@@ -1,7 +1,7 @@
 #include "plugin/edit/edit_plugin.h"
 
-#include "plugin/edit/walk/first_person_tool.h"
 #include "plugin/edit/icon.h"
+#include "plugin/edit/walk/first_person_tool.h"
 
 using namespace pcm::host;
 
@@ -9,7 +9,7 @@ PointCloudTools::PointCloudTools()
 {
     first_person_ = new QAction(first_person_icon(), "First Person Navigation", this);
     first_person_->setCheckable(true);
-    // MeshLab shows the text that an action has for a tip, and no description.
+    // MeshLab shows the tooltip of the action, but not the description.
     first_person_->setToolTip(
         QString("<b>%1</b><br>%2").arg(first_person_->text(), getEditToolDescription(first_person_)));
     actions_ << first_person_;
@@ -22,7 +22,7 @@ MeshEditInterface* PointCloudTools::getMeshEditInterface(QAction* action)
 
 QString PointCloudTools::getEditToolDescription(QAction*)
 {
-    return "Walk through the scene: W A S D and E Q move, with Shift faster, drag to look around, the wheel changes "
-           "the speed. The speed is in "
-           "proportion to the distance of the nearest points.";
+    return "Walk through the scene: W A S D and E Q move, Shift moves faster, dragging looks around, the wheel changes "
+           "the "
+           "speed. The speed is proportional to the distance of the nearest points.";
 }

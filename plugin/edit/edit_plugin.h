@@ -11,7 +11,7 @@ class PointCloudTools : public QObject, public MeshEditInterfaceFactory {
 public:
     PointCloudTools();
     QList<QAction*> actions() const override { return actions_; }
-    MeshEditInterface* getMeshEditInterface(QAction* action) override;  // one a view
+    MeshEditInterface* getMeshEditInterface(QAction* action) override;  // one per view
     QString getEditToolDescription(QAction* action) override;
 
 private:

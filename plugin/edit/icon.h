@@ -1,10 +1,11 @@
+// Icons of the tools, painted at run time.
 #pragma once
 
 #include <QIcon>
 
 namespace pcm::host {
 
-// An eye above the arrows that move it.
+// An eye above four arrows.
 QIcon first_person_icon();
 
 }  // namespace pcm::host

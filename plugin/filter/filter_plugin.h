@@ -1,10 +1,7 @@
-// Filters on point cloud trees. They take paths, so that a script needs no layer.
+// Shows the table of filters (filter.h) to MeshLab.
 #pragma once
 
 #include <common/interfaces.h>
-
-#include <string>
-#include <vector>
 
 class PointCloudFilters : public QObject, public MeshFilterInterface {
     Q_OBJECT
@@ -20,21 +17,11 @@ public:
     FILTER_ARITY filterArity(QAction*) const override { return NONE; }
     int getPreConditions(QAction*) const override { return MeshModel::MM_NONE; }
     int postCondition(QAction*) const override { return MeshModel::MM_NONE; }
-    // The overload with a document: the other one is called with a null reference when there is no layer.
+    // The overload with a document: MeshLab calls the other one with a null reference when there is no layer.
     void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override;
     bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                      vcg::CallBackPos* callback) override;
 
 private:
-    enum { build_tree_filter, append_filter, delete_filter, compact_filter, tree_information_filter };
-
-    void build(MeshDocument& document, const RichParameterList& parameters, vcg::CallBackPos* callback);
-    void information(MeshDocument& document, const RichParameterList& parameters);
-    void say(const std::string& line) { Log(GLLogStream::FILTER, line); }
-    void say(const std::vector<std::string>& lines)
-    {
-        for (const std::string& line : lines) say(line);
-    }
-
-    bool information_given_ = false;
+    bool applied_ = false;  // any filter: MeshLab has made its menus
 };

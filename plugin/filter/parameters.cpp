@@ -1,9 +1,11 @@
 #include "plugin/filter/parameters.h"
 
-#include "pcm/system/error.h"
-#include "plugin/host/registry.h"
+#include "pcm/build/builder.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/text.h"
 
 #include <QDir>
 #include <QFileInfo>
@@ -11,6 +13,9 @@
 namespace pcm::host {
 
 namespace {
+
+constexpr int least_memory_mb = static_cast<int>(least_build_memory >> 20);
+constexpr int most_memory_mb = 1 << 24;  // 16 TiB; the library has no upper bound
 
 Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_argument, {}, what); }
 
@@ -47,27 +52,46 @@ int in_range(const RichParameterList& parameters, const char* name, const char* 
 
 void add_work_parameters(RichParameterList& parameters)
 {
-    parameters.addParam(
-        RichInt("MemoryMB", 1024, "Memory (MB)",
-                "Memory that the work may use, in megabytes, at least 64. More is faster. Default 1024."));
-    parameters.addParam(RichInt("Threads", 0, "Threads", "Threads that work. 0, the default: one a processor."));
+    parameters.addParam(RichInt(
+        "MemoryMB", 1024, "Memory (MB)",
+        QString("Memory that the filter may use, in megabytes, at least %1. More memory makes it faster. Default 1024.")
+            .arg(least_memory_mb)));
+    parameters.addParam(RichInt(
+        "Threads", 0, "Threads",
+        QString("Number of threads, at most %1. 0, the default: one per processor core.").arg(most_build_threads)));
 }
 
 std::uint64_t memory_of(const RichParameterList& parameters)
 {
-    return std::uint64_t(in_range(parameters, "MemoryMB", "Memory", 64, 1 << 24)) << 20;
+    return std::uint64_t(in_range(parameters, "MemoryMB", "Memory", least_memory_mb, most_memory_mb)) << 20;
 }
 
 unsigned threads_of(const RichParameterList& parameters)
 {
-    return static_cast<unsigned>(in_range(parameters, "Threads", "Threads", 0, 1024));
+    return static_cast<unsigned>(in_range(parameters, "Threads", "Threads", 0, int(most_build_threads)));
+}
+
+void add_chunk_points_parameter(RichParameterList& parameters)
+{
+    parameters.addParam(RichInt("ChunkPoints", default_chunk_points, "Points per chunk",
+                                QString("Largest number of points in a chunk, the unit that is read and drawn, from %1 "
+                                        "to %2. Default %3.")
+                                    .arg(least_chunk_points)
+                                    .arg(most_chunk_points)
+                                    .arg(default_chunk_points)));
+}
+
+std::uint32_t chunk_points_of(const RichParameterList& parameters)
+{
+    return static_cast<std::uint32_t>(
+        in_range(parameters, "ChunkPoints", "Points per chunk", least_chunk_points, most_chunk_points));
 }
 
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning)
 {
     parameters.addParam(RichString("Inputs", "", "Input files",
-                                   "Paths of files, or of folders of files, separated by semicolons; " + meaning +
-                                       " Readable: " + readable_formats() + "."));
+                                   "Paths of files or of folders of files, separated by semicolons; " + meaning +
+                                       " Formats: " + readable_formats() + ". No default."));
 }
 
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters)
@@ -81,7 +105,7 @@ void add_tree_parameter(RichParameterList& parameters)
 {
     parameters.addParam(
         RichString("Tree", "", "Tree folder",
-                   "Path of a tree folder, NAME.pct. Empty, the default: the tree of the current layer."));
+                   "Path of a tree folder, NAME.pct. Empty, the default: the tree that the current layer shows."));
 }
 
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document)
@@ -106,6 +130,16 @@ std::filesystem::path as_tree(std::filesystem::path path)
     const std::string extension = std::string(".") + tree_extension;
     if (path.extension() != extension) path += extension;
     return path;
+}
+
+void log_skipped(const FilterRun& run, std::uint64_t points)
+{
+    if (points) run.log(grouped(points) + " points without a finite position were left out.");
+}
+
+void log_notes(const FilterRun& run, const std::vector<std::string>& notes)
+{
+    for (const std::string& note : notes) run.log("Note: " + note);
 }
 
 }  // namespace pcm::host

@@ -1,40 +1,48 @@
-// What several filters' parameters have in common.
+// Parameters that several filters have, and lines of the log that several filters write.
 #pragma once
 
 #include "pcm/point_cloud.h"
-
-#include <common/interfaces.h>
+#include "plugin/filter/filter.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace pcm::host {
 
-// Paths as a user writes them, relative ones from the current folder.
+// Paths as a user writes them; relative ones start at the current folder.
 std::filesystem::path absolute_path(const QString& text);
-std::vector<std::filesystem::path> split_paths(const QString& text);  // between semicolons
+std::vector<std::filesystem::path> split_paths(const QString& text);  // separated by semicolons
 
-// The value of a parameter. Throws Error(invalid_argument), naming its label, when it is out of range.
+// The value of an integer parameter. Throws Error(invalid_argument), naming its label, when it is out of range.
 int in_range(const RichParameterList& parameters, const char* name, const char* label, int least, int most);
 
-// "MemoryMB" and "Threads".
+// "MemoryMB" and "Threads". The ranges are the library's (build/builder.h).
 void add_work_parameters(RichParameterList& parameters);
 std::uint64_t memory_of(const RichParameterList& parameters);
 unsigned threads_of(const RichParameterList& parameters);
 
-// "Inputs": files, or folders of files.
+// "ChunkPoints". The range is the library's (tree/chunk_size.h).
+void add_chunk_points_parameter(RichParameterList& parameters);
+std::uint32_t chunk_points_of(const RichParameterList& parameters);
+
+// "Inputs": files, or folders of files. `meaning` ends the sentence about what is done with them.
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning);
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters);  // at least one
 
-// "Tree": a folder; where it is empty, the tree of the current layer. Throws Error(invalid_argument) when there is
-// neither.
+// "Tree": a tree folder. If it is empty, the tree of the current layer is meant; Error(invalid_argument) is thrown if
+// there is none.
 void add_tree_parameter(RichParameterList& parameters);
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document);
 std::shared_ptr<PointCloud> shown_tree(MeshDocument& document);  // of the current layer; throws in the same way
 
 // `path` with the extension of trees.
 std::filesystem::path as_tree(std::filesystem::path path);
+
+// How many points had no finite position; nothing is logged for 0.
+void log_skipped(const FilterRun& run, std::uint64_t points);
+void log_notes(const FilterRun& run, const std::vector<std::string>& notes);
 
 }  // namespace pcm::host

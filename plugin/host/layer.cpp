@@ -33,7 +33,7 @@ void clear_layer(MeshModel& layer)
     Registry::instance().detach(layer);
     Registry::instance().set_source(layer, nullptr);
     clear_vertex_attributes(layer);
-    layer.cm.Clear();  // Reload does not
+    layer.cm.Clear();  // MeshLab's Reload leaves the old vertices
     const bool visible = layer.visible;
     layer.Clear();
     layer.visible = visible;
@@ -42,7 +42,7 @@ void clear_layer(MeshModel& layer)
 std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<PointCloud>& cloud)
 {
     const TreeInfo& info = cloud->info();
-    if (info.points == 0) throw Error(ErrorCode::bad_format, cloud->tree()->folder(), "the tree holds no points");
+    if (info.points == 0) throw Error(ErrorCode::bad_format, cloud->tree()->folder(), "the tree has no points");
     const Vec3d origin = Registry::instance().origin_for(*layer.parent, info.bounds());
     const Proxy proxy = make_proxy(*cloud, origin);
 
@@ -55,7 +55,7 @@ std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<Point
     Registry::instance().attach(layer, {cloud, origin, proxy.has_rgb});
 
     return {grouped(info.points) + " points in " + cloud->tree()->folder().string() + ", " + bytes_text(info.bytes) +
-                "; MeshLab's own tools see a sample of " + grouped(proxy.points.size()) + ".",
+                "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + ".",
             origin_line(origin), rounding_line(info.bounds(), origin, "The sample")};
 }
 

@@ -1,4 +1,4 @@
-// A tree in a layer of MeshLab; points_layer.h has the clouds that a layer holds whole.
+// Shows a tree in a layer of MeshLab. points_layer.h loads small clouds into a layer completely.
 #pragma once
 
 #include "plugin/host/registry.h"
@@ -8,15 +8,16 @@
 
 namespace pcm::host {
 
-// Replaces the layer's contents by the proxy of `cloud` and registers the tie; views show the tree as soon as the
-// document is not busy any more. Returns what the log should say. Errors: those of reading chunks, and of a cloud
-// without points.
+// Replaces the layer's contents with the proxy of `cloud` (proxy.h) and attaches the cloud to the layer. Views show the
+// tree as soon as the document is not busy any more. Returns lines for the log. Throws what reading chunks throws, and
+// Error(bad_format) for a cloud without points.
 std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<PointCloud>& cloud);
 
-// Empties the layer and unties it from a tree or a file; whether it is visible stays.
+// Empties the layer and detaches it from its tree or file. Its visibility is kept.
 void clear_layer(MeshModel& layer);
 
-// For the log: how MeshLab's coordinates and the source's belong together, and what float makes of positions in `box`.
+// For the log: the relation of MeshLab's coordinates to source coordinates, and the rounding of positions in `box` to
+// float.
 std::string origin_line(const Vec3d& origin);
 std::string rounding_line(const Box3d& box, const Vec3d& origin, const char* what);
 

@@ -1,11 +1,11 @@
 #include "plugin/host/layer_reader.h"
 
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
+#include "pcm/io/names.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/error.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/vertex_attributes.h"
-#include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ LayerReader::LayerReader(const MeshModel& layer, const LayerSelection& selection
     if (source_) info_.metadata = source_->info.metadata;
     if (source_) source_grid_ = source_->info.grid ? source_->info.grid : source_->info.near_grid;
     if (source_)
-        add_file_fields(layer, selection);
+        add_file_fields(selection);
     else
         add_member_fields(layer, selection);
     add_free_fields(layer);
@@ -73,7 +73,8 @@ Vec3d LayerReader::position(std::size_t vertex) const
             static_cast<double>(p[2]) + origin_[2]};
 }
 
-// On the file's grid if all points lie there, in float if all fit and the file had no more, else in double.
+// On the file's grid if all points lie on it; in float if float represents them exactly and the file had float; else in
+// double.
 void LayerReader::settle_positions()
 {
     bool on_grid = source_grid_.has_value();
@@ -92,7 +93,7 @@ void LayerReader::settle_positions()
     info_.position_type = on_grid ? ScalarType::i32 : in_float ? ScalarType::f32 : ScalarType::f64;
 }
 
-// Takes the field in its own type if all values fit, else as the float that MeshLab shows.
+// The field keeps its type if all values fit; else it becomes the float that MeshLab shows.
 void LayerReader::add_field(Field field, bool may_widen)
 {
     field.attribute.name = unique_name(info_.schema, field.attribute.name);
@@ -115,72 +116,86 @@ void LayerReader::add_field(Field field, bool may_widen)
     fields_.push_back(std::move(field));
 }
 
-void LayerReader::add_file_fields(const MeshModel& layer, const LayerSelection& selection)
+// The file's rgb where a vertex still has the colour that was loaded, else MeshLab's 8 bits on the file's scale.
+std::function<double(std::size_t, std::uint32_t)> LayerReader::colour_values(const Attribute& attribute) const
 {
-    const auto& vertices = layer.cm.vert;
-    bool has_colour = false;
-    for (std::size_t s = 0; s < source_->places.size(); ++s) {
-        const AttributePlace& place = source_->places[s];
-        const Attribute& attribute = source_->info.schema[s];
-        Field field{attribute, {}, {}};
-        switch (place.kind) {
-            case Kind::colour: {
-                has_colour = true;
-                if (!selection.colour) continue;
-                const ColourScale scale = source_->colour_scale;
-                const bool whole = is_whole(attribute.type);
-                field.value = [&vertices, this, scale, whole](std::size_t v, std::uint32_t c) {
-                    const auto& colour = vertices[v].cC();
-                    if (kept_ && colour[0] == kept_[v].colour[0] && colour[1] == kept_[v].colour[1] &&
-                        colour[2] == kept_[v].colour[2])
-                        return static_cast<double>(kept_[v].rgb[c]);
-                    const double raw = scale.low + colour[static_cast<int>(c)] / 255.0 * (scale.high - scale.low);
-                    return whole ? std::round(raw) : raw;
-                };
-                break;
-            }
-            case Kind::normal:
-                if (!selection.normal) continue;
-                field.value = [&vertices, attribute](std::size_t v, std::uint32_t c) {
-                    return raw_of(vertices[v].cN()[static_cast<int>(c)], attribute);
-                };
-                break;
-            case Kind::quality:
-                if (!selection.quality || !layer.hasDataMask(MeshModel::MM_VERTQUALITY)) continue;
-                field.value = [&vertices, attribute](std::size_t v, std::uint32_t) {
-                    return raw_of(vertices[v].cQ(), attribute);
-                };
-                break;
-            case Kind::radius:
-                if (!selection.radius || !layer.hasDataMask(MeshModel::MM_VERTRADIUS)) continue;
-                field.value = [&vertices, attribute](std::size_t v, std::uint32_t) {
-                    return raw_of(vertices[v].cR(), attribute);
-                };
-                break;
-            case Kind::custom: {
-                std::vector<std::function<double(std::size_t)>> components;
-                for (const AttributePlace::Component& component : place.components) {
-                    if (const auto* f = find_vertex_attribute<float>(layer, component.name)) {
-                        components.push_back([f, attribute](std::size_t v) { return raw_of(f[v], attribute); });
-                    } else if (const auto* d = find_vertex_attribute<double>(layer, component.name)) {
-                        components.push_back([d](std::size_t v) { return d[v]; });
-                    } else if (const auto* i = find_vertex_attribute<std::int64_t>(layer, component.name)) {
-                        components.push_back([i](std::size_t v) { return static_cast<double>(i[v]); });
-                        field.whole.push_back(i);
-                    } else if (const auto* u = find_vertex_attribute<std::uint64_t>(layer, component.name)) {
-                        components.push_back([u](std::size_t v) { return static_cast<double>(u[v]); });
-                        field.whole.push_back(reinterpret_cast<const std::int64_t*>(u));  // the same bits
-                    }
-                }
-                if (components.size() != place.components.size()) continue;  // a filter has deleted it
-                field.value = [components](std::size_t v, std::uint32_t c) { return components[c](v); };
-                break;
-            }
+    const ColourScale scale = source_->colour_scale;
+    const bool whole = is_whole(attribute.type);
+    return [&vertices = layer_.cm.vert, this, scale, whole](std::size_t v, std::uint32_t c) {
+        const auto& colour = vertices[v].cC();
+        if (kept_ && colour[0] == kept_[v].colour[0] && colour[1] == kept_[v].colour[1] &&
+            colour[2] == kept_[v].colour[2])
+            return static_cast<double>(kept_[v].rgb[c]);
+        const double raw = scale.low + colour[static_cast<int>(c)] / 255.0 * (scale.high - scale.low);
+        return whole ? std::round(raw) : raw;
+    };
+}
+
+// False if a filter has deleted the attribute.
+bool LayerReader::find_custom_values(Field& field, const AttributePlace& place) const
+{
+    std::vector<std::function<double(std::size_t)>> components;
+    for (const AttributePlace::Component& component : place.components) {
+        if (const auto* f = find_vertex_attribute<float>(layer_, component.name)) {
+            components.push_back([f, attribute = field.attribute](std::size_t v) { return raw_of(f[v], attribute); });
+        } else if (const auto* d = find_vertex_attribute<double>(layer_, component.name)) {
+            components.push_back([d](std::size_t v) { return d[v]; });
+        } else if (const auto* i = find_vertex_attribute<std::int64_t>(layer_, component.name)) {
+            components.push_back([i](std::size_t v) { return static_cast<double>(i[v]); });
+            field.whole.push_back(i);
+        } else if (const auto* u = find_vertex_attribute<std::uint64_t>(layer_, component.name)) {
+            components.push_back([u](std::size_t v) { return static_cast<double>(u[v]); });
+            field.whole.push_back(reinterpret_cast<const std::int64_t*>(u));  // the same bits
         }
-        add_field(std::move(field), true);
     }
-    // Colours that the file did not have: only those that somebody gave the vertices.
-    if (has_colour || !selection.colour) return;
+    if (components.size() != place.components.size()) return false;
+    field.value = [components](std::size_t v, std::uint32_t c) { return components[c](v); };
+    return true;
+}
+
+// Sets the functions that read the field's values. False if they are not selected, or if the layer has lost them.
+bool LayerReader::find_values(Field& field, const AttributePlace& place, const LayerSelection& selection) const
+{
+    const auto& vertices = layer_.cm.vert;
+    const Attribute attribute = field.attribute;
+    switch (place.kind) {
+        case Kind::colour:
+            if (!selection.colour) return false;
+            field.value = colour_values(attribute);
+            return true;
+        case Kind::normal:
+            if (!selection.normal) return false;
+            field.value = [&vertices, attribute](std::size_t v, std::uint32_t c) {
+                return raw_of(vertices[v].cN()[static_cast<int>(c)], attribute);
+            };
+            return true;
+        case Kind::quality:
+            if (!selection.quality || !layer_.hasDataMask(MeshModel::MM_VERTQUALITY)) return false;
+            field.value = [&vertices, attribute](std::size_t v, std::uint32_t) {
+                return raw_of(vertices[v].cQ(), attribute);
+            };
+            return true;
+        case Kind::radius:
+            if (!selection.radius || !layer_.hasDataMask(MeshModel::MM_VERTRADIUS)) return false;
+            field.value = [&vertices, attribute](std::size_t v, std::uint32_t) {
+                return raw_of(vertices[v].cR(), attribute);
+            };
+            return true;
+        case Kind::custom:
+            return find_custom_values(field, place);
+    }
+    return false;
+}
+
+void LayerReader::add_file_fields(const LayerSelection& selection)
+{
+    for (std::size_t s = 0; s < source_->places.size(); ++s) {
+        Field field{source_->info.schema[s], {}, {}};
+        if (find_values(field, source_->places[s], selection)) add_field(std::move(field), true);
+    }
+    // The file had no colours: colours are written only if a tool has changed those of some vertex.
+    if (source_->has(Kind::colour) || !selection.colour) return;
+    const auto& vertices = layer_.cm.vert;
     const bool painted = std::any_of(vertices_.begin(), vertices_.end(), [&](std::size_t v) {
         const auto& colour = vertices[v].cC();
         return !kept_ || colour[0] != kept_[v].colour[0] || colour[1] != kept_[v].colour[1] ||
@@ -203,7 +218,7 @@ void LayerReader::add_member_fields(const MeshModel& layer, const LayerSelection
                    [&vertices](std::size_t v, std::uint32_t c) { return double(vertices[v].cC()[int(c)]); },
                    {}},
                   false);
-    // Every mesh of MeshLab has room for normals; those of a cloud without any are zero.
+    // Every mesh of MeshLab has normals; those of a cloud without normals are zero.
     const bool has_normals = std::any_of(vertices_.begin(), vertices_.end(),
                                          [&](std::size_t v) { return vertices[v].cN() != Point3m(0, 0, 0); });
     if (selection.normal && has_normals)
@@ -223,7 +238,7 @@ void LayerReader::add_member_fields(const MeshModel& layer, const LayerSelection
                   false);
 }
 
-// Float attributes that belong to no attribute of the file.
+// Float attributes that do not come from the file.
 void LayerReader::add_free_fields(const MeshModel& layer)
 {
     std::vector<std::string> ours;

@@ -1,8 +1,8 @@
-// The vertices of an ordinary layer as a cloud in source coordinates, for whatever takes a PointReader.
+// Reads the vertices of an ordinary layer as a cloud in source coordinates.
 #pragma once
 
-#include "plugin/host/layer_source.h"
 #include "pcm/io/reader.h"
+#include "plugin/host/layer_source.h"
 
 #include <common/interfaces.h>
 
@@ -15,16 +15,18 @@ namespace pcm::host {
 
 struct LayerSelection {
     bool selected_only = false;
-    // Which of MeshLab's members to take, where the layer has them; custom attributes are always taken.
+    // Which of MeshLab's vertex members to read, if the layer has them. Custom attributes are always read.
     bool colour = true, normal = true, quality = true, radius = true;
 };
 
-// Positions are the file's own where a vertex still is where we put it, else its position plus the document's origin in
-// double; likewise colours. Attributes have the file's names and types while every value fits the type, else f32; float
-// attributes that MeshLab's filters have added come after them. Without a file (a layer not from us): rgb u8, normal,
-// quality as intensity, radius. The layer's matrix is not applied, as in MeshLab's own exporters.
+// A vertex that was not moved since it was loaded has the position of the file; any other has its position plus the
+// document's origin, in double. Colours likewise. Attributes have the names and types of the file; an attribute with a
+// value that does not fit its type becomes f32. Float attributes added by MeshLab's filters come after them. A layer
+// that was not loaded by this plugin has rgb (u8), normal, intensity (from quality) and radius. The layer's matrix is
+// not applied, as in MeshLab's own exporters.
 //
-// The layer must not change while this lives. Throws Error(invalid_argument) when there is nothing to read.
+// The layer must not change during the reader's lifetime. Throws Error(invalid_argument) for a layer without vertices,
+// or without selected ones. GUI thread.
 class LayerReader : public PointReader {
 public:
     LayerReader(const MeshModel& layer, const LayerSelection& selection);
@@ -33,18 +35,21 @@ public:
     bool read(PointBatch& batch, std::size_t max_points) override;
     double fraction_read() const override;
 
-    // Points that are not where the file had them (all of them, without a file).
+    // Number of points whose position differs from the file's; all of them if there is no file.
     std::uint64_t moved() const { return moved_; }
 
 private:
     struct Field {
         Attribute attribute;
         std::function<double(std::size_t vertex, std::uint32_t component)> value;  // raw
-        // For 64-bit numbers that double would round; one a component.
+        // One per component, for 64-bit integers that double would round.
         std::vector<const std::int64_t*> whole;
     };
 
-    void add_file_fields(const MeshModel& layer, const LayerSelection& selection);
+    std::function<double(std::size_t, std::uint32_t)> colour_values(const Attribute& attribute) const;
+    bool find_custom_values(Field& field, const AttributePlace& place) const;
+    bool find_values(Field& field, const AttributePlace& place, const LayerSelection& selection) const;
+    void add_file_fields(const LayerSelection& selection);
     void add_member_fields(const MeshModel& layer, const LayerSelection& selection);
     void add_free_fields(const MeshModel& layer);
     void add_field(Field field, bool may_widen);
@@ -58,7 +63,7 @@ private:
     Vec3d origin_{};
     FileInfo info_;
     std::optional<Grid> source_grid_;    // of the file that the layer came from
-    std::vector<std::size_t> vertices_;  // which of the layer's
+    std::vector<std::size_t> vertices_;  // indices of the vertices to read
     std::vector<Field> fields_;
     std::uint64_t moved_ = 0;
     std::size_t next_ = 0;

@@ -1,7 +1,7 @@
-// What an ordinary layer of MeshLab, loaded from a file by us, remembers of that file.
+// The file that an ordinary layer was loaded from, as far as saving the layer needs it.
 //
-// MeshLab's vertices are float and 8 bits a colour; files hold more. What does not fit is kept beside the vertices, so
-// that a vertex that nobody has changed is written with the file's own digits.
+// MeshLab's vertices have float positions and 8 bits per colour component; files have more. The exact values are kept
+// next to the vertices, so that unchanged vertices are saved with the file's own digits.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -18,17 +18,17 @@
 
 namespace pcm::host {
 
-// Where one attribute of the file is in the layer.
+// Where the layer holds one attribute of the file.
 struct AttributePlace {
     enum class Kind {
-        colour,   // vertex colour; the file's own values in KeptVertex
+        colour,   // vertex colour; the file's values are in KeptVertex
         normal,   // vertex normal
         quality,  // vertex quality
         radius,   // vertex radius
-        custom,   // per-vertex attributes, one a component
+        custom,   // per-vertex attributes, one per component
     } kind = Kind::custom;
-    // How a custom attribute is held. `value` is float and holds raw * scale + offset, which MeshLab's functions can
-    // use; the others hold raw numbers that float would round.
+    // Type of a custom attribute. `value` is float and holds raw * scale + offset, which MeshLab's functions can use;
+    // the others hold raw numbers that float would round.
     enum class Held { value, f64, i64, u64 };
     struct Component {
         std::string name;  // of the per-vertex attribute
@@ -40,8 +40,8 @@ struct AttributePlace {
 struct LayerSource {
     FileInfo info;  // schema, grid, position type, metadata of the file
     Vec3d origin{};
-    std::vector<AttributePlace> places;  // as many as the schema has attributes
-    ColourScale colour_scale;            // from the file's rgb to the vertex colours
+    std::vector<AttributePlace> places;  // one per attribute of the schema
+    ColourScale colour_scale;            // maps the file's rgb to vertex colours
 
     bool has(AttributePlace::Kind kind) const
     {
@@ -49,15 +49,15 @@ struct LayerSource {
     }
 };
 
-// Beside every vertex of a layer that was loaded from a file: what float and 8 bits would round.
+// One per vertex of a layer that was loaded from a file: the values that float and 8 bits would round.
 struct KeptVertex {
     Vec3d position{};                      // source coordinates
-    std::array<float, 3> rgb{};            // the file's own; 16 bits fit
-    std::array<std::uint8_t, 3> colour{};  // as shown; while the vertex has it, its colour is the file's
+    std::array<float, 3> rgb{};            // the file's values; float holds 16 bits exactly
+    std::array<std::uint8_t, 3> colour{};  // as shown; if the vertex still has it, its colour is the file's
 };
 
-// The vertex that shows a position, and the raw number that a float attribute or member shows; the latter is exact for
-// what choose_held() holds as a value.
+// A vertex's position from a source position, and the raw number from the float that MeshLab shows. The latter is exact
+// for attributes that choose_held() holds as a value.
 inline Point3m local_position(const Vec3d& position, const Vec3d& origin)
 {
     return {static_cast<Scalarm>(position[0] - origin[0]), static_cast<Scalarm>(position[1] - origin[1]),

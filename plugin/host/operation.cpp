@@ -43,7 +43,7 @@ Operation::~Operation()
 void Operation::refuse_second()
 {
     if (current)
-        throw Error(ErrorCode::invalid_argument, {}, "another point cloud is being read or built",
+        throw Error(ErrorCode::invalid_argument, {}, "another point cloud is being read, built or changed",
                     "wait until it is finished, or press Esc to cancel it");
 }
 
@@ -54,13 +54,13 @@ ProgressFunction Operation::progress()
 
 bool Operation::report(const ProgressUpdate& update)
 {
-    // meshlabserver has no window, and prints these texts one after the other.
+    // meshlabserver has no window and prints each text on a line of its own.
     const bool window = QApplication::activeWindow();
-    const bool done = update.fraction >= 1;  // then nothing is left to wait for, or to cancel
+    const bool done = update.fraction >= 1;  // nothing is left to wait for or to cancel
     const std::string text = std::string(update.stage) + (done ? std::string() : time_left(update.seconds_left)) +
                              (window ? done ? "" : " (Esc cancels)" : "\n");
     if (callback_) callback_(static_cast<int>(std::clamp(update.fraction, 0.0, 1.0) * 100), text.c_str());
-    // MeshLab's callback does nothing until the percentage changes, which may take minutes.
+    // MeshLab's callback processes events only when the percentage changes, which may take minutes.
     if (since_events_.elapsed() > 200) {
         QCoreApplication::processEvents(QEventLoop::AllEvents, 50);
         since_events_.start();
@@ -75,7 +75,7 @@ bool Operation::eventFilter(QObject* receiver, QEvent* event)
             if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancelled_ = true;
             return true;
         case QEvent::Close:
-            event->ignore();  // else the window would take our silence for consent
+            event->ignore();  // an accepted event would close the window
             return true;
         case QEvent::KeyRelease:
         case QEvent::Shortcut:

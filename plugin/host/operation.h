@@ -1,8 +1,9 @@
 // A long operation inside MeshLab, such as building a tree.
 //
-// MeshLab runs filters and file formats in the GUI thread, and its progress callback processes events: a user could
-// start the operation a second time, delete the layer that it fills, or close the document under it. While an Operation
-// lives, keys, clicks and closing are held off, save for Esc, which cancels (MeshLab itself has no cancel).
+// MeshLab runs filters, importers and exporters in the GUI thread, and its progress callback processes events: a user
+// could start the operation a second time, delete the layer that it fills, or close the document. During the lifetime
+// of an Operation, keys, clicks and closing the window are ignored, except Esc, which cancels (MeshLab itself has no
+// cancel). GUI thread.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -18,13 +19,13 @@ class Operation : public QObject {
     Q_OBJECT
 
 public:
-    // `callback` may be null. Throws Error(invalid_argument) while there is another operation.
+    // `callback` may be null. Throws Error(invalid_argument) while another operation exists.
     explicit Operation(vcg::CallBackPos* callback);
     ~Operation() override;
 
-    // For the core's `progress` arguments; valid while this lives.
+    // For the core's `progress` options; valid during the lifetime of this object.
     ProgressFunction progress();
-    // Throws what the constructor throws; for what must not be touched while another operation fills it.
+    // Throws what the constructor throws. Called before touching anything that another operation may be filling.
     static void refuse_second();
 
 protected:

@@ -19,10 +19,10 @@ double largest_coordinate(const Box3d& box, const Vec3d& origin)
 
 Vec3d choose_origin(const Box3d& box)
 {
-    constexpr double bits_to_lose = 8;  // three of float's 24
-    if (largest_coordinate(box, {0, 0, 0}) <= bits_to_lose * box.diagonal()) return {0, 0, 0};
+    constexpr double lost_resolution = 8;  // accepted: 3 of float's 24 bits
+    if (largest_coordinate(box, {0, 0, 0}) <= lost_resolution * box.diagonal()) return {0, 0, 0};
     const Vec3d centre = box.centre();
-    // Below one unit there is nothing whole to round to; then the centre itself serves.
+    // For a box of a few units, rounding to whole units could move the origin out of it.
     if (box.diagonal() < 4) return centre;
     return {std::round(centre[0]), std::round(centre[1]), std::round(centre[2])};
 }

@@ -19,7 +19,7 @@ using Held = AttributePlace::Held;
 using Kind = AttributePlace::Kind;
 
 constexpr std::array<std::uint8_t, 3> grey{191, 191, 191};
-constexpr double largest_whole = 9007199254740992.0;  // 2^53: up to here double counts without gaps
+constexpr double largest_whole = 9007199254740992.0;  // 2^53: double represents all integers up to here
 
 // All points of a file in memory.
 struct Points {
@@ -40,7 +40,7 @@ void append(Column& to, const Column& from, const std::vector<std::size_t>& chos
     }
 }
 
-// Nothing when there are more than `most`.
+// Nothing if there are more than `most`.
 std::optional<Points> read_all(PointReader& reader, std::uint64_t most, const ProgressFunction& progress)
 {
     const FileInfo& info = reader.info();
@@ -68,20 +68,20 @@ std::optional<Points> read_all(PointReader& reader, std::uint64_t most, const Pr
         if (progress && !progress({"Reading points", reader.fraction_read(), -1}))
             throw Error(ErrorCode::cancelled, {}, "cancelled");
     }
-    if (points.positions.empty()) throw Error(ErrorCode::bad_format, {}, "the file holds no points");
+    if (points.positions.empty()) throw Error(ErrorCode::bad_format, {}, "the file has no points");
     return points;
 }
 
-// A name that MeshLab's functions can take for a variable, and that is none of theirs.
+// A name that MeshLab's expressions accept as a variable and do not define themselves.
 std::string variable_name(const std::string& name, const std::set<std::string>& taken)
 {
-    static const std::set<std::string> theirs{"x", "y",   "z",  "nx",  "ny",  "nz", "r",    "g", "b", "a",
-                                              "q", "rad", "vi", "vtu", "vtv", "ti", "vsel", "e", "pi"};
+    static const std::set<std::string> reserved{"x", "y",   "z",  "nx",  "ny",  "nz", "r",    "g", "b", "a",
+                                                "q", "rad", "vi", "vtu", "vtv", "ti", "vsel", "e", "pi"};
     std::string variable;
     for (const char c : name)
         variable += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
     if (variable.empty() || (variable[0] >= '0' && variable[0] <= '9')) variable = "_" + variable;
-    if (theirs.count(variable)) variable += '_';
+    if (reserved.count(variable)) variable += '_';
     std::string unique = variable;
     for (int i = 2; taken.count(unique); ++i) unique = variable + "_" + std::to_string(i);
     return unique;
@@ -115,7 +115,7 @@ AttributePlace put_custom(MeshModel& layer, const Attribute& attribute, const Co
     AttributePlace place;
     std::vector<Held> held;
     for (std::uint32_t c = 0; c < attribute.components; ++c) held.push_back(choose_held(column, c, attribute));
-    for (const Held whole : {Held::i64, Held::u64})  // all components alike
+    for (const Held whole : {Held::i64, Held::u64})  // the same for all components
         if (std::find(held.begin(), held.end(), whole) != held.end()) held.assign(held.size(), whole);
     for (std::uint32_t c = 0; c < attribute.components; ++c) {
         const std::string name = attribute.components == 1 ? attribute.name : attribute.name + "_" + std::to_string(c);
@@ -168,7 +168,7 @@ std::string list(const std::vector<std::string>& names)
     return text;
 }
 
-// What is in MeshLab's own members, all but the colours.
+// All of MeshLab's vertex members but position and colour.
 void set_members(MeshModel& layer, const LayerSource& source, const Points& points)
 {
     for (std::size_t s = 0; s < source.places.size(); ++s) {
@@ -190,7 +190,7 @@ void set_members(MeshModel& layer, const LayerSource& source, const Points& poin
     }
 }
 
-// Which column the colours are made of: rgb unless it is black throughout, else intensity, else none.
+// The column that colours are made from: rgb unless all points are black, else intensity, else none.
 std::optional<std::size_t> colour_slot(const LayerSource& source, const Points& points)
 {
     std::optional<std::size_t> intensity;
@@ -231,7 +231,7 @@ std::vector<std::string> log_lines(const LayerSource& source, const Points& poin
     std::vector<std::string> lines{grouped(points.positions.size()) + " points, " + info.format + ".",
                                    origin_line(source.origin)};
     lines.push_back(rounding_line(points.box, source.origin, "The layer") +
-                    " Exporting writes the file's own coordinates of points that were not moved.");
+                    " Exporting writes the exact coordinates of the file for points that were not moved.");
     if (points.skipped) lines.push_back(grouped(points.skipped) + " points without a finite position were left out.");
 
     std::vector<std::string> members, variables, others, rounded;
@@ -242,9 +242,10 @@ std::vector<std::string> log_lines(const LayerSource& source, const Points& poin
         if (place.kind == Kind::normal) members.emplace_back("normals");
         if (place.kind == Kind::radius) members.emplace_back("radius");
         if (place.kind == Kind::colour)
-            members.emplace_back(attribute.type == ScalarType::u8
-                                     ? "colours"
-                                     : "colours, shown in 8 bits (exporting writes the file's own where unchanged)");
+            members.emplace_back(
+                attribute.type == ScalarType::u8
+                    ? "colours"
+                    : "colours, shown with 8 bits (exporting writes the file's values where unchanged)");
         if (place.kind != Kind::custom && place.kind != Kind::colour && !is_shown_exactly(points.columns[s], attribute))
             rounded.push_back(attribute.name);
         if (place.kind == Kind::colour && attribute.type != ScalarType::f32 && size_of(attribute.type) > 2)
@@ -255,7 +256,7 @@ std::vector<std::string> log_lines(const LayerSource& source, const Points& poin
     if (!members.empty()) lines.push_back("Vertices have " + list(members) + ".");
     if (!variables.empty()) lines.push_back("Vertex attributes: " + list(variables) + ".");
     if (!others.empty())
-        lines.push_back("Kept for exporting, as MeshLab's float attributes would round them: " + list(others) + ".");
+        lines.push_back("Kept for export only, as MeshLab's float attributes would round them: " + list(others) + ".");
     if (!rounded.empty()) lines.push_back("Rounded to float: " + list(rounded) + ".");
     lines.insert(lines.end(), info.notes.begin(), info.notes.end());
     return lines;
@@ -281,7 +282,7 @@ std::optional<std::vector<std::string>> load_points(MeshModel& layer, PointReade
         place.kind = kind_of(attribute);
         if (place.kind == Kind::custom) {
             place = put_custom(layer, attribute, points->columns[s], taken);
-            points->columns[s] = Column(attribute);  // memory
+            points->columns[s] = Column(attribute);  // frees its memory
         }
         source->places.push_back(std::move(place));
     }

@@ -1,9 +1,9 @@
-// A cloud of moderate size as an ordinary layer of MeshLab, all its points and attributes.
+// Loads a small cloud into an ordinary layer of MeshLab, with all points and attributes.
 #pragma once
 
+#include "pcm/io/reader.h"
 #include "pcm/system/progress.h"
 #include "plugin/host/registry.h"
-#include "pcm/io/reader.h"
 
 #include <cstdint>
 #include <optional>
@@ -12,10 +12,10 @@
 
 namespace pcm::host {
 
-// Replaces the layer's contents by all points of a file; when there are more than `most_points`, leaves the layer as it
-// is and returns nothing. Positions are relative to the document's origin; colours, normals, intensity (as quality) and
-// radius go where MeshLab has them, everything else into per-vertex attributes; see layer_source.h for what float
-// cannot hold. Returns what the log should say. Errors: those of the reader; cancelled.
+// Replaces the layer's contents with all points of a file. If the file has more than `most_points`, leaves the layer
+// unchanged and returns nothing. Positions are relative to the document's origin. Colours, normals, intensity (as
+// quality) and radius become vertex members, all other attributes per-vertex attributes; layer_source.h says how values
+// are kept that float cannot hold. Returns lines for the log. Throws what the reader throws, and Error(cancelled).
 std::optional<std::vector<std::string>> load_points(MeshModel& layer, PointReader& reader, std::uint64_t most_points,
                                                     const ProgressFunction& progress);
 

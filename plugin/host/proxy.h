@@ -1,4 +1,4 @@
-// The few points of a cloud that MeshLab itself gets to see.
+// The sample of a cloud that MeshLab itself gets as vertices of the layer.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -17,17 +17,17 @@ struct ProxyPoint {
 
 struct Proxy {
     std::vector<ProxyPoint> points;
-    bool has_rgb = false;  // there is an rgb attribute, and it is not black throughout (many LAS files' is)
+    bool has_rgb = false;  // the cloud has rgb, and not all sampled points are black (in many LAS files all are)
 };
 
 inline constexpr std::uint64_t proxy_points = 50'000;
 
-// An even sample of at most `most` points, and the extreme ones, so that its box is the cloud's own: MeshLab takes the
-// far plane and the centre of rotation from it. Colours are those that the renderer shows: rgb, else intensity, else
-// grey. Reads the coarsest levels only. Errors: those of reading chunks.
+// An even sample of at most `most` points, plus the cloud's extreme points, so that the sample has the cloud's bounding
+// box: MeshLab takes the far plane and the centre of rotation from it. Colours are those of the renderer: rgb, else
+// intensity, else grey. Reads only the coarsest levels. Throws what reading chunks throws.
 Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most = proxy_points);
 
-// Colours of `column`, which is an rgb or an intensity attribute of one cloud or a sample of it: 3 bytes a point.
+// RGB of each value of `column`, an rgb or an intensity attribute of a cloud or of a sample of it.
 std::vector<std::array<std::uint8_t, 3>> colours_of(const Column& column, bool is_rgb);
 bool is_black(const Column& column);
 

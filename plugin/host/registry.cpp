@@ -29,7 +29,7 @@ std::shared_ptr<PointCloud> Registry::open(const std::filesystem::path& path)
     const std::string canonical = std::filesystem::canonical(folder.empty() ? "." : folder, ignored).string();
     struct stat index {};
     if (canonical.empty() || stat((canonical + "/" + index_file_name).c_str(), &index) != 0)
-        return PointCloud::open(path, cache);  // which says what is wrong
+        return PointCloud::open(path, cache);  // throws the error that fits
     const TreeKey key(canonical, index.st_dev, index.st_ino,
                       std::int64_t(index.st_mtim.tv_sec) * 1'000'000'000 + index.st_mtim.tv_nsec);
     if (const auto found = clouds_.find(key); found != clouds_.end())
@@ -103,12 +103,12 @@ void Registry::watch(MeshDocument& document)
 
 void Registry::layer_removed(MeshDocument* document, int mesh_id)
 {
-    // MeshLab forgets to: it would call the decorators of the removed layer with a null reference.
+    // MeshLab does not: it would call the decorators of the removed layer with a null reference.
     for (GLArea* view : views_of(*document)) view->iPerMeshDecoratorsListMap.remove(mesh_id);
     if (layers_.erase({document, mesh_id}) != 0) emit detached(document, mesh_id);
     sources_.erase({document, mesh_id});
     free_vertex_attributes(*document, mesh_id);
-    // In an empty document nothing depends on the origin any more; the next cloud may be somewhere else altogether.
+    // In an empty document nothing depends on the origin any more, and the next cloud may be far from it.
     if (document->meshList.empty()) origins_.erase(document);
 }
 
@@ -125,7 +125,7 @@ void Registry::document_destroyed(MeshDocument* document)
 
 std::vector<GLArea*> views_of(const MeshDocument& document)
 {
-    // GLArea's symbols are not exported by MeshLab, so no qobject_cast; its inline members work.
+    // MeshLab does not export GLArea's symbols, which qobject_cast needs; inline members work.
     std::vector<GLArea*> views;
     const auto widgets = QApplication::allWidgets();
     for (QWidget* widget : widgets) {

@@ -16,7 +16,7 @@ Vec3d three_numbers(const QStringList& numbers, int from)
         v[static_cast<std::size_t>(a)] = numbers[from + a].toDouble(&good);
         if (!good)
             throw Error(ErrorCode::invalid_argument, {},
-                        "the box has '" + numbers[from + a].toStdString() + "' where a number was expected");
+                        "the box has '" + numbers[from + a].toStdString() + "' instead of a number");
     }
     return v;
 }
@@ -31,7 +31,8 @@ std::optional<Box3d> parse_box(const QString& text)
                     "give the smallest x y z, then the largest x y z");
     const Box3d parsed{three_numbers(numbers, 0), three_numbers(numbers, 3)};
     if (parsed.empty())
-        throw Error(ErrorCode::invalid_argument, {}, "the box is empty: a largest coordinate is below the smallest");
+        throw Error(ErrorCode::invalid_argument, {},
+                    "the box is empty: a largest coordinate is less than the smallest");
     return parsed;
 }
 

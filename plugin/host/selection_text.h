@@ -1,4 +1,4 @@
-// Points chosen by text that a user writes into parameters.
+// A selection of points, from the text of a filter's or exporter's parameters.
 #pragma once
 
 #include "pcm/cloud/selection.h"
@@ -7,8 +7,8 @@
 
 namespace pcm::host {
 
-// `box`: six numbers, the smallest x y z and the largest x y z, source coordinates, or empty. `where`: conditions, as
-// parse_condition() has them, separated by semicolons, or empty. Throws Error(invalid_argument), saying what was found
+// `box`: six numbers, the smallest x y z and the largest x y z in source coordinates, or empty. `where`: conditions as
+// for parse_condition(), separated by semicolons, or empty. Throws Error(invalid_argument), which says what was found
 // and what was expected.
 Selection parse_selection(const QString& box, const QString& where);
 

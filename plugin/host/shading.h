@@ -5,8 +5,8 @@
 
 namespace pcm::host {
 
-// In all views: points show their colours as they are, without light. MeshLab shades points without normals too, which
-// makes them dark. Does nothing without a window.
+// Draws the layer's points in their own colours, without light, in all views. MeshLab also shades points without
+// normals, which makes them dark. Does nothing without a window.
 void draw_unshaded(MeshModel& layer);
 
 }  // namespace pcm::host

@@ -10,7 +10,7 @@ std::string current_error()
     try {
         throw;
     } catch (const std::bad_alloc&) {
-        return "there is not enough memory";
+        return "not enough memory";
     } catch (const std::exception& error) {
         return error.what();
     } catch (...) {

@@ -1,4 +1,4 @@
-// Errors in words, for logs and messages; numbers are in system/text.h.
+// Text of errors, for logs and messages; system/text.h has numbers.
 #pragma once
 
 #include "pcm/system/text.h"
@@ -7,7 +7,7 @@
 
 namespace pcm::host {
 
-// What went wrong, to be called inside a catch block.
+// The message of the current exception. To be called inside a catch block.
 std::string current_error();
 
 }  // namespace pcm::host

@@ -10,7 +10,7 @@ namespace {
 
 using Layer = std::pair<const MeshDocument*, int>;
 
-// Never destroyed: meshes may outlive every order of static destruction.
+// Never destroyed, as meshes may be destroyed after any static object.
 std::multimap<Layer, vcg::SimpleTempDataBase*>& living()
 {
     static auto* const attributes = new std::multimap<Layer, vcg::SimpleTempDataBase*>;
@@ -19,12 +19,12 @@ std::multimap<Layer, vcg::SimpleTempDataBase*>& living()
 
 }  // namespace
 
-void detail::attribute_born(const MeshModel& layer, vcg::SimpleTempDataBase* attribute)
+void detail::attribute_created(const MeshModel& layer, vcg::SimpleTempDataBase* attribute)
 {
     living().insert({{layer.parent, layer.id()}, attribute});
 }
 
-void detail::attribute_died(vcg::SimpleTempDataBase* attribute)
+void detail::attribute_destroyed(vcg::SimpleTempDataBase* attribute)
 {
     for (auto it = living().begin(); it != living().end(); ++it)
         if (it->second == attribute) {
@@ -42,26 +42,26 @@ void clear_vertex_attributes(MeshModel& layer)
 
 namespace {
 
-// Attributes take themselves off the list as they die.
+// Attributes remove themselves from the list when they are destroyed.
 template <class Wanted>
-void free_those(const Wanted& wanted)
+void free_matching(const Wanted& wanted)
 {
-    std::vector<vcg::SimpleTempDataBase*> left;
+    std::vector<vcg::SimpleTempDataBase*> matching;
     for (const auto& [layer, attribute] : living())
-        if (wanted(layer)) left.push_back(attribute);
-    for (vcg::SimpleTempDataBase* attribute : left) delete attribute;
+        if (wanted(layer)) matching.push_back(attribute);
+    for (vcg::SimpleTempDataBase* attribute : matching) delete attribute;
 }
 
 }  // namespace
 
 void free_vertex_attributes(const MeshDocument& document, int mesh_id)
 {
-    free_those([&](const Layer& layer) { return layer == Layer(&document, mesh_id); });
+    free_matching([&](const Layer& layer) { return layer == Layer(&document, mesh_id); });
 }
 
 void free_vertex_attributes(const MeshDocument& document)
 {
-    free_those([&](const Layer& layer) { return layer.first == &document; });
+    free_matching([&](const Layer& layer) { return layer.first == &document; });
 }
 
 }  // namespace pcm::host

@@ -1,7 +1,7 @@
 // Per-vertex attributes of a layer that are freed with it.
 //
-// MeshLab's own are not: its meshes forget their attributes without deleting them. These say when they die, so whoever
-// deletes first, a filter or the end of the layer, is the only one. GUI thread only.
+// MeshLab's own attributes leak: its meshes drop them without deleting them. These are registered until they are
+// destroyed, so they are deleted exactly once, by a filter or with the layer. GUI thread only.
 #pragma once
 
 #include <common/interfaces.h>
@@ -11,8 +11,8 @@
 namespace pcm::host {
 
 namespace detail {
-void attribute_born(const MeshModel& layer, vcg::SimpleTempDataBase* attribute);
-void attribute_died(vcg::SimpleTempDataBase* attribute);
+void attribute_created(const MeshModel& layer, vcg::SimpleTempDataBase* attribute);
+void attribute_destroyed(vcg::SimpleTempDataBase* attribute);
 }  // namespace detail
 
 template <class T>
@@ -20,13 +20,13 @@ class OwnedAttribute : public vcg::SimpleTempData<CMeshO::VertContainer, T> {
 public:
     explicit OwnedAttribute(MeshModel& layer) : vcg::SimpleTempData<CMeshO::VertContainer, T>(layer.cm.vert)
     {
-        detail::attribute_born(layer, this);
+        detail::attribute_created(layer, this);
     }
-    ~OwnedAttribute() override { detail::attribute_died(this); }
+    ~OwnedAttribute() override { detail::attribute_destroyed(this); }
 };
 
-// What vcg's Allocator::AddPerVertexAttribute does. The name must be free (clear_vertex_attributes). One value a vertex
-// that there is; follows the vertices when some are deleted.
+// Like vcg's Allocator::AddPerVertexAttribute. No attribute of this name may exist (clear_vertex_attributes). One value
+// per existing vertex; vcg keeps the values with their vertices when some are deleted.
 template <class T>
 OwnedAttribute<T>& add_vertex_attribute(MeshModel& layer, const std::string& name)
 {
@@ -53,10 +53,10 @@ const T* find_vertex_attribute(const MeshModel& layer, const std::string& name)
     return static_cast<const T*>(static_cast<vcg::SimpleTempDataBase*>(found->_handle)->DataBegin());
 }
 
-// All per-vertex attributes of the layer, whosever they are.
+// Deletes all per-vertex attributes of the layer, including those of MeshLab and other plugins.
 void clear_vertex_attributes(MeshModel& layer);
 
-// The layer, or the document with all its layers, is gone; `document` is only a key.
+// The layer, or the document with all its layers, was destroyed; `document` is used as a key only.
 void free_vertex_attributes(const MeshDocument& document, int mesh_id);
 void free_vertex_attributes(const MeshDocument& document);
 

@@ -1,4 +1,4 @@
-// Writes a layer to a file: all of the tree that it stands for, or its vertices; in source coordinates.
+// Writes a layer to a file in source coordinates: the tree that it shows, or its vertices.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -11,18 +11,19 @@
 
 namespace pcm::host {
 
-// Whether we write this layer although MeshLab has an exporter for the extension: its own would write the proxy of a
-// tree, and the positions of a cloud without the document's origin. Layers with faces or edges are MeshLab's.
+// Whether this plugin writes the layer even if MeshLab has an exporter for the extension: MeshLab's would write the
+// proxy of a tree, and the positions of a cloud without the document's origin. MeshLab writes layers with faces or
+// edges.
 bool is_ours_to_write(const MeshModel& layer);
 
-// What can be chosen in the dialog; depends on the layer and the format.
+// The parameters of the dialog for this layer and format.
 void add_export_settings(RichParameterList& parameters, const std::string& extension, const MeshModel& layer);
 
-// What of MeshLab's own members a vertex can be written with (vcg::tri::io::Mask).
+// The vertex members that can be written (vcg::tri::io::Mask).
 int export_mask();
 
-// `mask` is what the user has ticked; it matters for layers that stand for no tree. Returns what the log should say.
-// Errors: those of the reader and the writer; cancelled. On an error nothing is left behind.
+// `mask` has the members that the user has ticked; it is ignored for layers that show a tree. Returns lines for the
+// log. Throws what the reader and the writer throw, and Error(cancelled). On an error no file is left.
 std::vector<std::string> export_layer(const std::filesystem::path& path, const MeshModel& layer, int mask,
                                       const RichParameterList& parameters, const ProgressFunction& progress);
 

@@ -1,4 +1,4 @@
-// Opens a point cloud in a layer: all of it when it is small, by way of a tree when it is large.
+// Opens a point cloud in a layer: a small one completely, a large one through a tree.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -10,8 +10,8 @@
 
 namespace pcm::host {
 
-// `path` is absolute: a tree folder, an index file, or a file of any readable format. Returns what the log should say.
-// Errors: those of readers, trees and the builder; cancelled.
+// `path` is absolute: a tree folder, an index file, or a file of any readable format. Returns lines for the log. Throws
+// what readers, trees and the builder throw, and Error(cancelled).
 std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshModel& layer,
                                       const ImportSettings& settings, const ProgressFunction& progress);
 

@@ -1,9 +1,8 @@
-// What the user can set about importing: persistently in Tools > Options, and for one file in the dialog before
-// opening.
+// Settings of the import: persistent ones in Tools > Options, and those of one file in the dialog before it is opened.
 //
-// MeshLab shows that dialog whenever there are parameters for a file, and goes on with them also when it is cancelled,
-// so by default only text files, whose layout may have to be said, have any. meshlabserver shows no dialog and reads no
-// saved settings: there the defaults hold.
+// MeshLab shows the dialog whenever a file has parameters, and opens the file with them even if the dialog is
+// cancelled. So by default only text files have parameters, because a user may have to specify their layout.
+// meshlabserver shows no dialog and reads no saved settings: the defaults apply.
 #pragma once
 
 #include "pcm/io/text/text_layout.h"
@@ -17,18 +16,18 @@ namespace pcm::host {
 
 struct ImportSettings {
     std::uint64_t largest_layer = 1'000'000;  // a cloud of more points becomes a tree
-    std::filesystem::path tree_folder;        // where such trees go; empty: beside the file
-    TextLayout text;                          // what the user has said of a text file
+    std::filesystem::path tree_folder;        // where these trees are written; empty: next to the file
+    TextLayout text;                          // as far as the user has specified it
 };
 
 // The persistent ones, for Tools > Options.
 void add_global_settings(RichParameterList& parameters);
 
-// The ones for one file; none when nothing is to be asked. Defaults are the persistent settings.
+// Those for one file; none if no dialog is to be shown. Defaults are the persistent settings.
 void add_file_settings(RichParameterList& parameters, const std::filesystem::path& file);
 
-// From what MeshLab hands to open(): the parameters for the file, where there are any, before the persistent ones.
-// Throws Error(invalid_argument) for columns that make no sense.
+// From the parameters that MeshLab passes to open(). Those of the file take precedence over the persistent ones. Throws
+// Error(invalid_argument) for invalid columns.
 ImportSettings read_import_settings(const RichParameterList& parameters);
 
 }  // namespace pcm::host

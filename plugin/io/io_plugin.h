@@ -28,11 +28,11 @@ public:
               const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent) override;
 
 private:
-    // To the log, and where there is no window to standard output: meshlabserver gives plugins no log.
+    // Writes to the log, and without a window also to standard output: meshlabserver does not print the log of imports.
     void say(GLLogStream::Levels level, const std::string& line, const QWidget* window);
     bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
                         int& mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
-    // MeshLab's exporter, where it is the one to write this layer; else null.
+    // MeshLab's exporter if it is to write this layer, else null.
     MeshIOInterface* exporter_instead(const QString& format, const MeshModel& layer) const;
     bool hand_over_save(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
                         int mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);

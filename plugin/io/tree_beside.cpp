@@ -1,8 +1,8 @@
 #include "plugin/io/tree_beside.h"
 
-#include "plugin/host/text.h"
 #include "pcm/build/builder.h"
 #include "pcm/tree/tree.h"
+#include "plugin/host/text.h"
 
 #include <unistd.h>
 
@@ -45,7 +45,7 @@ bool tree_is_current(const fs::path& tree, const fs::path& file, std::optional<s
 
 namespace {
 
-// Whether replacing the tree destroys nothing that this file does not hold.
+// Whether the tree was built from this file alone, so that replacing it loses nothing.
 bool is_tree_of(const fs::path& tree, const fs::path& file)
 {
     try {
@@ -62,27 +62,28 @@ std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& i
 {
     const fs::path &file = wanted.file, &tree = wanted.tree;
     const auto file_points = info.points_known ? std::optional(info.points) : std::nullopt;
-    if (!wanted.anew && tree_is_current(tree, file, file_points))
+    if (!wanted.rebuild && tree_is_current(tree, file, file_points))
         return {"The tree " + tree.string() + " is up to date."};
     const bool replace = fs::exists(tree);
     if (replace && !is_tree_of(tree, file))
-        throw Error(ErrorCode::exists, tree, "is in the way: a tree of " + file.filename().string() + " would go there",
-                    "move it away, or choose another folder for trees in MeshLab's Tools > Options");
+        throw Error(ErrorCode::exists, tree,
+                    "is not a tree of " + file.filename().string() + ", whose tree would be written there",
+                    "move it, or choose another folder for trees in MeshLab's Tools > Options");
     const fs::path folder = tree.has_parent_path() ? tree.parent_path() : fs::path(".");
     if (!fs::exists(folder))
-        throw Error(ErrorCode::not_found, folder, "the folder for trees is not there",
-                    "make it, or choose another in MeshLab's Tools > Options");
+        throw Error(ErrorCode::not_found, folder, "the folder for trees does not exist",
+                    "create it, or choose another folder in MeshLab's Tools > Options");
     if (access(folder.c_str(), W_OK | X_OK) != 0)
         throw Error(ErrorCode::permission, folder,
                     "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") +
-                        grouped(info.points) + " points and is opened by way of a tree there",
-                    "choose another folder for trees, or a larger size of layers, in MeshLab's Tools > Options");
+                        grouped(info.points) + " points and is opened through a tree in this folder",
+                    "choose another folder for trees, or a larger Largest layer, in MeshLab's Tools > Options");
     BuildOptions options;
     options.read = wanted.read;
     options.overwrite = replace;
     options.progress = progress;
     const BuildReport report = build_tree({file}, tree, options);
-    std::vector<std::string> lines{"Built " + tree.string() + " of " + grouped(report.outcome.points_out) +
+    std::vector<std::string> lines{"Built " + tree.string() + " with " + grouped(report.outcome.points_out) +
                                    " points in " + brief(report.outcome.seconds) + " s."};
     if (report.points_skipped)
         lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");

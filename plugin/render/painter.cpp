@@ -9,7 +9,7 @@ namespace pcm::host {
 
 namespace {
 
-// Keys are told apart by address; a dead one's entry has expired, so an address may come again.
+// Keys are addresses. The entry of a destroyed object has expired, so its address may be reused.
 template <class Map>
 void drop_expired(Map& map)
 {
@@ -64,13 +64,13 @@ std::shared_ptr<PaintedCloud> PaintedCloud::of(const std::shared_ptr<PointCloud>
 PaintedCloud::PaintedCloud(const std::shared_ptr<PointCloud>& cloud, const std::shared_ptr<Painter>& painter)
     : painter_(painter), drawn_(std::make_unique<DrawnCloud>(cloud, painter->renderer().l1()))
 {
-    // Queued to this object's thread, the GUI's; what is queued dies with the object.
+    // Queued to this object's thread, the GUI thread; Qt drops queued calls to a destroyed object.
     drawn_->set_wake([this] { QMetaObject::invokeMethod(this, &PaintedCloud::wake_views, Qt::QueuedConnection); });
 }
 
 PaintedCloud::~PaintedCloud()
 {
-    drawn_.reset();  // first: no loader thread calls us from here on
+    drawn_.reset();  // first: from here on no loader thread calls this object
 }
 
 void PaintedCloud::give_back(std::shared_ptr<PaintedCloud>& cloud)

@@ -1,4 +1,4 @@
-// What a GL share group draws point clouds with.
+// The renderer, L1 cache and clouds of a GL share group.
 //
 // The views of a MeshLab project share buffers and programs, so they share a renderer, an L1 and the clouds in it; two
 // projects share nothing. GUI thread only, except that loader threads wake the views.
@@ -19,13 +19,13 @@ namespace pcm::host {
 
 class PaintedCloud;
 
-// One a share group.
+// One per share group.
 class Painter {
 public:
-    // The painter of the current context's share group, with an L1 of this capacity: a new one when the capacity has
-    // changed, while those who hold the former one may go on drawing with it, or give it back.
+    // The painter of the current context's share group, with an L1 of this capacity. If the capacity has changed, a new
+    // painter is made; views that hold the former one may still draw with it, or give it back.
     static std::shared_ptr<Painter> current(std::uint64_t l1_bytes);
-    // A context of the share group is current. When nobody else holds the painter, its GL objects are freed.
+    // A context of the share group must be current. Frees the GL objects if this is the last reference.
     static void give_back(std::shared_ptr<Painter>& painter);
 
     Renderer& renderer() { return renderer_; }
@@ -42,8 +42,8 @@ private:
     std::map<std::pair<const PointCloud*, int>, std::weak_ptr<PaintedCloud>> clouds_;
 };
 
-// A layer's cloud in a share group, for all views. Two layers may show the same tree, and a picture has a cloud once;
-// so a layer, not a tree, has one.
+// A layer's cloud in a share group, for all views. Two layers may show the same tree, and a picture can contain a cloud
+// only once; so there is one per layer, not one per tree.
 class PaintedCloud : public QObject {
     Q_OBJECT
 
@@ -57,7 +57,7 @@ public:
     DrawnCloud& drawn() { return *drawn_; }
     PointCloud& cloud() const { return *drawn_->cloud(); }
 
-    // Repaints `view` when points have arrived; views may die at any time.
+    // Repaints `view` when points have arrived. Views may be destroyed at any time.
     void add_view(QWidget* view);
 
 private:

@@ -28,7 +28,7 @@ PointCloudDecorator::PointCloudDecorator()
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const
 {
-    return "Draws all of a point cloud tree at the detail that the view asks for, loading in the background.";
+    return "Draws a point cloud tree at the detail that the view needs and loads its points in the background.";
 }
 
 bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& layer, QString& reason) const
@@ -36,8 +36,8 @@ bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& laye
     if (Registry::instance().find(layer)) return true;
     reason =
         "the layer '" + layer.label() +
-        "' shows no point cloud tree. Open a tree's index.pct or a cloud of more points than Tools > Options allows a "
-        "layer, or build a tree with the filter Build Point Cloud Tree";
+        "' shows no point cloud tree. Open the index.pct of a tree, or a cloud with more points than Tools > Options "
+        "allows in a layer, or build a tree with the filter Build Point Cloud Tree";
     return false;
 }
 
@@ -58,27 +58,27 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
     QString text;
     try {
         text = View::of(area, action)->draw(layer, *tree, read_settings(*parameters));
-    } catch (...) {  // MeshLab's painting knows no exceptions
+    } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
-    // A view that is split off begins with MeshLab's own points; it shows what this one does.
+    // A view that was split off shows MeshLab's own points at first. It is to show the same as this one.
     for (GLArea* other : area->mvc()->viewerList) {
         if (!other || View::find(other)) continue;
         QPointer<QWidget> alive(other);
-        // The log is the document's, so this is forgotten when the document goes.
+        // The log belongs to the document: if the document is destroyed, Qt drops this call.
         QTimer::singleShot(0, &layer.parent->Log, [this, alive, other, document = layer.parent, mesh_id = layer.id()] {
             MeshModel* shown = alive ? document->getMesh(mesh_id) : nullptr;
             if (shown) switch_on(*other, *shown);
         });
     }
-    // MeshLab empties this list only when it shows it.
+    // MeshLab clears these lines only when it shows them.
     if (area->infoAreaVisible) document_log.RealTimeLog("Point Cloud", layer.label(), text);
 }
 
 void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {
-    // MeshLab ends and starts every decorator after each filter and import. A real end has taken ours off the list
-    // before.
+    // MeshLab ends and starts every decorator after each filter and import. When a user switches ours off, it is
+    // removed from the list first.
     if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action)) return;
     if (View* view = View::find(area)) view->end(layer.id());
 }
@@ -103,14 +103,14 @@ void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
 void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
 {
     QAction* const action = actionList.front();
-    // What GLArea::setDecorator does, but for this layer rather than the current one: meanwhile another may be that.
+    // Like GLArea::setDecorator, but for this layer: the current layer may have changed in the meantime.
     QList<QAction*>& decorators = area.iPerMeshDecoratorsListMap[layer.id()];
     area.makeCurrent();
     if (startDecorate(action, layer, area.glas.currentGlobalParamSet, &area) && !decorators.contains(action))
         decorators.push_back(action);
     area.update();
     QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
-    // So that the layer panel lists our parameters.
+    // Makes the layer panel list our parameters.
     for (QWidget* window : QApplication::topLevelWidgets())
         if (window->inherits("MainWindow")) QMetaObject::invokeMethod(window, "updateLayerDialog");
 }

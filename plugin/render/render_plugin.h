@@ -1,8 +1,8 @@
 // The decorator that draws point cloud trees.
 //
-// A decorator rather than one of MeshLab's render plugins: those are exclusive and must draw every layer themselves.
-// Ours draws after MeshLab's own layers and before the edit tools, so that the two depth-test together and tools such
-// as measuring work on our points.
+// A decorator instead of one of MeshLab's render plugins: those are exclusive and must draw every layer themselves. A
+// decorator draws after MeshLab's own layers and before the edit tools, so that both share the depth buffer and tools
+// such as measuring work on our points.
 #pragma once
 
 #include <common/interfaces.h>
@@ -30,7 +30,7 @@ public:
                      GLArea* area) override;
 
 private:
-    // A tree that is opened is shown; MeshLab's decorators are off until asked for.
+    // Switches the decorator on for a newly opened tree: MeshLab's decorators are off until the user asks for them.
     void show_when_idle(MeshDocument* document, int mesh_id);
     void switch_on(GLArea& area, MeshModel& layer);
 };

@@ -1,4 +1,4 @@
-// What a user can set about the drawing of point clouds, as MeshLab's parameters.
+// Settings of the drawing of point clouds, as MeshLab's parameters.
 #pragma once
 
 #include "pcm/gl/renderer.h"
@@ -17,7 +17,7 @@ struct Settings {
 
 void add_settings(RichParameterList& parameters);
 
-// Values outside their range are taken as the nearest one inside.
+// A value out of its range is replaced with the nearest valid one.
 Settings read_settings(const RichParameterList& parameters);
 
 }  // namespace pcm::host

@@ -20,13 +20,13 @@ namespace pcm::host {
 
 namespace {
 
-// A view that is not finished looks again after this time at the latest. Several views of one cloud share its loader,
-// and what one asks for replaces what another did.
+// A view that is not complete repaints after this time at the latest. Several views of one cloud share its loader, and
+// the requests of one view replace those of another.
 constexpr int look_again_ms = 250;
 
-constexpr int tile_patience_ms = 30000;  // for one tile of a snapshot
+constexpr int tile_patience_ms = 30000;  // per tile of a snapshot
 
-// The scene as MeshLab has set it up for decorators: without any layer's matrix.
+// The camera that MeshLab has set up for decorators, without a layer's matrix.
 pcm::Camera scene_view()
 {
     pcm::Camera view;
@@ -39,8 +39,8 @@ pcm::Camera scene_view()
     return view;
 }
 
-// MeshLab computes the projection in another way for a snapshot, which rounds differently: it is the same view, and
-// what has been drawn of it is what the user saw. Otherwise `now`.
+// `before` if `now` is the same camera up to rounding, else `now`. For a snapshot MeshLab computes the projection in
+// another way, which rounds differently. It is to show the picture that the user saw.
 const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before)
 {
     constexpr double rounding = 1e-6;  // a few units of single precision, in which OpenGL keeps its matrices
@@ -52,15 +52,15 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
     return before;
 }
 
-// A snapshot of several times the view's resolution is drawn in tiles, each a part of the view magnified to all of it
-// (glarea.cpp: setView, setTiledView; what is vertical there is told by the fov alone).
+// A snapshot of several times the view's resolution is drawn in tiles. Each is a part of the view, magnified to the
+// size of the view (glarea.cpp: setView, setTiledView). The vertical scale of the whole view depends on the fov alone.
 bool is_tile(const pcm::Camera& view, float fov)
 {
     const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * 3.14159265358979323846 / 360);
     return view.projection[5] > 1.5 * whole;
 }
 
-// Where frames go that nobody is to see.
+// A framebuffer for frames that are not shown; bound during its lifetime.
 class Aside {
 public:
     Aside(int width, int height) : buffer_(width, height, QOpenGLFramebufferObject::CombinedDepthStencil)
@@ -82,7 +82,7 @@ private:
     GLint drawn_into_ = 0, read_from_ = 0;
 };
 
-// In double: MeshLab applies a layer's matrix for its own drawing only.
+// The layer's matrix, which MeshLab applies only to its own drawing.
 Matrix4d placement_of(const MeshModel& layer)
 {
     Matrix4d placement;
@@ -95,7 +95,7 @@ Matrix4d placement_of(const MeshModel& layer)
 
 std::string megabytes(std::uint64_t bytes) { return grouped((bytes + (1u << 19)) >> 20); }
 
-// How much of a cache is in use, and how often it had what was asked for.
+// Fill and hit rate of a cache.
 std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_t capacity, std::uint64_t hits,
                        std::uint64_t misses)
 {
@@ -104,7 +104,7 @@ std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_
            (asked ? grouped(100 * hits / asked) : "0") + " % hits";
 }
 
-// Points of this layer, of all; what the picture is worth; time.
+// Number of points, quality of the picture, and time.
 QString status_text(const FrameReport& report, const CloudReport& cloud, std::uint64_t total, double target_px,
                     const std::string& caches)
 {
@@ -113,10 +113,10 @@ QString status_text(const FrameReport& report, const CloudReport& cloud, std::ui
     const std::string detail = report.full_resolution       ? std::string("full resolution")
                                : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
                                                                   " px (target " + brief(target_px) + ")"
-                                                            : std::string("all that is in view");
-    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms a frame" +
+                                                            : std::string("all points in view");
+    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms per frame" +
                              (report.refining ? ", refining" : "") +
-                             (report.samples > 1 ? ", " + std::to_string(report.samples) + " samples a pixel" : "");
+                             (report.samples > 1 ? ", " + std::to_string(report.samples) + " samples per pixel" : "");
     QString rows;
     for (const std::string& row :
          {points, detail + ", " + time, cloud.notice, caches, cloud.error.empty() ? report.error : cloud.error})
@@ -139,7 +139,7 @@ View::View(GLArea* area, QAction* decorator) : QObject(area), area_(area), decor
     area->installEventFilter(this);
 }
 
-// The context has gone before its widget's children: what is left on the card goes with the share group.
+// A widget destroys its context before its children. GL objects that are left are freed with the share group.
 View::~View() = default;
 
 void View::begin(MeshModel& layer)
@@ -151,7 +151,7 @@ void View::begin(MeshModel& layer)
 QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings)
 {
     if (!drawn_) {
-        drawn_ = true;  // also when it throws: once a paint is enough
+        drawn_ = true;  // before an exception can be thrown: one attempt per paint event
         draw_scene(settings);
         publish_state();
     }
@@ -211,7 +211,7 @@ void View::draw_scene(const Settings& settings)
     }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
-    tell_notices(drawn, settings.style);
+    log_notices(drawn, settings.style);
     if (report_.repaint) {
         QTimer::singleShot(0, area_, SLOT(update()));
     } else if (report_.refining && !look_again_) {
@@ -223,12 +223,12 @@ void View::draw_scene(const Settings& settings)
     }
 }
 
-// MeshLab takes it as it is after this paint, so it is drawn aside until its detail is there; the view's own picture
-// stays what it is.
+// MeshLab saves the tile after this paint event, so it is first drawn into another framebuffer until its detail is
+// loaded. The view's own picture is not changed.
 FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options)
 {
     if (!tile_) tile_ = std::make_unique<Picture>();
-    options.converge = false;  // to the target spacing, in the snapshot's own pixels
+    options.converge = false;  // refine to the target spacing only, in pixels of the snapshot
     options.frame_budget_ms = options.upload_budget_ms = tile_patience_ms;
     QElapsedTimer taken;
     taken.start();
@@ -237,23 +237,24 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
         const Aside aside(view.width, view.height);
         do {
             report = painter_->renderer().draw(*tile_, view, items, options);
-            if (report.refining && !report.repaint) QThread::msleep(2);  // chunks are on their way
+            if (report.refining && !report.repaint) QThread::msleep(2);  // chunks are being loaded
         } while (report.refining && taken.elapsed() < tile_patience_ms);
     }
     if (report.refining)
-        area_->md()->Log.Log(
-            GLLogStream::WARNING,
-            "Point Cloud: a part of the snapshot is less detailed than it should be, as loading took too long.");
+        area_->md()->Log.Log(GLLogStream::WARNING,
+                             "Point Cloud: a part of the snapshot is less detailed than requested, because loading its "
+                             "points took more than "
+                             "30 seconds. Take the snapshot again.");
     report = painter_->renderer().draw(*tile_, view, items, options);
-    report.refining = report.repaint = false;  // it is not asked for again
+    report.refining = report.repaint = false;  // a tile is drawn once
     return report;
 }
 
-void View::tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
+void View::log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
 {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const std::string& notice = report_.clouds[i].notice;
-        if (notice.empty() || !layers_[drawn[i]->id()].told.emplace(asked.splats, asked.colour).second) continue;
+        if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour).second) continue;
         area_->md()->Log.Log(GLLogStream::SYSTEM,
                              qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
     }
@@ -325,7 +326,7 @@ void View::show_native(int mesh_id, bool show)
     shared->manageBuffers(mesh_id);
 }
 
-// The button in MeshLab's layer panel takes a decorator off a layer without telling it.
+// The button in MeshLab's layer panel removes a decorator from a layer without calling endDecorate.
 void View::reconcile()
 {
     drawn_ = false;
@@ -338,7 +339,7 @@ void View::reconcile()
     for (const int mesh_id : ended) end(mesh_id);
 }
 
-// For whoever watches from outside, such as a test: is the picture final, and how much is in it.
+// For observers such as tests: whether the picture is final, and what is in it.
 void View::publish_state()
 {
     bool any = false;
@@ -369,7 +370,7 @@ bool View::eventFilter(QObject* receiver, QEvent* event)
         if (event->type() == QEvent::Paint) {
             reconcile();
         } else if (event->type() == QEvent::DeferredDelete) {
-            // One of several views is closed; nobody tells decorators.
+            // One of several views is closed; MeshLab does not call decorators then.
             area_->makeCurrent();
             close();
         }

@@ -1,7 +1,7 @@
-// What we draw in one of MeshLab's views, and what we have hidden there. Child of the view.
+// The point clouds of one of MeshLab's views, and the native points that are hidden there. Child of the view.
 //
-// MeshLab asks for one layer after the other; all of them are drawn when it asks for the first, so that they share one
-// budget, by what the eye sees.
+// MeshLab asks for one layer after the other. All of them are drawn when it asks for the first one, so that they share
+// one budget.
 #pragma once
 
 #include "plugin/host/registry.h"
@@ -27,23 +27,24 @@ class View : public QObject {
     Q_OBJECT
 
 public:
-    // The view's own, made on first use. `decorator` is the action that MeshLab lists for a layer that we draw.
+    // The object of this view, made on first use. `decorator` is the action that MeshLab lists for a layer that we
+    // draw.
     static View* of(GLArea* area, QAction* decorator);
     static View* find(GLArea* area);
     ~View() override;
 
-    // The following want the view's context current, as MeshLab's decorator calls have it.
+    // The functions below require the view's context to be current, as it is in MeshLab's calls of decorators.
 
-    // From now on the layer's tree is drawn here, and MeshLab's own points of it are not.
+    // From now on the layer's tree is drawn in this view, and MeshLab's own points of the layer are hidden.
     void begin(MeshModel& layer);
-    // Draws all layers that this view shows, unless it has in this paint; returns the text about this one for MeshLab's
-    // info pane. Throws what drawing throws.
+    // Draws all layers that this view shows, unless that was done in this paint event. Returns the text about this
+    // layer for MeshLab's info pane. Throws what drawing throws.
     QString draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings);
     // Undoes begin().
     void end(int mesh_id);
-    // The whole document closes: frees what is ours on the graphics card. MeshLab has freed its own already.
+    // The document is being closed: frees our GL objects. MeshLab has freed its own already.
     void close();
-    // The layer shows no tree any more, or is gone.
+    // The layer shows no tree any more, or was removed.
     void forget(int mesh_id);
 
 protected:
@@ -53,15 +54,15 @@ private:
     struct Layer {
         std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
-        std::optional<std::size_t> report;                // of it in report_, when it is in the picture
-        std::set<std::pair<SplatMode, ColourMode>> told;  // of which the log has what the cloud lacks for them
+        std::optional<std::size_t> report;                   // its index in report_.clouds, if it is in the picture
+        std::set<std::pair<SplatMode, ColourMode>> noticed;  // styles whose notice about missing attributes was logged
     };
 
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
     void draw_scene(const Settings& settings);
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
-    void tell_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
+    void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
     void reconcile();
@@ -72,10 +73,10 @@ private:
     std::map<int, Layer> layers_;
     std::shared_ptr<Painter> painter_;
     Picture picture_;
-    pcm::Camera shown_;              // in picture_
-    std::unique_ptr<Picture> tile_;  // of a snapshot that is being taken
+    pcm::Camera shown_;              // of picture_
+    std::unique_ptr<Picture> tile_;  // while a tiled snapshot is being taken
     bool drawn_ = false;             // in the current paint event
-    FrameReport report_;             // of it
+    FrameReport report_;             // of the last paint event
     bool look_again_ = false;
     int frame_ = 0;
 };

@@ -1,6 +1,5 @@
-// How two pictures differ: compare_pictures A B [BORDER] prints the share of pixels that differ by more than 8 of 255
-// in some channel, as one line of JSON; so many pixels along the edges are left out. Pictures of different sizes differ
-// altogether.
+// compare_pictures A B [BORDER] prints, as one line of JSON, the fraction of pixels that differ by more than 8 of 255
+// in some channel. A border of BORDER pixels is ignored. The fraction is 1 for pictures of different sizes.
 #include <QImage>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-"""Runs the real meshlab and meshlabserver, with our plugins and the test driver, on a display of their own."""
+"""Runs the real meshlab and meshlabserver with our plugins and the test driver on a virtual display."""
 
 import json
 import os
@@ -15,14 +15,14 @@ SOURCE = pathlib.Path(os.environ["PCM_SOURCE_DIR"])
 PCMLAB = BUILD / "bin" / "pcmlab"
 COMPARE = BUILD / "bin" / "compare_pictures"
 REFERENCE = SOURCE / "tests" / "e2e" / "reference"
-# Pictures and logs stay here, to be looked at.
+# Pictures and logs are kept here for inspection.
 RESULTS = BUILD / "e2e-results"
 
 DISPLAY = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1600x1200x24"]
 
 
 class Run:
-    """What a program printed, how it ended, what the driver measured."""
+    """Output and exit code of a program, and what the driver printed."""
 
     def __init__(self, code, text):
         self.code = code
@@ -54,7 +54,7 @@ def pcmlab(*arguments):
 
 
 def different(a, b, border=0):
-    """The share of pixels in which two pictures differ, so many along the edges left out; 1 when their sizes do."""
+    """The fraction of pixels that differ between two pictures, without a border of this width; 1 if the sizes differ."""
     done = subprocess.run([str(COMPARE), str(a), str(b), str(border)], capture_output=True, text=True, timeout=60, check=True)
     return json.loads(done.stdout)["different"]
 
@@ -63,15 +63,15 @@ SAMPLES = SOURCE / ".." / "shared" / "data"
 
 
 def sample(name):
-    """A file of the samples, or the test is skipped."""
+    """A sample file; the test is skipped if it does not exist."""
     path = (SAMPLES / name).resolve()
     if not path.exists():
-        raise unittest.SkipTest(f"there is no sample {name}")
+        raise unittest.SkipTest(f"the sample {name} does not exist")
     return path
 
 
-# Driver commands for a picture that depends on nothing but the cloud: no budget of time, so that the view is complete
-# when all detail is there; and one size. The view must be there already.
+# Driver commands for a picture that depends only on the cloud: no time limit, so that the view is complete when all detail
+# is drawn, and a fixed size. The view must exist already.
 NO_TIME_LIMIT = """
     parameter MeshLab::PointCloud::FrameBudget = 100000
     """
@@ -81,7 +81,7 @@ FIXED_VIEW = NO_TIME_LIMIT + """
 
 
 class MeshLabTest(unittest.TestCase):
-    """A test with a folder of its own and a MeshLab of its own settings."""
+    """A test with its own folder and its own settings of MeshLab."""
 
     @classmethod
     def setUpClass(cls):
@@ -103,7 +103,7 @@ class MeshLabTest(unittest.TestCase):
         (self.folder / "runtime").mkdir(mode=0o700)
 
     def result(self, name):
-        """Where a picture of this test is kept."""
+        """Path of a picture or log of this test."""
         return RESULTS / f"{type(self).__name__}-{self._testMethodName}-{name}"
 
     def run_program(self, command, timeout):
@@ -113,7 +113,7 @@ class MeshLabTest(unittest.TestCase):
         return Run(done.returncode, done.stdout)
 
     def gui(self, script, *arguments, timeout=240):
-        """MeshLab with a window manager, playing the driver's script."""
+        """Runs MeshLab with a window manager; the driver plays the script."""
         (self.folder / "script.txt").write_text(script)
         self.environment["PCM_TEST_SCRIPT"] = str(self.folder / "script.txt")
         self.environment["PCM_TEST_FAILURE_PICTURE"] = str(self.result("failure.png"))
@@ -123,7 +123,7 @@ class MeshLabTest(unittest.TestCase):
         return self.run_program([launcher, self.prefix / "bin" / "meshlab", *arguments], timeout)
 
     def server(self, filters, *arguments, timeout=240):
-        """meshlabserver with a script of filters: [(name, {parameter: (type, value)})]."""
+        """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})]."""
         lines = ["<!DOCTYPE FilterScript>", "<FilterScript>"]
         for name, parameters in filters:
             lines.append(f" <filter name={quoteattr(name)}>")
@@ -137,15 +137,20 @@ class MeshLabTest(unittest.TestCase):
         return self.run_program([self.prefix / "bin" / "meshlabserver", *arguments, "-s", script], timeout)
 
     def assertDriven(self, run):
-        """The script ran to its end and MeshLab quit by itself."""
+        """The script was completed and MeshLab quit by itself."""
         self.assertNotIn("driver: FAILED", run.text)
         self.assertIn("driver: quit", run.text)
         self.assertEqual(run.code, 0, run.text[-3000:])
 
-    def generate(self, name, points, *options):
-        """A generated cloud and its tree."""
+    def generate_file(self, name, points, *options):
+        """A generated cloud as a file."""
         las = self.folder / f"{name}.las"
         pcmlab("generate", "--points", points, *options, "--no-truth", las)
+        return las
+
+    def generate(self, name, points, *options):
+        """A generated cloud as a file, and its tree."""
+        las = self.generate_file(name, points, *options)
         tree = self.folder / f"{name}.pct"
         pcmlab("build", las, "-o", tree)
         return las, tree

@@ -4,9 +4,9 @@ import unittest
 
 from meshlab import FIXED_VIEW, MeshLabTest, different
 
-# The scene's points lie on a grid of millimetres in both clouds, so they are the same points; what is left is the
-# documents' origins, and with them the last bit of MeshLab's float matrices. Coordinates in float would move points by
-# 0.25 m, a dozen pixels here.
+# The points lie on a grid of millimetres in both clouds, so they are the same points. The pictures differ only by the last
+# bit of MeshLab's float matrices, which depend on the documents' origins. Coordinates in float would move points by 0.25 m,
+# which is a dozen pixels here.
 SAME_PICTURE = 0.01
 STEPS = 6
 
@@ -17,7 +17,7 @@ class Coordinates(MeshLabTest):
         for name, origin in (("near", "0,0,0"), ("far", "5000000,5000000,5000000")):
             _, tree = self.generate(name, 200000, "--seed", 7, "--origin", origin)
             shots = [self.result(f"{name}-{i}.png") for i in range(STEPS + 1)]
-            # Close up, so that a pixel is centimetres; then slowly, a pixel or two at a time.
+            # Near enough that a pixel is a few centimetres; then move by one or two pixels at a time.
             slow = "".join(f"pan-to {i} {i // 2}\nwait-status complete\npicture {shots[i]}\n"
                            for i in range(1, STEPS + 1))
             run = self.gui(f"""
@@ -40,7 +40,7 @@ class Coordinates(MeshLabTest):
             pictures[name] = shots
         for i, (near, far) in enumerate(zip(pictures["near"], pictures["far"])):
             self.assertLess(different(near, far), SAME_PICTURE, f"step {i}")
-        # Every step moved the picture.
+        # Every step has moved the picture.
         for before, after in zip(pictures["near"], pictures["near"][1:]):
             self.assertGreater(different(before, after), SAME_PICTURE)
 

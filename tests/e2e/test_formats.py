@@ -1,4 +1,4 @@
-"""Every format in and out of MeshLab: opened as a layer or by way of a tree, exported with all points and digits."""
+"""Import and export of every format in MeshLab: as a layer or through a tree, with all points and digits."""
 
 import csv
 
@@ -10,7 +10,7 @@ import unittest
 
 from meshlab import FIXED_VIEW, PCMLAB, SAMPLES, MeshLabTest, different, pcmlab, sample
 
-# One cloud a format, and one at map coordinates (LAS, 6.3 million feet east).
+# One cloud per format, and one at map coordinates (LAS, 6.3 million feet east).
 ONE_A_FORMAT = {
     "las": "las/certainty3d-color-utm-feet-navd88.las", "laz": "las/autzen_trim.laz", "ply": "ply/screwdriver_BE.ply",
     "pcd": "pcd/milk_color.pcd", "pts": "pts/bunnyData.pts", "ptx": "ptx/1.2-with-color.ptx",
@@ -20,7 +20,7 @@ TEXT = ("xyz", "txt", "asc", "csv")
 
 
 def in_manifest(name):
-    """Points, smallest and largest corner of a sample, as an independent reader found them."""
+    """Number of points, minimum and maximum of a sample, as found by an independent reader."""
     with open(SAMPLES / "MANIFEST.csv", newline="") as file:
         row = next(row for row in csv.DictReader(file) if row["file"] == name)
     box = [float(number) for number in row["bbox"].split()]
@@ -34,7 +34,7 @@ def reads(file):
 
 
 def source_box(run, layer):
-    """The box of a layer in source coordinates: MeshLab's, and the origin that the log names."""
+    """The box of a layer in source coordinates: MeshLab's box plus the origin in the log."""
     origin = [0.0, 0.0, 0.0]
     for line in run.text.splitlines():
         if "minus the document's origin" in line:
@@ -81,7 +81,7 @@ class Formats(MeshLabTest):
                 self.assertGreater(different(empty, picture), 0.005, "nothing is to be seen")
 
     def test_size_of_a_layer_and_folder_for_trees(self):
-        """The same file below and above the size that the user sets; the tree where the user wants it."""
+        """A file with fewer and with more points than the user's limit; the tree in the folder that the user has set."""
         las = self.folder / "cloud.las"
         pcmlab("generate", "--points", 30000, "--origin", "500000,4800000,100", "--no-truth", las)
         trees = self.folder / "my trees"
@@ -106,7 +106,7 @@ class Formats(MeshLabTest):
             open {las}
             press OK
             expect-message none
-            expect-message folder for trees is not there
+            expect-message folder for trees does not exist
             wait-layers 3
             quit
             """)
@@ -119,7 +119,7 @@ class Formats(MeshLabTest):
         self.assertEqual(pcmlab("info", moved)["points"], 30000)
 
     def test_text_layout_is_asked_for(self):
-        """Columns that detection cannot know are said in the dialog."""
+        """The dialog sets columns that cannot be detected."""
         text = self.folder / "columns.xyz"
         text.write_text("".join(f"{i % 7} {100 + i} {200 + i % 5} {i % 3}\n" for i in range(500)))
         if not reads(text):
@@ -151,7 +151,7 @@ class Formats(MeshLabTest):
         self.assertEqual((layer["min"], layer["max"]), ([100, 200, 0], [599, 204, 2]))
 
     def test_meshes_stay_meshlabs(self):
-        """A PLY with faces opens as a mesh and is written as one; one with vertices alone is a cloud."""
+        """A PLY with faces is opened and saved as a mesh; one with only vertices is a cloud."""
         mesh = self.folder / "mesh.ply"
         mesh.write_text("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
@@ -178,7 +178,7 @@ class Formats(MeshLabTest):
         self.assertDriven(run)
         self.assertEqual((run.layers()[0]["vertices"], run.layers()[0]["faces"]), (3, 1))
         self.assertIn(b"element face 1", written.read_bytes())
-        # Written as they were read, although MeshLab's positions are float.
+        # All digits are kept, although MeshLab's positions are float.
         self.assertIn("5000000.125 4800000.001 1 7", back.read_text())
 
     def test_bad_files_leave_meshlab_usable(self):
@@ -197,13 +197,13 @@ class Formats(MeshLabTest):
 
 class Export(MeshLabTest):
     def tree_of(self, file):
-        """What pcmlab says of a file, by way of a tree."""
+        """What pcmlab reports about the tree of a file."""
         tree = self.folder / f"{pathlib.Path(file).name}.check.pct"
         pcmlab("build", file, "-o", tree)
         return pcmlab("info", tree)
 
     def test_a_tree_is_written_whole(self):
-        """Not the proxy of 50,000 points, and in source coordinates; PLY too, although MeshLab writes that itself."""
+        """A tree is exported completely and in source coordinates, not its proxy of 50,000 points; also as PLY, which MeshLab writes itself."""
         las, tree = self.generate("large", 200000, "--origin", "500000,4800000,100")
         truth = pcmlab("info", tree)
         ply, bpc, level = (self.folder / name for name in ("out.ply", "out.bpc", "level.ply"))
@@ -232,7 +232,7 @@ class Export(MeshLabTest):
         self.assertEqual(self.tree_of(level)["points"], truth["level"][0]["points"])
 
     def test_meshlabserver(self):
-        """In and out without a window: a tree, a file that becomes a layer, and a refusal."""
+        """Import and export without a window: a tree, a file that becomes a layer, and an error."""
         las, tree = self.generate("cloud", 60000, "--origin", "500000,4800000,100")
         truth = pcmlab("info", tree)
         for given in (tree, las):
@@ -243,7 +243,7 @@ class Export(MeshLabTest):
                 self.assertIn("60,000 points of the", run.text)
                 found = self.tree_of(out)
                 self.assertEqual((found["points"], found["bounds"]), (60000, truth["bounds"]), out)
-                if extension != "las":  # which may add fields that every record has
+                if extension != "las":  # it adds the fields that every record has
                     self.assertEqual(sorted(a["name"] for a in found["attributes"]),
                                      sorted(a["name"] for a in truth["attributes"]), out)
         broken = self.folder / "broken.las"

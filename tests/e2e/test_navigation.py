@@ -1,4 +1,4 @@
-"""Cameras in MeshLab: walking through a scene, orbiting about a picked point, both projections, full screen."""
+"""Navigation in MeshLab: walking through a scene, orbiting about a picked point, both projections, full screen."""
 
 import math
 import re
@@ -6,7 +6,7 @@ import unittest
 
 from meshlab import FIXED_VIEW, MeshLabTest, different
 
-# The same view drawn twice is the same picture; a pixel or two may change where an angle of view is rounded differently.
+# The same camera gives the same picture, but for a few pixels where the angle of view is rounded differently.
 SAME_PICTURE = 0.002
 
 
@@ -25,7 +25,7 @@ def dot(a, b):
 
 class Navigation(MeshLabTest):
     def test_walk(self):
-        """In, forwards, aside, looking around, out: the picture jumps neither in nor out, and the keys do what they say."""
+        """Start, walk, look around, end: starting and ending do not move the picture, and each key does what the help says."""
         _, tree = self.generate("scene", 200000, "--seed", 5)
         pictures = {name: self.result(f"{name}.png") for name in
                     ("before", "inside", "walked", "looked", "outside", "orbited", "ortho", "ortho-walked")}
@@ -95,13 +95,13 @@ class Navigation(MeshLabTest):
             """, tree)
         self.assertDriven(run)
         c = run.cameras()
-        # In and out: the camera is the same to the last bit.
+        # Starting and ending the tool leaves the camera unchanged to the last bit.
         for before, after in (("before", "inside"), ("still-later", "outside")):
             for key in ("eye", "centre", "above", "scale", "near"):
                 self.assertEqual(c[before][key], c[after][key], f"{key} {after}")
         self.assertEqual(different(pictures["before"], pictures["inside"]), 0)
         self.assertEqual(different(self.result("left-behind.png"), pictures["outside"]), 0)
-        # W walks along the view, about as far as the points are away for so long; repeated keys change nothing.
+        # W walks along the view direction, per second by the distance of the nearest points; auto-repeat changes nothing.
         ahead = direction(c["inside"])
         way = [b - a for a, b in zip(c["inside"]["eye"], c["walked"]["eye"])]
         length = math.hypot(*way)
@@ -111,34 +111,34 @@ class Navigation(MeshLabTest):
         self.assertLessEqual(c["walked"]["reach_error"], c["walked"]["reach"])
         self.assertEqual(c["walked"]["keys"], 0)
         self.assertGreater(different(pictures["inside"], pictures["walked"]), 0.05)
-        # What is nearest is not cut off: the near plane is nearer.
+        # The near plane is nearer than the nearest points, so nothing is clipped.
         near = c["walked"]["near"] / c["walked"]["scale"]
         self.assertLess(near, 0.4 * c["walked"]["reach"])
-        # Two keys at once, one let go of, the other still held.
+        # Two keys at once; one is released, the other still held.
         self.assertEqual(bin(c["two-keys"]["keys"]).count("1"), 2)
         self.assertEqual(bin(c["one-key"]["keys"]).count("1"), 1)
         self.assertTrue(c["one-key"]["moving"])
         way = [b - a for a, b in zip(c["walked"]["eye"], c["aside"]["eye"])]
         self.assertGreater(way[2], 0, "E goes up")
-        # The wheel changes the speed and nothing else.
+        # The wheel changes only the speed.
         self.assertAlmostEqual(c["faster"]["factor"] / c["aside"]["factor"], 1.25 ** 3, places=6)
         self.assertEqual(c["faster"]["eye"], c["aside"]["eye"])
-        # Looking turns the view at its place, and levels the horizon.
+        # Looking around rotates the view about the eye and levels the horizon.
         self.assertLess(distance(c["looked"]["eye"], c["faster"]["eye"]), 1e-3)
         self.assertLess(dot(direction(c["looked"]), direction(c["faster"])), 0.999)
         self.assertAlmostEqual(c["looked"]["roll"], 0, places=6)
         self.assertGreater(different(pictures["walked"], pictures["looked"]), 0.05)
-        # A view that loses the keyboard stands still, whatever was held.
+        # A view that loses the keyboard focus stops, even if a key was held.
         self.assertEqual(bin(c["shift"]["keys"]).count("1"), 2)
         self.assertEqual(c["lost"]["keys"], 0)
         self.assertEqual(c["still"]["eye"], c["still-later"]["eye"])
         self.assertGreater(distance(c["looked"]["eye"], c["still"]["eye"]), 0)
-        # The trackball goes on from there, about the point in front of the eye.
+        # The trackball starts from this camera and rotates about the point in front of the eye.
         self.assertLess(distance(c["outside"]["centre"], c["orbited"]["centre"]), 1e-3 * distance(c["outside"]["eye"], c["outside"]["centre"]))
         self.assertGreater(different(pictures["outside"], pictures["orbited"]), 0.02)
 
     def test_projections_and_full_screen(self):
-        """The other projection and the full screen are at hand while one walks, without a restart."""
+        """The projection and full screen can be switched while walking."""
         _, tree = self.generate("scene", 100000, "--seed", 5)
         ortho, walked, perspective = (self.result(f"{name}.png") for name in ("ortho", "ortho-walked", "perspective"))
         run = self.gui(f"""
@@ -208,7 +208,7 @@ class Navigation(MeshLabTest):
         c = run.cameras()
         self.assertEqual([c[name]["orthographic"] for name in ("perspective", "ortho", "zoomed", "turned", "full")],
                          [False, True, True, True, False])
-        # In an orthographic view W makes things larger about the middle of the picture, which turning leaves where it is.
+        # In an orthographic view W magnifies about the centre of the picture; looking around keeps the centre.
         self.assertGreater(c["zoomed"]["scale"], 1.05 * c["ortho"]["scale"])
         size = distance(c["zoomed"]["eye"], c["zoomed"]["centre"])
         self.assertLess(distance(c["zoomed"]["centre"], c["ortho"]["centre"]), 1e-4 * size)
@@ -217,14 +217,14 @@ class Navigation(MeshLabTest):
         self.assertTrue(c["full"]["full_screen"])
         self.assertFalse(c["suspended"]["full_screen"])
         self.assertGreater(distance(c["full"]["eye"], c["full-walked"]["eye"]), 0)
-        # The trackball moved the eye while the tool was suspended; the tool went on from there, backwards.
+        # The trackball moved the eye while the tool was suspended; the tool then walked backwards from there.
         self.assertGreater(distance(c["full-walked"]["eye"], c["suspended"]["eye"]), 0)
         way = [b - a for a, b in zip(c["suspended"]["eye"], c["resumed"]["eye"])]
         self.assertGreater(math.hypot(*way), 0)
         self.assertAlmostEqual(dot(way, direction(c["suspended"])) / math.hypot(*way), -1, places=2)
 
     def test_meshes(self):
-        """A mesh without any cloud is walked around too, at a speed that its box says; y is up there until U says otherwise."""
+        """Walking around a mesh without clouds: the speed depends on its box, and y is up until U is pressed."""
         mesh = self.folder / "mesh.ply"
         mesh.write_text("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
                         "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
@@ -273,18 +273,18 @@ class Navigation(MeshLabTest):
         self.assertDriven(run)
         c = run.cameras()
         self.assertEqual([layer["modified"] for layer in run.layers()], [False])
-        # Straight towards the middle of the square, from as far away as its plane is.
+        # Straight towards the centre of the square, by the distance of its plane.
         self.assertLess(c["walked"]["eye"][2], c["opened"]["eye"][2])
         self.assertGreater(c["walked"]["eye"][2], 0)
         self.assertTrue(c["walked"]["eye"][2] - 0.01 <= c["walked"]["reach"] <= c["opened"]["eye"][2] + 0.01, c["walked"])
-        # E goes along y, and then along z.
+        # E moves along y, and then along z.
         self.assertGreater(c["above"]["eye"][1], c["walked"]["eye"][1])
         self.assertAlmostEqual(c["above"]["eye"][2], c["walked"]["eye"][2], delta=1e-3)
         self.assertGreater(c["nearer"]["eye"][2], c["above"]["eye"][2])
         self.assertAlmostEqual(c["nearer"]["eye"][1], c["above"]["eye"][1], delta=1e-3)
 
     def test_orbit_about_the_picked_point(self):
-        """A double click makes the point under it what the trackball turns about, at map coordinates too."""
+        """A double click makes the point under the mouse the centre of rotation, also at map coordinates."""
         picked = {}
         for name, origin in (("near", "0,0,0"), ("far", "5000000,5000000,5000000")):
             _, tree = self.generate(name, 200000, "--seed", 7, "--origin", origin)
@@ -315,14 +315,14 @@ class Navigation(MeshLabTest):
             c = run.cameras()
             point = [float(v) for v in re.search(r"Recentering on point \[(\S+) (\S+) (\S+)\]", run.text).groups()]
             size = distance(c["before"]["eye"], c["before"]["centre"])
-            # MeshLab unprojects the depth under the mouse; what it takes for its new centre is that point, and stays it.
+            # MeshLab unprojects the depth under the mouse. This point becomes the centre of rotation and stays it.
             self.assertGreater(distance(point, c["before"]["centre"]), 0.01 * size)
             self.assertLess(distance(c["centred"]["centre"], point), 1e-3 * size)
             self.assertLess(distance(c["orbited"]["centre"], c["centred"]["centre"]), 1e-4 * size)
             self.assertGreater(distance(c["orbited"]["eye"], c["centred"]["eye"]), 0.05 * size)
             picked[name] = point
-        # Both clouds have the same points, shown around origins that are whole units: so the same point was picked, to what depth and
-        # position in single precision tell (millimetres here).
+        # Both clouds have the same points, shown relative to origins in whole units. So the same point was picked, up to the
+        # single precision of depth and position (millimetres here).
         for near, far in zip(picked["near"], picked["far"]):
             self.assertAlmostEqual(near - far, round(near - far), delta=0.005)
 

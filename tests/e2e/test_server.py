@@ -1,4 +1,4 @@
-"""meshlabserver: scripts build trees and ask about them, with no window."""
+"""meshlabserver: scripts build trees and print their information, without a window."""
 
 import unittest
 
@@ -32,7 +32,7 @@ class Server(MeshLabTest):
         self.assertEqual(info["points"], 120000)
         for corner in ("min", "max"):
             for value in info["bounds"][corner]:
-                # Source coordinates, to the last digit.
+                # Source coordinates with all digits.
                 self.assertIn(repr(value).removesuffix(".0"), run.text)
         self.assertEqual(pcmlab("verify", tree)["faults"], [])
 
@@ -46,7 +46,7 @@ class Server(MeshLabTest):
                 self.assertEqual(pcmlab("verify", tree)["faults"], [])
 
     def test_default_output_and_layer(self):
-        # Without a layer to begin with, the tree becomes one, and the second filter speaks of it.
+        # No layer at first: the first filter adds one, which the second filter uses.
         run = self.server([build(self.las, opened=True), information()])
         self.assertEqual(run.code, 0, run.text)
         self.assertEqual(pcmlab("info", self.folder / "a b.pct")["points"], 120000)
@@ -72,7 +72,7 @@ class Server(MeshLabTest):
         broken = self.folder / "broken.las"
         broken.write_bytes(self.las.read_bytes()[:100000])
         self.assertRefused([build(broken)], "broken.las", "100000")
-        # Nothing is left of the attempts.
+        # The failed builds left no files.
         self.assertFalse(list(self.folder.glob("*.pct*")))
 
     def test_refuses_to_overwrite(self):

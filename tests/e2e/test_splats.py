@@ -1,4 +1,4 @@
-"""How clouds look in MeshLab: every kind of splat, multisampling, both projections, several clouds at once, MeshLab's own tools on them."""
+"""How MeshLab shows clouds: all splat modes, multisampling, both projections, several clouds, and MeshLab's own tools."""
 
 import math
 import os
@@ -10,8 +10,8 @@ import unittest
 
 from meshlab import REFERENCE, MeshLabTest, different, pcmlab
 
-# Two renderings of one view are alike but for pixels along the edges of splats, where another version of the software
-# renderer rounds otherwise.
+# Two renderings of a view may differ in pixels along the edges of splats, where versions of the software renderer round
+# differently.
 SAME_PICTURE = 0.02
 MODES = ("constant", "dynamic", "affine", "perspective")  # in the order of the setting
 VIEW = "view-size 320 240\n"
@@ -19,7 +19,7 @@ SIDE = 60  # points along a cloud's edge
 
 
 def write_ply(path, height, *, splats=True, at=(0, 0, 0), side=SIDE):
-    """A surface z = height(x, y) over -1..1, whose points have (or have not) normals and radii that close it, and colours in patches."""
+    """A surface z = height(x, y) over -1..1 with coloured patches; with or without normals, and radii that close the surface."""
     rng = random.Random(3)
     step = 2 / side
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {side * side}", "property double x", "property double y",
@@ -58,7 +58,7 @@ class Splats(MeshLabTest):
         return tree
 
     def test_modes(self):
-        """Two reference pictures a mode: a tilted perspective view, and a grazing orthographic one."""
+        """Two reference pictures per mode: a tilted perspective view, and a grazing orthographic one."""
         tree = self.cloud("waves", waves)
         views = {"tilted": "drag 0.5 0.6 0.55 0.42\nwheel -4\n",
                  "grazing": "drag 0.5 0.7 0.5 0.53\ntrigger Toggle Orthographic Camera\npause 100\n"}
@@ -88,13 +88,13 @@ class Splats(MeshLabTest):
         for view in views:
             for first, second in zip(MODES, MODES[1:]):
                 share = different(pictures[first, view], pictures[second, view])
-                if (second, view) == ("perspective", "grazing"):  # in an orthographic view the affine projection is the exact one
+                if (second, view) == ("perspective", "grazing"):  # in an orthographic view the affine projection is exact
                     self.assertLess(share, 0.005)
                 else:
                     self.assertGreater(share, 0.005, f"{first} {second} {view}")
 
     def test_settings(self):
-        """Multisampling, eye-dome lighting, colours and the radius scale change the picture; what a cloud lacks is said once."""
+        """Multisampling, eye-dome lighting, colours and the radius scale change the picture; a missing attribute is logged once."""
         tree, bare = self.cloud("waves", waves), self.cloud("bare", waves, splats=False)
         names = ("plain", "samples", "domes", "larger", "height", "uniform", "again")
         p = {name: self.result(f"{name}.png") for name in names}
@@ -149,10 +149,10 @@ class Splats(MeshLabTest):
         # Edges only.
         self.assertLess(different(p["plain"], p["samples"]), 0.5)
         notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare.pct: ") and "radi" in line]
-        self.assertEqual(len(notices), 2, notices)  # one for the discs, one for the squares of the radius
+        self.assertEqual(len(notices), 2, notices)  # one for discs, one for squares of the size of the radius
 
     def test_several_clouds(self):
-        """Clouds are drawn into one picture with one depth, each where its layer's matrix puts it."""
+        """All clouds share the depth buffer, and each is transformed by its layer's matrix."""
         left, right = self.cloud("left", waves), self.cloud("right", waves, at=(2.5, 0, 0.5))
         names = ("both", "left", "right", "left-moved")
         p = {name: self.result(f"{name}.png") for name in names}
@@ -190,11 +190,11 @@ class Splats(MeshLabTest):
         self.assertGreater(different(p["both"], p["left"]), 0.05)
         self.assertGreater(different(p["both"], p["right"]), 0.05)
         self.assertGreater(different(p["left"], p["right"]), 0.1)
-        # The same points to a rounding of the splats' edges.
+        # The same points, up to rounding at the edges of splats.
         self.assertLess(different(p["left-moved"], p["right"]), SAME_PICTURE)
 
     def test_full_resolution_within_budgets(self):
-        """A view that rests ends with the same picture whatever a frame may take: time, points, video memory for a third of the cloud."""
+        """A view at rest converges to the same picture under any budget of time, points or video memory (a third of the cloud)."""
         _, tree = self.generate("scene", 1500000, "--seed", 5)
         free, tight, moved = (self.result(f"{name}.png") for name in ("free", "tight", "moved"))
         setting = "parameter MeshLab::PointCloud::"
@@ -227,11 +227,11 @@ class Splats(MeshLabTest):
         self.assertEqual(len(drawn), 3)
         self.assertGreater(drawn[0][0], 1000000)
         self.assertGreaterEqual(drawn[1][1] - drawn[0][1], 10)
-        # There and back the camera is the same but for a last bit.
+        # After moving there and back the camera is the same up to the last bit.
         self.assertLess(different(free, moved), SAME_PICTURE)
 
     def test_snapshots(self):
-        """Save snapshot writes what the view shows, and in tiles what a larger view would show, whatever a frame may take."""
+        """A snapshot shows the same as the view; a tiled one the same as a larger view, under any frame budget."""
         _, tree = self.generate("scene", 300000, "--seed", 5)
         shown, large = self.result("shown.png"), self.result("large.png")
         setting = "parameter MeshLab::PointCloud::"
@@ -264,11 +264,11 @@ class Splats(MeshLabTest):
         self.assertDriven(run)
         for name, picture in (("snapshot00.png", shown), ("snapshot01.png", large)):
             shutil.copy(self.folder / name, self.result(name))
-            # MeshLab draws a frame around the current view, and none in a snapshot.
+            # MeshLab draws a frame around the current view, but not in a snapshot.
             self.assertLess(different(self.folder / name, picture, border=6), SAME_PICTURE, name)
 
     def test_measuring_tool(self):
-        """MeshLab's Measuring Tool takes its points from the depth that our splats leave, with multisampling and without."""
+        """MeshLab's Measuring Tool picks points from the depth of our splats, with and without multisampling."""
         tree = self.cloud("flat", flat)
         script = ""  # a measurement suspends the tool
         for name, settings in {"constant": (0, 0), "perspective": (3, 0), "samples": (3, 2)}.items():
@@ -304,7 +304,7 @@ class Splats(MeshLabTest):
             """)
         self.assertDriven(run)
         found = [float(v) for v in re.findall(r"Distance M\d: (\S+)", re.search(r"driver: log (.*)", run.text)[1])]
-        # The view is 1.75 / scale high to both sides of the middle, where the plane is; 96 of 240 pixels' height were measured.
+        # At the plane the view spans 1.75 / scale above and below the centre; 96 of 240 pixels were measured.
         expected = 2 * 1.75 / run.cameras()["constant"]["scale"] * 96 / 240
         self.assertEqual(len(found), 3, found)
         for measured in found:

@@ -1,4 +1,4 @@
-"""Trees change from MeshLab: points are appended and deleted, the tree is compacted, and layers show what is there."""
+"""Filters that change trees: append, delete and compact; layers show the changed tree."""
 
 import unittest
 
@@ -25,7 +25,7 @@ def compact(tree):
 
 class Updates(MeshLabTest):
     def scenes(self):
-        """A tree, and a file of points beside it: (tree, file)."""
+        """A tree, and a file of points next to those of the tree: (tree, file)."""
         _, tree = self.generate("first", 60000, "--seed", 3, "--extent", 20, "--origin", "500000,4800000,100")
         las = self.folder / "second.las"
         pcmlab("generate", "--points", 40000, "--seed", 4, "--extent", 20, "--origin", "500020,4800000,100", "--no-truth", las)
@@ -42,7 +42,7 @@ class Updates(MeshLabTest):
         box = "500000 4800000 0 500010 4800020 1000"
         run = self.server([add(tree, las, both), delete(both, box, count=True), delete(both, box, output=less), compact(less)])
         self.assertEqual(run.code, 0, run.text)
-        self.assertGood(tree, 60000)  # as it was
+        self.assertGood(tree, 60000)  # unchanged
         self.assertGood(both, 100000)
         self.assertIn("Added 40,000 points", run.text)
         info = pcmlab("info", less)
@@ -58,12 +58,12 @@ class Updates(MeshLabTest):
         self.assertEqual(run.code, 0, run.text)
         points = pcmlab("info", tree)["points"]
         self.assertGood(tree, points)
-        self.assertLess(abs(points - 60000), 6000)  # a few reach over the border
+        self.assertLess(abs(points - 60000), 6000)  # a few points are beyond the border
 
     def test_refuses_and_leaves_the_tree_alone(self):
         tree, las = self.scenes()
         for filters, words in (
-                ([add(tree, las)], ["In place"]),
+                ([add(tree, las)], ["in place"]),
                 ([add(tree, self.folder / "none.las", in_place=True)], ["none.las", "no such file"]),
                 ([delete(tree, in_place=True)], ["which points"]),
                 ([delete(tree, where="colour = 1", in_place=True)], ["colour", "intensity"]),

@@ -1,4 +1,4 @@
-"""MeshLab's window: a tree opens, is drawn, turned, deleted; errors leave MeshLab usable."""
+"""MeshLab's window: a tree is opened, drawn, rotated and deleted; MeshLab stays usable after errors."""
 
 import os
 import shutil
@@ -6,8 +6,8 @@ import unittest
 
 from meshlab import FIXED_VIEW, NO_TIME_LIMIT, REFERENCE, MeshLabTest, different
 
-# Two renderings of one view are alike but for pixels along the edges of splats, where another version of the software
-# renderer rounds otherwise.
+# Two renderings of a view may differ in pixels along the edges of splats, where versions of the software renderer round
+# differently.
 SAME_PICTURE = 0.02
 
 
@@ -47,8 +47,8 @@ class Window(MeshLabTest):
             """, tree)
         self.assertDriven(run)
         self.assertGreater(different(opened, gone), 0.2, "nothing was drawn")
-        self.assertGreater(different(opened, turned), 0.1, "the drag did not turn the cloud")
-        self.assertGreater(different(turned, closer), 0.1, "the wheel did not bring the cloud closer")
+        self.assertGreater(different(opened, turned), 0.1, "the drag did not rotate the cloud")
+        self.assertGreater(different(turned, closer), 0.1, "the wheel did not move the camera closer")
         reference = REFERENCE / "scene.png"
         if os.environ.get("PCM_UPDATE_REFERENCE"):
             shutil.copy(opened, reference)
@@ -97,7 +97,7 @@ class Window(MeshLabTest):
         self.assertGreater(different(empty, usable), 0.1)
 
     def test_layers(self):
-        """Layers share a tree, are reloaded, shown and hidden, and MeshLab's own points come back when ours go."""
+        """Layers share a tree, are reloaded, shown and hidden; MeshLab's own points return when the decorator is switched off."""
         las, tree = self.generate("good", 60000, "--seed", 6)
         ours, reloaded, both, native, again, none = (
             self.result(f"{name}.png") for name in ("ours", "reloaded", "both", "native", "again", "none"))
@@ -145,7 +145,7 @@ class Window(MeshLabTest):
         self.assertEqual(different(ours, again), 0)
 
     def test_two_views(self):
-        """A view that is split off shows the cloud too; closing it leaves the other whole."""
+        """A view that is split off shows the cloud too; closing it does not change the other view."""
         _, tree = self.generate("good", 60000, "--seed", 6)
         one, closed = (self.result(f"{name}.png") for name in ("one", "closed"))
         run = self.gui(f"""
@@ -168,7 +168,7 @@ class Window(MeshLabTest):
         self.assertEqual(different(one, closed), 0)
 
     def test_filter_from_the_menu(self):
-        las, _ = self.generate("input", 60000, "--seed", 8)
+        las = self.generate_file("input", 60000, "--seed", 8)
         output = self.folder / "menu.pct"
         run = self.gui(f"""
             wait-view
@@ -199,8 +199,8 @@ class Window(MeshLabTest):
         self.assertTrue((output / "index.pct").exists())
 
     def test_large_file_becomes_a_tree_beside_it(self):
-        las, tree = self.generate("large", 1100000, "--seed", 4)
-        shutil.rmtree(tree)
+        las = self.generate_file("large", 1100000, "--seed", 4)
+        tree = las.with_suffix(".pct")
         run = self.gui(f"""
             wait-view
             open {las}
@@ -217,9 +217,8 @@ class Window(MeshLabTest):
         self.assertTrue((tree / "index.pct").exists())
 
     def test_escape_cancels_a_build(self):
-        las, tree = self.generate("large", 3000000, "--seed", 4)
-        shutil.rmtree(tree)
-        # The view cannot be turned and the window not be closed meanwhile; the script goes on inside the build.
+        las = self.generate_file("large", 3000000, "--seed", 4)
+        # The script continues during the build. Until it is cancelled, the window cannot be closed.
         run = self.gui(f"""
             wait-view
             open {las}
@@ -236,7 +235,7 @@ class Window(MeshLabTest):
         self.assertEqual([path.name for path in self.folder.glob("large*.pct*")], [])
 
     def test_time_and_memory(self):
-        """Printed, not judged: machines differ. But memory is bounded by the caches, not by the cloud."""
+        """Times are only printed, as machines differ. Memory must be bounded by the caches, not by the cloud."""
         empty = self.gui("wait-view\npause 500\nmemory empty\nquit\n")
         self.assertDriven(empty)
         taken = {}
@@ -248,7 +247,7 @@ class Window(MeshLabTest):
             taken[points] = run.memory()["full"][1] - empty.memory()["empty"][1]
             print(f"{points} points: first picture {run.times()['first-picture']} ms after opening, peak "
                   f"{taken[points] / 1e6:.0f} MB above the empty start")
-        # Two caches of 512 MB each at most, and the proxy.
+        # At most two caches of 512 MB each, and the proxy.
         self.assertLess(taken[4000000], 1.2e9)
 
 

@@ -1,4 +1,4 @@
-// MeshLab's camera as a pose and back, against MeshLab's own matrices.
+// Conversion between MeshLab's camera and a pose, checked against MeshLab's own matrices.
 #include "plugin/edit/walk/trackball_pose.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ vcg::Similarityf random_track(std::mt19937_64& random)
     return track;
 }
 
-// Where MeshLab's matrices put a point of the scene before its eye (glarea.cpp, trackball.cpp), in double.
+// A point of the scene in eye space, by MeshLab's matrices (glarea.cpp, trackball.cpp) in double.
 Vec3d seen_by_meshlab(const vcg::Similarityf& track, float fov, const Vec3d& p)
 {
     vcg::Quaterniond rot(track.rot[0], track.rot[1], track.rot[2], track.rot[3]);
@@ -73,7 +73,7 @@ TEST(TrackballPose, IsWhatMeshLabShows)
     }
 }
 
-// The scale is free in a perspective view: another focus is another trackball, and the same picture.
+// The scale is free in a perspective view: another focus gives another trackball and the same picture.
 TEST(TrackballPose, FocusChangesNothingThatIsSeen)
 {
     std::mt19937_64 random(2);

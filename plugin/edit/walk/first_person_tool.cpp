@@ -20,7 +20,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int tick_ms = 16;
-constexpr double longest_step = 0.25;  // seconds: after a frame that took longer the eye does not leap
+constexpr double longest_step = 0.25;  // seconds: after a slow frame the eye does not jump
 constexpr double pi = 3.14159265358979323846;
 constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
 
@@ -77,15 +77,15 @@ bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLS
     view_ = view;
     try {
         if (!walk_) walk_.emplace(EyePose(), shows_clouds(*view) ? UpAxis::z : UpAxis::y);
-        written_fov_ = 0;  // which no view has
-        take_over();
+        written_fov_ = 0;  // no view has this value, so the camera is read
+        read_camera();
     } catch (...) {
         document.Log.Log(GLLogStream::WARNING,
                          qPrintable(QString("%1: %2").arg(name, QString::fromStdString(current_error()))));
         view_ = nullptr;
         return false;
     }
-    setParent(view);  // which deletes no tool of its own accord
+    setParent(view);  // the view does not delete its tools otherwise
     keys_ = 0;
     looking_ = false;
     reach_ = reach_error_ = 0;
@@ -95,15 +95,14 @@ bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLS
     document.Log.Log(
         GLLogStream::SYSTEM,
         qPrintable(
-            QString(
-                "%1: W A S D or the arrows walk, E and Q go up and down, with Shift faster; drag to look around; the "
-                "wheel changes the speed (now x %2); U changes the axis that is up (now %3); Esc gives the mouse to "
-                "the "
-                "trackball and back. Speed is in proportion to the distance of the nearest points.")
+            QString("%1: W A S D or the arrow keys walk, E and Q move up and down, Shift moves faster; drag to look "
+                    "around; the wheel changes the speed (now x %2); U changes the up axis (now %3); Esc switches "
+                    "between this tool and the trackball. The speed is proportional to the distance of the nearest "
+                    "points.")
                 .arg(name)
                 .arg(walk_->factor(), 0, 'g', 3)
                 .arg(name_of(walk_->up_axis()))));
-    // MeshLab is about to mark the current layer as changed, which it is not.
+    // MeshLab is about to mark the current layer as modified, though the tool does not change it.
     if (MeshModel* layer = document.mm())
         QTimer::singleShot(0, &document, [document = &document, id = layer->id(), changed = layer->meshModified()] {
             if (MeshModel* shown = document->getMesh(id)) shown->setMeshModified(changed);
@@ -123,7 +122,7 @@ void FirstPersonTool::EndEdit(MeshDocument&, GLArea* view, MLSceneGLSharedDataCo
     view_ = nullptr;
 }
 
-void FirstPersonTool::take_over()
+void FirstPersonTool::read_camera()
 {
     if (same(view_->trackball.track, written_) && view_->fov == written_fov_) return;
     walk_->set_pose(pose_of(view_->trackball.track, view_->fov));
@@ -131,7 +130,7 @@ void FirstPersonTool::take_over()
     written_fov_ = view_->fov;
 }
 
-void FirstPersonTool::show()
+void FirstPersonTool::write_camera()
 {
     written_ = trackball_of(walk_->pose(), view_->fov);
     view_->trackball.track = written_;
@@ -145,20 +144,20 @@ void FirstPersonTool::advance()
     if (!view_ || !timer_.isActive()) return;
     const double seconds = std::min(static_cast<double>(clock_.nsecsElapsed()) * 1e-9, longest_step);
     clock_.restart();
-    if (view_->suspendedEditor) {  // no key that is let go of comes here
+    if (view_->suspendedEditor) {  // the tool gets no events of released keys
         keys_ = 0;
         timer_.stop();
     }
     try {
-        take_over();
+        read_camera();
         if (timer_.isActive() && walk_->moves(keys_)) {
             const SceneReach reach = reach_from(*view_, walk_->pose().eye);
             reach_ = reach.distance;
             reach_error_ = reach.error;
-            if (walk_->step(seconds, keys_, reach_)) show();
+            if (walk_->step(seconds, keys_, reach_)) write_camera();
         }
         if (keys_ == 0 && !walk_->moves(keys_)) timer_.stop();
-    } catch (...) {  // events know no exceptions
+    } catch (...) {  // Qt does not allow exceptions in event handlers
         timer_.stop();
         if (view_->md()) view_->md()->Log.Log(GLLogStream::WARNING, current_error().c_str());
     }
@@ -168,13 +167,13 @@ void FirstPersonTool::advance()
 void FirstPersonTool::hold(unsigned keys)
 {
     if (keys == keys_) return;
-    advance();  // with those that were held so far
+    advance();  // with the keys held until now
     keys_ = keys;
-    keep_going();
+    start_timer();
     publish();
 }
 
-void FirstPersonTool::keep_going()
+void FirstPersonTool::start_timer()
 {
     if (!view_ || timer_.isActive() || (keys_ == 0 && !walk_->moves(keys_))) return;
     clock_.start();
@@ -185,7 +184,7 @@ void FirstPersonTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
 {
     if (view != view_) return;
     if ((event->modifiers() & (Qt::ControlModifier | Qt::AltModifier | Qt::MetaModifier)) != 0)
-        return;  // others' shortcuts
+        return;  // shortcuts of MeshLab
     if (event->key() == Qt::Key_U) {
         event->accept();
         if (event->isAutoRepeat()) return;
@@ -227,14 +226,14 @@ void FirstPersonTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* vie
     if (moved.isNull() || view_->height() <= 0) return;
     try {
         advance();
-        take_over();
+        read_camera();
         // What is in the middle of the picture goes by as fast as the mouse; an orthographic view turns by half a
         // circle over its height.
         const double angle = walk_->pose().orthographic ? pi : static_cast<double>(view_->fov) * pi / 180;
         const double each = angle / view_->height();
         walk_->turn(-moved.x() * each, -moved.y() * each);
-        show();
-        keep_going();  // until the horizon is level
+        write_camera();
+        start_timer();  // until the horizon is level
     } catch (...) {
         if (view_->md()) view_->md()->Log.Log(GLLogStream::WARNING, current_error().c_str());
     }
@@ -260,17 +259,17 @@ void FirstPersonTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
 
 void FirstPersonTool::Decorate(MeshModel&, GLArea* view, QPainter*)
 {
-    // MeshLab empties this list only when it shows it.
+    // MeshLab clears these lines only when it shows them.
     if (view != view_ || !view->infoAreaVisible || !view->md()) return;
     const auto number = [](double v) { return QString::fromStdString(brief(v)); };
     QString text = QString("speed x %1").arg(walk_->factor(), 0, 'g', 3);
     if (walk_->pose().orthographic) {
-        text += ", in proportion to the height of the view";
+        text += ", proportional to the height of the view";
     } else if (reach_ > 0) {
         const double speed = reach_ * walk_->factor() * ((keys_ & walk_fast) != 0 ? FirstPerson::fast_factor : 1);
         const QString from = number(reach_ - reach_error_), to = number(reach_);
         text +=
-            QString(": %1 a second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
+            QString(": %1 per second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
     }
     view->md()->Log.RealTimeLog(name, "", text);
 }
@@ -285,7 +284,6 @@ bool FirstPersonTool::eventFilter(QObject* receiver, QEvent* event)
     return QObject::eventFilter(receiver, event);
 }
 
-// For whoever watches from outside, such as a test.
 void FirstPersonTool::publish()
 {
     if (!view_) return;

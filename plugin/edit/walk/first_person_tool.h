@@ -1,9 +1,8 @@
 // The first-person camera of one of MeshLab's views.
 //
-// All that it keeps of the camera is in MeshLab's own trackball: what it has written there last it goes on from, and
-// when somebody else has written there since (a stock view, the other projection, a linked view, the trackball while
-// the tool is suspended), it goes on from that. So neither going in nor going out moves the picture, and there is
-// nothing to be restored.
+// The camera is kept in MeshLab's own trackball. Each step starts from the trackball: from what the tool wrote there,
+// or from what has replaced it since (a stock view, the other projection, a linked view, the trackball while the tool
+// is suspended). So starting and ending the tool does not move the picture, and nothing has to be restored. GUI thread.
 #pragma once
 
 #include "pcm/view/first_person.h"
@@ -27,7 +26,7 @@ public:
     FirstPersonTool();
     QString pluginName() const override { return "EditPointCloud"; }
 
-    // All layers are walked through; which one is current does not matter.
+    // The tool walks through all layers; the current layer does not matter.
     bool isSingleMeshEdit() const override { return false; }
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
@@ -42,18 +41,19 @@ public:
     void keyReleaseEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
 
 protected:
-    // A view that loses the keyboard hears of no key that is let go of.
+    // A view that loses the keyboard focus gets no events of released keys.
     bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private:
-    // Goes on from what the view shows.
-    void take_over();
-    // Gives the view what there is.
-    void show();
+    // Reads the camera from the view, if it was changed there.
+    void read_camera();
+    // Writes the camera to the view.
+    void write_camera();
     // Moves for the time since the last call.
     void advance();
     void hold(unsigned keys);
-    void keep_going();
+    void start_timer();
+    // For observers such as tests.
     void publish();
 
     GLArea* view_ = nullptr;  // while the tool is on

@@ -1,7 +1,7 @@
 #include "plugin/edit/walk/scene_reach.h"
 
-#include "plugin/host/registry.h"
 #include "pcm/view/clearance.h"
+#include "plugin/host/registry.h"
 
 #include <meshlab/glarea.h>
 
@@ -14,10 +14,10 @@ namespace pcm::host {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Shares of the document's diagonal. Nearer than the one, walking would come to a stop; beyond the other, nothing would
-// ever come near.
+// Range of the distance, as fractions of the document's diagonal. Below it, walking would stop; above it, a step would
+// pass the whole scene.
 constexpr double least_share = 1.0 / 5000, most_share = 2;
-constexpr double inside_share = 1.0 / 20;  // of a mesh's diagonal, within its box
+constexpr double inside_share = 1.0 / 20;  // of a mesh's diagonal, inside its box
 
 // A layer's matrix in double.
 struct Placement {
@@ -40,7 +40,7 @@ struct Placement {
             q[row] = m[row][0] * p[0] + m[row][1] * p[1] + m[row][2] * p[2] + m[row][3];
         return q;
     }
-    // What is brought to `q`; by Cramer's rule.
+    // The point that apply() maps to `q`, by Cramer's rule; none if the matrix is singular.
     std::optional<Vec3d> undo(const Vec3d& q) const
     {
         const double d = determinant();
@@ -54,7 +54,7 @@ struct Placement {
         }
         return p;
     }
-    // What lengths are multiplied by; exact when all are by the same.
+    // Scale factor of lengths; exact if it is the same in all directions.
     double scale() const { return std::cbrt(std::fabs(determinant())); }
 };
 
@@ -72,7 +72,7 @@ SceneReach reach_of_mesh(const MeshModel& layer, const Placement& placement, con
 {
     const auto& box = layer.cm.bbox;
     if (box.IsNull()) return {infinity, 0};
-    Box3d shown;  // around the box's corners where the layer's matrix puts them
+    Box3d shown;  // around the transformed corners
     for (int corner = 0; corner < 8; ++corner) {
         const auto p = box.P(corner);
         shown.extend(placement.apply({double(p[0]), double(p[1]), double(p[2])}));

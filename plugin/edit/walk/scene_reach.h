@@ -1,4 +1,4 @@
-// How far it is from the eye to what a view shows, for the speed of walking.
+// Distance from the eye to the nearest visible points, for the walking speed.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -8,16 +8,16 @@ class GLArea;
 namespace pcm::host {
 
 struct SceneReach {
-    double distance = 1;  // to the nearest points; within bounds that the size of the document sets, so never 0
-    double error = 0;     // so much nearer the nearest may be
+    double distance = 1;  // to the nearest points; clamped to a range that depends on the document's size, so never 0
+    double error = 0;     // the nearest points may be nearer by this
 };
 
-// Of the layers that the view shows, from a place in the document's coordinates. Trees: the points that memory has,
-// else the boxes of nodes (view/clearance.h). Meshes: their box, and inside of it a twentieth of its diagonal. Reads
-// nothing and waits for nothing.
+// From `place`, in the document's coordinates, to the layers that the view shows. Trees: the points in memory, else the
+// boxes of nodes (view/clearance.h). Meshes: the bounding box, and inside it a twentieth of its diagonal. Reads nothing
+// from disk and does not block. GUI thread.
 SceneReach reach_from(GLArea& view, const Vec3d& place);
 
-// Whether the view's document shows clouds, whose heights are along z as a rule; meshes have y for it in MeshLab.
+// Whether the view's document has point clouds. Their up axis is usually z; that of meshes in MeshLab is y.
 bool shows_clouds(GLArea& view);
 
 }  // namespace pcm::host

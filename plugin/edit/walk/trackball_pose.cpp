@@ -73,7 +73,7 @@ vcg::Similarityf trackball_of(const EyePose& pose, float fov)
     const auto q = quaternion_of({pose.right, pose.up, pose.back});
     for (int i = 0; i < 4; ++i) track.rot[i] = static_cast<float>(q[static_cast<std::size_t>(i)]);
     track.sca = static_cast<float>(camera_distance(fov) / pose.focus);
-    // With the scale as it was rounded, so that the eye is where it should be.
+    // Computed with the rounded scale, so that the eye is exact.
     const double focus = camera_distance(fov) / track.sca;
     for (std::size_t a = 0; a < 3; ++a)
         track.tra[static_cast<int>(a)] = static_cast<float>(focus * pose.back[a] - pose.eye[a]);

@@ -1,14 +1,12 @@
-// A plugin that is put into the tests' MeshLab only: it plays a script into the running program, as a user would.
+// A plugin that only the tests' MeshLab has: it plays a script into the running program, as a user would.
 //
-// The script is the file that PCM_TEST_SCRIPT names, a command a line; see the table in driver.cpp. Everything the
-// driver does is printed to standard output with "driver: " in front. A command that fails ends MeshLab with exit
+// PCM_TEST_SCRIPT names the script, which has one command per line; commands.h says where the commands are. Everything
+// the driver does is printed to standard output with the prefix "driver: ". A command that fails ends MeshLab with exit
 // code 3.
 #pragma once
 
 #include <QElapsedTimer>
-#include <QEvent>
 #include <QObject>
-#include <QPoint>
 #include <QStringList>
 #include <QtPlugin>
 
@@ -16,35 +14,40 @@ class GLArea;
 class MeshDocument;
 class QMainWindow;
 
+enum class Done { yes, not_yet };
+
+void say(const QString& text);
+
 class TestDriver : public QObject {
     Q_OBJECT
     Q_PLUGIN_METADATA(IID "pcm.TestDriver/1.0")
 public:
     TestDriver();
 
-private slots:
-    void step();
-
-private:
-    enum class Done { yes, not_yet };
-    Done run(const QString& command, const QString& argument);
+    // For commands that wait: not_yet means that the command is run again soon. Fails when `condition` stays false too
+    // long.
     Done until(bool condition, const QString& what);
     [[noreturn]] void fail(const QString& why);
 
     QMainWindow* window() const;
-    GLArea* area() const;
+    GLArea* area() const;  // the visible view; null if there is none
     MeshDocument* document() const;
-    QString status() const;  // what the view says of the clouds that it draws
+    QString status() const;  // what the view reports about the clouds that it draws
     int frame() const;       // number of the view's last frame with clouds
     QString log() const;
-    void mouse(QEvent::Type type, const QPoint& at, Qt::MouseButton which = Qt::LeftButton);  // to the view
-    void key(QEvent::Type type, const QString& name, bool repeated = false);  // to the view, as the window system would
-    QWidget* field(const QString& parameter) const;  // the widget of a filter's parameter, by its label
+
+    bool first_try = true;          // the current command has not returned not_yet before
+    QElapsedTimer waiting;          // since the first try of the current command
+    QElapsedTimer started, opened;  // since MeshLab's start; since the last command `open`
+    int frame_before = 0;           // the last frame before a command that waits for a new one
+    QString message;                // text of the last message box
+
+private slots:
+    void step();
+
+private:
+    Done run(const QString& command, const QString& argument);
 
     QStringList script_;
     int next_ = 0;
-    QElapsedTimer started_, waiting_, opened_;
-    QString shown_;          // text of the last message box
-    bool first_try_ = true;  // of the command that runs
-    int frame_before_ = 0;
 };

@@ -1,0 +1,62 @@
+// Append to Point Cloud Tree: files are added to a tree.
+#include "pcm/update/append.h"
+
+#include "pcm/convert/open_cloud.h"
+#include "plugin/filter/filter.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/tree_target.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/text.h"
+
+namespace pcm::host {
+
+namespace {
+
+void add_parameters(RichParameterList& parameters)
+{
+    add_tree_parameter(parameters);
+    add_inputs_parameter(parameters,
+                         "all their points are added. The points must lie on the tree's grid, and the tree must have "
+                         "all their attributes.");
+    add_target_parameters(parameters);
+    add_work_parameters(parameters);
+}
+
+void run(const FilterRun& run)
+{
+    const std::filesystem::path tree = tree_of(run.parameters, run.document);
+    AppendOptions options;
+    options.memory_bytes = memory_of(run.parameters);
+    options.threads = threads_of(run.parameters);
+    CloudOptions reading;
+    reading.read.threads = options.threads;
+    const CloudSources sources(inputs_of(run.parameters), reading);
+    const std::unique_ptr<PointReader> cloud = sources.open();
+
+    Operation operation(run.callback);
+    options.progress = operation.progress();
+    UpdateTarget target(tree, target_of(run.parameters));
+    const AppendReport report = append_points(target.path(), *cloud, sources.names(), options);
+    target.keep();
+    run.log("Added " + grouped(report.points_added) + " points to " + target.path().string() + " in " +
+            brief(report.outcome.seconds) + " s. The tree now has " + grouped(report.outcome.points_out) +
+            " points in " + std::to_string(report.parts) + (report.parts == 1 ? " part." : " parts."));
+    run.log("Largest position error: " + exact(report.outcome.error) + " source units.");
+    log_skipped(run, report.points_skipped);
+    log_notes(run, report.notes);
+    show_result(run, target);
+}
+
+}  // namespace
+
+Filter append()
+{
+    using F = MeshFilterInterface;
+    return {"Append to Point Cloud Tree",
+            "Adds the points of one or more files to a <b>point cloud tree</b>, either in place or in a copy that "
+            "shares the data of the original. Existing points are not rewritten, so the time depends on the number of "
+            "new points only. Every level of detail stays as even as before. Esc cancels it.",
+            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,74 @@
+// Delete Points of Point Cloud Tree: those in a box, or that meet conditions.
+#include "pcm/update/erase.h"
+
+#include "pcm/system/error.h"
+#include "plugin/filter/filter.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/tree_target.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/selection_text.h"
+#include "plugin/host/text.h"
+
+namespace pcm::host {
+
+namespace {
+
+void add_parameters(RichParameterList& parameters)
+{
+    add_tree_parameter(parameters);
+    parameters.addParam(
+        RichString("Box", "", "Box",
+                   "Delete only points inside this box: its smallest x y z and its largest x y z, six numbers "
+                   "separated by blanks, in source coordinates and units, bounds included. Empty, the default: no "
+                   "box."));
+    parameters.addParam(
+        RichString("Where", "", "Where",
+                   "Delete only points that meet these conditions on attributes, separated by semicolons. "
+                   "Example: classification = 7,18; intensity < 10. Empty, the default: no condition."));
+    parameters.addParam(RichBool("CountOnly", false, "Count only",
+                                 "Only report how many points would be deleted; change nothing. Default off."));
+    add_target_parameters(parameters);
+}
+
+void run(const FilterRun& run)
+{
+    const std::filesystem::path tree = tree_of(run.parameters, run.document);
+    const Selection selection = parse_selection(run.parameters.getString("Box"), run.parameters.getString("Where"));
+    if (!selection.chooses_points())
+        throw Error(ErrorCode::invalid_argument, {}, "neither a box nor a condition says which points to delete",
+                    "give a box, conditions or both");
+    EraseOptions options;
+    options.count_only = run.parameters.getBool("CountOnly");
+    Operation operation(run.callback);
+    options.progress = operation.progress();
+    if (options.count_only) {
+        const EraseReport report = erase_points(tree, selection, options);
+        run.log(grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) + " points of " +
+                tree.string() + " would be deleted.");
+        return;
+    }
+    UpdateTarget target(tree, target_of(run.parameters));
+    const EraseReport report = erase_points(target.path(), selection, options);
+    target.keep();
+    run.log("Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) +
+            " points of " + target.path().string() + " in " + brief(report.outcome.seconds) + " s.");
+    if (!report.coverage_kept)
+        run.log(
+            "Coarse levels have gaps where points were deleted. Compact Point Cloud Tree closes the gaps and frees "
+            "the space.");
+    show_result(run, target);
+}
+
+}  // namespace
+
+Filter delete_points()
+{
+    using F = MeshFilterInterface;
+    return {"Delete Points of Point Cloud Tree",
+            "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet conditions, "
+            "either in place or in a copy that shares the data of the original. Only chunks that lose points are "
+            "rewritten. Esc cancels it.",
+            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+}
+
+}  // namespace pcm::host

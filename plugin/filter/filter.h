@@ -1,0 +1,35 @@
+// One filter of MeshLab's menu Filters.
+//
+// A filter is one file, which defines a function that returns it, and one row of the table in filters.cpp.
+#pragma once
+
+#include <common/interfaces.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace pcm::host {
+
+// What a filter works on and reports to. GUI thread.
+struct FilterRun {
+    MeshDocument& document;
+    const RichParameterList& parameters;
+    vcg::CallBackPos* callback;                        // for host/operation.h
+    std::function<void(const std::string& line)> log;  // writes a line to MeshLab's log
+};
+
+struct Filter {
+    const char* name;  // in the menu and in scripts
+    QString info;      // the help text, HTML
+    // The menus that list it. MeshCreation: MeshLab resets the view after the filter.
+    MeshFilterInterface::FilterClass menus;
+    void (*add_parameters)(RichParameterList& parameters);
+    // Anything thrown is reported to the user as the reason why the filter failed.
+    void (*run)(const FilterRun& run);
+};
+
+// The table, in the order of the menu.
+const std::vector<Filter>& filters();
+
+}  // namespace pcm::host

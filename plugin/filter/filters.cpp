@@ -1,0 +1,18 @@
+#include "plugin/filter/filter.h"
+
+namespace pcm::host {
+
+// Each is defined in the file of its name.
+Filter build_tree();
+Filter append();
+Filter delete_points();
+Filter compact();
+Filter tree_information();
+
+const std::vector<Filter>& filters()
+{
+    static const std::vector<Filter> table{build_tree(), append(), delete_points(), compact(), tree_information()};
+    return table;
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,70 @@
+#include "plugin/filter/tree_target.h"
+
+#include "plugin/filter/parameters.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/registry.h"
+
+namespace pcm::host {
+
+void add_target_parameters(RichParameterList& parameters)
+{
+    parameters.addParam(
+        RichString("Output", "", "Output folder",
+                   "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
+                   "little time and space. Ignored when 'In place' is on. No default."));
+    parameters.addParam(RichBool("InPlace", false, "In place",
+                                 "Change the tree itself. The change is atomic: until it is complete, the old tree is "
+                                 "on disk. Default off."));
+}
+
+TargetChoice target_of(const RichParameterList& parameters)
+{
+    if (parameters.getBool("InPlace")) return {{}, true};
+    const QString output = parameters.getString("Output");
+    return {output.trimmed().isEmpty() ? std::filesystem::path() : as_tree(absolute_path(output)), false};
+}
+
+void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)
+{
+    const auto cloud = Registry::instance().open(folder);
+    if (cloud->info().points == 0) {
+        run.log("The tree has no points, so no layer shows it.");
+        return;
+    }
+    MeshModel* layer = run.document.addNewMesh(QString::fromStdString(folder.string()),
+                                               QString::fromStdString(folder.filename().string()));
+    try {
+        for (const std::string& line : show_tree(*layer, cloud)) run.log(line);
+    } catch (...) {
+        run.document.delMesh(layer);
+        throw;
+    }
+}
+
+void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)
+{
+    std::error_code ignored;
+    for (MeshModel* layer : run.document.meshList) {
+        const auto shown = Registry::instance().find(*layer);
+        if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), folder, ignored)) continue;
+        const std::string label = layer->label().toStdString();
+        const auto cloud = Registry::instance().open(folder);
+        if (cloud->info().points == 0) {
+            clear_layer(*layer);
+            run.log("The layer " + label + " is now empty: its tree has no points any more.");
+            continue;
+        }
+        show_tree(*layer, cloud);
+        run.log("The layer " + label + " shows the changed tree.");
+    }
+}
+
+void show_result(const FilterRun& run, const UpdateTarget& target)
+{
+    if (target.is_copy())
+        add_tree_layer(run, target.path());
+    else
+        refresh_layers(run, target.path());
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,24 @@
+// What the filters that write a tree have in common: where the result goes, and the layers that show it.
+#pragma once
+
+#include "pcm/update/target.h"
+#include "plugin/filter/filter.h"
+
+#include <filesystem>
+
+namespace pcm::host {
+
+// "Output" and "InPlace". "Output" is ignored when "InPlace" is on.
+void add_target_parameters(RichParameterList& parameters);
+TargetChoice target_of(const RichParameterList& parameters);
+
+// Adds a layer that shows the tree `folder`. A tree without points gets no layer; the log says so.
+void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder);
+
+// The layers of the document that show the tree `folder` are loaded again.
+void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
+
+// A copy gets a layer; layers that show a tree changed in place are loaded again.
+void show_result(const FilterRun& run, const UpdateTarget& target);
+
+}  // namespace pcm::host

@@ -1,0 +1,16 @@
+// The commands of a script. A command is one function and one row of the table of its file.
+#pragma once
+
+#include "tests/e2e/driver/driver.h"
+
+#include <vector>
+
+struct Command {
+    const char* name;
+    Done (*run)(TestDriver& driver, const QString& argument);
+};
+
+std::vector<Command> waiting_commands();  // until something is shown, drawn or logged
+std::vector<Command> window_commands();   // menus, dialogs, files
+std::vector<Command> view_commands();     // mouse and keys in the view, layers
+std::vector<Command> output_commands();   // pictures, and state as text

@@ -1,0 +1,135 @@
+#include "tests/e2e/driver/commands.h"
+
+#include <meshlab/glarea.h>
+
+#include <QFile>
+#include <QGuiApplication>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <QMainWindow>
+#include <QScreen>
+#include <QVariantMap>
+
+#include <cmath>
+#include <utility>
+
+namespace {
+
+long resident_bytes(const char* key)
+{
+    QFile file("/proc/self/status");
+    if (!file.open(QIODevice::ReadOnly)) return 0;
+    for (const QByteArray& line : file.readAll().split('\n'))
+        if (line.startsWith(key))
+            return line.mid(static_cast<int>(qstrlen(key))).simplified().split(' ')[0].toLong() * 1024;
+    return 0;
+}
+
+QString compact(const QJsonObject& object) { return QJsonDocument(object).toJson(QJsonDocument::Compact); }
+
+// time NAME: milliseconds since MeshLab's start
+Done time(TestDriver& driver, const QString& name)
+{
+    say(QString("time %1 %2 ms").arg(name).arg(driver.started.elapsed()));
+    return Done::yes;
+}
+
+// memory NAME
+Done memory(TestDriver&, const QString& name)
+{
+    say(QString("memory %1 now %2 peak %3").arg(name).arg(resident_bytes("VmRSS:")).arg(resident_bytes("VmHWM:")));
+    return Done::yes;
+}
+
+Done print_layers(TestDriver& driver, const QString&)
+{
+    for (const MeshModel* layer : driver.document()->meshList) {
+        QStringList attributes;
+        for (const auto& attribute : layer->cm.vert_attr) attributes << QString::fromStdString(attribute._name);
+        Box3m box;
+        for (const auto& vertex : layer->cm.vert) box.Add(vertex.cP());
+        say("layer " + compact({{"label", layer->label()},
+                                {"vertices", layer->cm.vn},
+                                {"faces", layer->cm.fn},
+                                {"min", QJsonArray{box.min[0], box.min[1], box.min[2]}},
+                                {"max", QJsonArray{box.max[0], box.max[1], box.max[2]}},
+                                {"colours", layer->hasDataMask(MeshModel::MM_VERTCOLOR)},
+                                {"modified", layer->meshModified()},
+                                {"quality", layer->hasDataMask(MeshModel::MM_VERTQUALITY)},
+                                {"attributes", QJsonArray::fromStringList(attributes)}}));
+    }
+    return Done::yes;
+}
+
+// print-camera NAME: MeshLab's camera in the document's coordinates, and the state of the first-person tool
+Done print_camera(TestDriver& driver, const QString& name)
+{
+    GLArea* area = driver.area();
+    const QMainWindow* window = driver.window();
+    const vcg::Similarityf& track = area->trackball.track;
+    const auto [distance, orthographic] =
+        area->fov <= 5 ? std::pair(8.0, true) : std::pair(1.75 / std::tan(double(area->fov) * M_PI / 360), false);
+    const auto to_scene = [&](const vcg::Point3f& p) {
+        const vcg::Point3f q = track.rot.Inverse().Rotate(p) / track.sca - track.tra;
+        return QJsonArray{q[0], q[1], q[2]};
+    };
+    const QVariantMap walk = area->property("pcm_first_person").toMap();
+    say("camera " + compact({{"name", name},
+                             {"eye", to_scene(vcg::Point3f(0, 0, float(distance)))},
+                             {"centre", to_scene(vcg::Point3f(0, 0, 0))},
+                             {"above", to_scene(vcg::Point3f(0, 1, 0))},
+                             {"scale", track.sca},
+                             {"near", area->nearPlane},
+                             {"orthographic", orthographic},
+                             {"keys", walk["keys"].toInt()},
+                             {"moving", walk["moving"].toBool()},
+                             {"factor", walk["factor"].toDouble()},
+                             {"roll", walk["roll"].toDouble()},
+                             {"reach", walk["reach"].toDouble()},
+                             {"reach_error", walk["reach_error"].toDouble()},
+                             {"window", QJsonArray{window->width(), window->height()}},
+                             {"full_screen", window->isFullScreen()}}));
+    return Done::yes;
+}
+
+// picture FILE: the view without MeshLab's texts
+Done picture(TestDriver& driver, const QString& file)
+{
+    GLArea* view = driver.area();
+    const bool texts = view->infoAreaVisible, ball = view->isTrackBallVisible();
+    view->infoAreaVisible = false;
+    view->showTrackBall(false);
+    view->repaint();  // grabFrameBuffer reads what was drawn last
+    const QImage image = view->grabFrameBuffer();
+    view->infoAreaVisible = texts;
+    view->showTrackBall(ball);
+    if (!image.save(file)) driver.fail("cannot write " + file);
+    say(QString("picture %1 %2x%3, %4").arg(file).arg(image.width()).arg(image.height()).arg(driver.status()));
+    return Done::yes;
+}
+
+// screen FILE: the whole screen
+Done screen(TestDriver& driver, const QString& file)
+{
+    if (!QGuiApplication::primaryScreen()->grabWindow(0).save(file)) driver.fail("cannot write " + file);
+    return Done::yes;
+}
+
+}  // namespace
+
+std::vector<Command> output_commands()
+{
+    return {
+        {"time", time},
+        {"memory", memory},
+        {"print-status",
+         [](TestDriver& driver, const QString&) { return say("status " + driver.status()), Done::yes; }},
+        {"print-log",
+         [](TestDriver& driver, const QString&) { return say("log " + driver.log().replace('\n', " | ")), Done::yes; }},
+        {"print-layers", print_layers},
+        {"print-camera", print_camera},
+        {"picture", picture},
+        {"screen", screen},
+    };
+}

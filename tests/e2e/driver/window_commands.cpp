@@ -1,0 +1,175 @@
+#include "tests/e2e/driver/commands.h"
+
+#include <meshlab/glarea.h>
+
+#include <QAbstractButton>
+#include <QAction>
+#include <QApplication>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QKeyEvent>
+#include <QLabel>
+#include <QLineEdit>
+#include <QMainWindow>
+#include <QMenu>
+#include <QMessageBox>
+#include <QTimer>
+#include <QTreeWidget>
+
+#include <cstdlib>
+
+namespace {
+
+// The widget of a filter's parameter. A filter's dialog shows a grid: the parameter's label, and to the right of it an
+// edit or a combo box. A check box has the label itself.
+QWidget* field(const QString& parameter)
+{
+    for (QWidget* widget : qApp->allWidgets())
+        if (auto* tick = qobject_cast<QCheckBox*>(widget))
+            if (tick->isVisible() && tick->text().startsWith(parameter)) return tick;
+    for (QWidget* widget : qApp->allWidgets()) {
+        auto* label = qobject_cast<QLabel*>(widget);
+        if (!label || !label->isVisible() || !label->text().remove(QRegExp("<[^>]*>")).startsWith(parameter)) continue;
+        QWidget* best = nullptr;
+        int best_distance = 1 << 30;
+        for (QWidget* other : label->window()->findChildren<QWidget*>()) {
+            if (!other->isVisible() || !(qobject_cast<QLineEdit*>(other) || qobject_cast<QComboBox*>(other))) continue;
+            const QPoint d =
+                other->mapToGlobal(QPoint(0, other->height() / 2)) - label->mapToGlobal(QPoint(0, label->height() / 2));
+            if (d.x() < 0 || std::abs(d.y()) > label->height()) continue;
+            if (d.x() < best_distance) {
+                best_distance = d.x();
+                best = other;
+            }
+        }
+        if (best) return best;
+    }
+    return nullptr;
+}
+
+// open FILE. Queued, because an error shows a modal box, which a later command is to press.
+Done open(TestDriver& driver, const QString& argument)
+{
+    driver.opened.start();
+    driver.frame_before = driver.frame();
+    QMetaObject::invokeMethod(driver.window(), "importMeshWithLayerManagement", Qt::QueuedConnection,
+                              Q_ARG(QString, argument));
+    return Done::yes;
+}
+
+// Saves the current layer, with or without the dialog about what is to be written.
+void save(TestDriver& driver, const QString& file, bool everything)
+{
+    QMetaObject::invokeMethod(driver.window(), "saveAs", Qt::QueuedConnection, Q_ARG(QString, file),
+                              Q_ARG(bool, everything));
+}
+
+// trigger TEXT: an action of a menu.
+Done trigger(TestDriver& driver, const QString& argument)
+{
+    QList<QAction*> actions = driver.window()->findChildren<QAction*>();
+    for (QMenu* menu : driver.window()->findChildren<QMenu*>()) actions += menu->actions();
+    for (QAction* action : actions) {
+        if (action->text().remove('&') != argument) continue;
+        if (!action->isEnabled()) {  // MeshLab updates its menus when one is opened
+            QMetaObject::invokeMethod(driver.window(), "updateMenus");
+            return driver.until(false, "action '" + argument + "' to be enabled");
+        }
+        QTimer::singleShot(0, action, SLOT(trigger()));
+        return Done::yes;
+    }
+    driver.fail("no action '" + argument + "'");
+}
+
+// press TEXT: a button of the open dialog.
+Done press(TestDriver& driver, const QString& argument)
+{
+    for (QWidget* widget : qApp->allWidgets()) {
+        auto* button = qobject_cast<QAbstractButton*>(widget);
+        if (!button || !button->isVisible() || button->text().remove('&') != argument) continue;
+        if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
+            driver.message = box->text() + " " + box->informativeText();
+            say("message: " + driver.message);
+        }
+        QTimer::singleShot(0, button, SLOT(click()));
+        return Done::yes;
+    }
+    return driver.until(false, "a button '" + argument + "'");
+}
+
+// set LABEL = VALUE: a parameter in the open dialog.
+Done set(TestDriver& driver, const QString& argument)
+{
+    const QString parameter = argument.section('=', 0, 0).trimmed(), value = argument.section('=', 1).trimmed();
+    QWidget* widget = field(parameter);
+    if (!widget) return driver.until(false, "a field '" + parameter + "'");
+    if (auto* edit = qobject_cast<QLineEdit*>(widget)) {
+        edit->setText(value);
+        QMetaObject::invokeMethod(edit, "editingFinished");
+    } else if (auto* combo = qobject_cast<QComboBox*>(widget)) {
+        if (combo->findText(value) < 0) driver.fail("'" + parameter + "' offers no '" + value + "'");
+        combo->setCurrentText(value);
+    } else if (auto* tick = qobject_cast<QCheckBox*>(widget)) {
+        tick->setChecked(value == "on");
+    }
+    return Done::yes;
+}
+
+// parameter NAME = VALUE: one of MeshLab's global parameters.
+Done parameter(TestDriver& driver, const QString& argument)
+{
+    const QString name = argument.section('=', 0, 0).trimmed();
+    auto* parameters = const_cast<RichParameterList*>(driver.area()->glas.currentGlobalParamSet);
+    if (!parameters->hasParameter(name)) driver.fail("no parameter '" + name + "'");
+    const Value& value = parameters->getParameterByName(name).value();
+    const double number = argument.section('=', 1).toDouble();
+    if (value.isFloat())
+        parameters->setValue(name, FloatValue(static_cast<float>(number)));
+    else if (value.isEnum())
+        parameters->setValue(name, EnumValue(static_cast<int>(number)));
+    else if (value.isString())
+        parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
+    else
+        parameters->setValue(name, IntValue(static_cast<int>(number)));
+    driver.area()->update();
+    return Done::yes;
+}
+
+// Opens all folded items of the layer panel, such as the parameters of decorators.
+Done unfold(TestDriver& driver, const QString&)
+{
+    for (QTreeWidget* tree : driver.window()->findChildren<QTreeWidget*>()) tree->expandAll();
+    return Done::yes;
+}
+
+Done escape(TestDriver& driver, const QString&)
+{
+    QKeyEvent key(QEvent::KeyPress, Qt::Key_Escape, Qt::NoModifier);
+    qApp->sendEvent(driver.window(), &key);
+    return Done::yes;
+}
+
+// As the user does it, by closing the window.
+Done quit(TestDriver& driver, const QString&)
+{
+    QTimer::singleShot(0, driver.window(), SLOT(close()));
+    return Done::yes;
+}
+
+}  // namespace
+
+std::vector<Command> window_commands()
+{
+    return {
+        {"open", open},
+        {"export", [](TestDriver& driver, const QString& file) { return save(driver, file, true), Done::yes; }},
+        {"export-asking", [](TestDriver& driver, const QString& file) { return save(driver, file, false), Done::yes; }},
+        {"trigger", trigger},
+        {"press", press},
+        {"set", set},
+        {"parameter", parameter},
+        {"unfold", unfold},
+        {"escape", escape},
+        {"quit", quit},
+    };
+}

@@ -1,0 +1,180 @@
+// The filters as MeshLab has them: through the plugin, with documents of MeshLab but without its window.
+#include "pcm/build/builder.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "tests/plugin/scenes.h"
+
+#include <common/interfaces.h>
+
+#include <QPluginLoader>
+
+#include <memory>
+#include <set>
+
+namespace pcm::host {
+namespace {
+
+MeshFilterInterface& plugin()
+{
+    static MeshFilterInterface* const loaded = [] {
+        QPluginLoader loader(QCoreApplication::applicationDirPath() + "/../plugins/libpcm_filter.so");
+        auto* filters = qobject_cast<MeshFilterInterface*>(loader.instance());
+        if (!filters) throw std::runtime_error(loader.errorString().toStdString());
+        return filters;
+    }();
+    return *loaded;
+}
+
+QAction* action_of(const QString& name)
+{
+    for (QAction* action : plugin().actions())
+        if (action->text() == name) return action;
+    throw std::runtime_error("no filter " + name.toStdString());
+}
+
+// A filter with the default values of its parameters, some of which a test changes.
+class FilterCall {
+public:
+    explicit FilterCall(const QString& name) : action_(action_of(name))
+    {
+        plugin().initParameterSet(action_, document, parameters_);
+    }
+    FilterCall& set(const char* name, const Value& value)
+    {
+        parameters_.setValue(name, value);
+        return *this;
+    }
+    FilterCall& set(const char* name, int value) { return set(name, IntValue(value)); }
+    FilterCall& set(const char* name, bool value) { return set(name, BoolValue(value)); }
+    FilterCall& set(const char* name, const fs::path& value)
+    {
+        return set(name, StringValue(QString::fromStdString(value.string())));
+    }
+    bool apply()
+    {
+        plugin().setLog(&document.Log);
+        return plugin().applyFilter(action_, document, parameters_, nullptr);
+    }
+    std::string log() const
+    {
+        std::string text;
+        for (const auto& line : document.Log.logStringList()) text += line.second.toStdString() + "\n";
+        return text;
+    }
+
+    MeshDocument document;
+
+private:
+    QAction* action_;
+    RichParameterList parameters_;
+};
+
+const char* const build_name = "Build Point Cloud Tree";
+
+TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
+{
+    std::set<QString> names;
+    for (QAction* action : plugin().actions()) {
+        EXPECT_TRUE(names.insert(action->text()).second) << action->text().toStdString();
+        EXPECT_FALSE(plugin().filterInfo(plugin().ID(action)).isEmpty());
+        MeshDocument document;
+        RichParameterList parameters;
+        plugin().initParameterSet(action, document, parameters);
+        EXPECT_FALSE(parameters.isEmpty());
+        for (const RichParameter& parameter : parameters)
+            EXPECT_TRUE(parameter.toolTip().contains("default", Qt::CaseInsensitive))
+                << action->text().toStdString() << ": " << parameter.name().toStdString();
+    }
+    // Scripts call filters by name.
+    for (const char* name : {build_name, "Append to Point Cloud Tree", "Delete Points of Point Cloud Tree",
+                             "Compact Point Cloud Tree", "Point Cloud Tree Information"})
+        EXPECT_TRUE(names.count(name)) << name;
+}
+
+// The plugin refuses what the library would refuse, by the parameter's label, and nothing else.
+TEST(Filters, RangesAreTheLibrarys)
+{
+    struct Range {
+        const char* name;
+        const char* label;
+        int least, most;
+        void (*set)(BuildOptions& options, int value);
+    };
+    const Range ranges[] = {
+        {"ChunkPoints", "Points per chunk", least_chunk_points, most_chunk_points,
+         [](BuildOptions& options, int value) { options.chunk_points = static_cast<std::uint32_t>(value); }},
+        {"Threads", "Threads", 0, most_build_threads,
+         [](BuildOptions& options, int value) { options.threads = static_cast<unsigned>(value); }},
+        {"MemoryMB", "Memory", least_build_memory >> 20, 1 << 24,
+         [](BuildOptions& options, int value) { options.memory_bytes = std::uint64_t(value) << 20; }}};
+    const test::TemporaryFolder folder;
+    for (const Range& range : ranges) {
+        for (const int value : {range.least, range.most}) {
+            BuildOptions options;
+            range.set(options, value);
+            EXPECT_NO_THROW(check_build_options(options)) << range.name << " = " << value;
+            FilterCall run(build_name);
+            run.set("Inputs", folder / "none.las").set(range.name, value);
+            EXPECT_FALSE(run.apply());
+            EXPECT_NE(run.log().find("none.las"), std::string::npos) << run.log();  // the value was accepted
+        }
+        for (const int value : {range.least - 1, range.most + 1}) {
+            if (value > 0 && value != (1 << 24) + 1) {  // the library has no upper bound of memory
+                BuildOptions options;
+                range.set(options, value);
+                EXPECT_THROW(check_build_options(options), Error) << range.name << " = " << value;
+            }
+            FilterCall run(build_name);
+            run.set("Inputs", folder / "none.las").set(range.name, value);
+            EXPECT_FALSE(run.apply());
+            EXPECT_NE(run.log().find(std::string(range.label) + " is " + std::to_string(value)), std::string::npos)
+                << run.log();
+        }
+    }
+}
+
+TEST(Filters, InformationHasAllDigits)
+{
+    const test::TemporaryFolder folder;
+    const fs::path path = tree_of(scene(folder, "a.las", 60000, far_away));
+    FilterCall run("Point Cloud Tree Information");
+    ASSERT_TRUE(run.set("Tree", path).apply()) << run.log();
+    const Box3d bounds = Tree::open(path)->info().bounds();
+    for (const std::string& expected :
+         {std::string("a.las"), std::string("60,000"), exact(bounds.min), exact(bounds.max),
+          std::string("rgb, u16 x 3"), std::string("Level 0:"), std::string("Largest position error: 0 ")})
+        EXPECT_NE(run.log().find(expected), std::string::npos) << expected << " is not in\n" << run.log();
+}
+
+TEST(Filters, AnUpdateGoesIntoACopyOrInPlaceButNotIntoNeither)
+{
+    const test::TemporaryFolder folder;
+    const fs::path tree = tree_of(scene(folder, "a.las", 20000, far_away)), copy = folder / "copy.pct";
+    const auto points = [](const fs::path& path) { return Tree::open(path)->info().points; };
+    const auto erase = [&] {
+        auto run = std::make_unique<FilterCall>("Delete Points of Point Cloud Tree");
+        run->set("Tree", tree).set("Where", fs::path("x < 500005"));
+        return run;
+    };
+
+    auto neither = erase();
+    EXPECT_FALSE(neither->apply());
+    EXPECT_NE(neither->log().find("in place"), std::string::npos) << neither->log();
+    EXPECT_EQ(points(tree), 20000u);
+
+    auto into_copy = erase();
+    ASSERT_TRUE(into_copy->set("Output", folder / "copy").apply()) << into_copy->log();  // .pct is added
+    EXPECT_EQ(points(tree), 20000u);
+    const std::uint64_t left = points(copy);
+    EXPECT_LT(left, 20000u);
+    EXPECT_EQ(into_copy->document.meshList.size(), 1);  // a layer shows the copy
+
+    auto in_place = erase();
+    ASSERT_TRUE(in_place->set("Output", folder / "ignored.pct").set("InPlace", true).apply()) << in_place->log();
+    EXPECT_EQ(points(tree), left);
+    EXPECT_FALSE(fs::exists(folder / "ignored.pct"));
+    EXPECT_TRUE(in_place->document.meshList.empty());
+}
+
+}  // namespace
+}  // namespace pcm::host

@@ -1,0 +1,38 @@
+#include "plugin/host/operation.h"
+
+#include "pcm/system/error.h"
+
+#include <gtest/gtest.h>
+
+#include <QCoreApplication>
+#include <QKeyEvent>
+
+namespace pcm::host {
+namespace {
+
+TEST(Operation, IsAloneAndEscCancels)
+{
+    QObject receiver;
+    {
+        Operation operation(nullptr);
+        EXPECT_THROW(Operation second(nullptr), Error);
+        EXPECT_THROW(Operation::refuse_second(), Error);
+        const ProgressFunction progress = operation.progress();
+        EXPECT_TRUE(progress({"Reading", 0.5, 10}));
+        QKeyEvent other(QEvent::KeyPress, Qt::Key_A, Qt::NoModifier);
+        QCoreApplication::sendEvent(&receiver, &other);
+        EXPECT_TRUE(progress({"Reading", 0.5, 10}));
+        QKeyEvent escape(QEvent::KeyPress, Qt::Key_Escape, Qt::NoModifier);
+        QCoreApplication::sendEvent(&receiver, &escape);
+        EXPECT_FALSE(progress({"Reading", 0.5, 10}));
+
+        QEvent close(QEvent::Close);
+        close.accept();
+        QCoreApplication::sendEvent(&receiver, &close);
+        EXPECT_FALSE(close.isAccepted());
+    }
+    EXPECT_NO_THROW(Operation next(nullptr));
+}
+
+}  // namespace
+}  // namespace pcm::host

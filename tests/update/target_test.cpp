@@ -1,0 +1,134 @@
+#include "pcm/update/target.h"
+
+#include "pcm/system/error.h"
+#include "pcm/update/append.h"
+#include "pcm/update/erase.h"
+#include "tests/update/model.h"
+
+#include <fstream>
+#include <iterator>
+#include <map>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+// The bytes of every file of a folder, by name.
+std::map<std::string, std::string> contents(const fs::path& folder)
+{
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        std::ifstream file(entry.path(), std::ios::binary);
+        files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(file), {}};
+    }
+    return files;
+}
+
+std::size_t entries_of(const fs::path& folder)
+{
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+ErrorCode refusal_of(const fs::path& tree, const TargetChoice& choice)
+{
+    try {
+        const UpdateTarget target(tree, choice);
+    } catch (const Error& error) {
+        return error.code();
+    }
+    ADD_FAILURE() << "not refused";
+    return ErrorCode::io;
+}
+
+class Target : public testing::Test {
+protected:
+    Target() { build(surface(5000, 0, 0, 50, 7), tree_); }
+
+    // Deletes the points of three of the eight classes.
+    EraseReport erase_some(const fs::path& path)
+    {
+        Selection selection;
+        selection.where.push_back(parse_condition("classification = 0,1,2"));
+        return erase_points(path, selection);
+    }
+
+    const TemporaryFolder folder_;
+    const fs::path tree_ = folder_ / "tree.pct", copy_ = folder_ / "copy.pct";
+};
+
+TEST_F(Target, InPlaceIsTheTreeItself)
+{
+    EraseReport report;
+    {
+        UpdateTarget target(tree_, {{}, true});
+        EXPECT_EQ(target.path(), tree_);
+        EXPECT_FALSE(target.is_copy());
+        report = erase_some(target.path());
+        // Not kept: a tree that is changed in place is never removed.
+    }
+    ASSERT_GT(report.points_deleted, 0u);
+    EXPECT_EQ(Tree::open(tree_)->info().points, 5000 - report.points_deleted);
+    EXPECT_EQ(entries_of(folder_.path()), 1u);
+}
+
+TEST_F(Target, AKeptCopyHasTheUpdateAndTheOriginalHasNot)
+{
+    const auto before = contents(tree_);
+    EraseReport report;
+    {
+        UpdateTarget target(tree_, {copy_, false});
+        EXPECT_EQ(target.path(), copy_);
+        EXPECT_TRUE(target.is_copy());
+        report = erase_some(target.path());
+        target.keep();
+    }
+    ASSERT_GT(report.points_deleted, 0u);
+    EXPECT_EQ(Tree::open(copy_)->info().points, 5000 - report.points_deleted);
+    EXPECT_TRUE(verify_tree(copy_, 1).faults.empty());
+    EXPECT_TRUE(contents(tree_) == before);
+}
+
+TEST_F(Target, ACopyIsRemovedWhenTheUpdateFails)
+{
+    const auto before = contents(tree_);
+    const auto fail = [&] {
+        MemoryCloud other = surface(10, 0, 0, 50, 8);
+        other.info.grid = Grid{{0.003, 0.003, 0.003}, {0, 0, 0}};  // not the tree's grid
+        MemoryReader reader(other);
+        UpdateTarget target(tree_, {copy_, false});
+        append_points(target.path(), reader, {"other.las"});
+        target.keep();
+    };
+    EXPECT_THROW(fail(), Error);
+    EXPECT_FALSE(fs::exists(copy_));
+    EXPECT_EQ(entries_of(folder_.path()), 1u);
+    EXPECT_TRUE(contents(tree_) == before);
+}
+
+TEST_F(Target, OneOfTheTwoMustBeChosen)
+{
+    EXPECT_EQ(refusal_of(tree_, {}), ErrorCode::invalid_argument);
+    EXPECT_EQ(refusal_of(tree_, {copy_, true}), ErrorCode::invalid_argument);
+    EXPECT_FALSE(fs::exists(copy_));
+}
+
+TEST_F(Target, NeverRemovesWhatItHasNotMade)
+{
+    const auto before = contents(tree_);
+    fs::create_directory(copy_);
+    std::ofstream(copy_ / "letter.txt") << "not a tree";
+    EXPECT_EQ(refusal_of(tree_, {copy_, false}), ErrorCode::exists);
+    EXPECT_TRUE(fs::exists(copy_ / "letter.txt"));
+    EXPECT_EQ(refusal_of(tree_, {tree_, false}), ErrorCode::exists);  // a copy of a tree onto itself
+    EXPECT_TRUE(contents(tree_) == before);
+}
+
+TEST_F(Target, ErrorsOfTheTreeComeFirst)
+{
+    EXPECT_EQ(refusal_of(folder_ / "none.pct", {copy_, false}), ErrorCode::not_found);
+    EXPECT_FALSE(fs::exists(copy_));
+}
+
+}  // namespace
