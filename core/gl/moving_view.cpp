@@ -116,10 +116,9 @@ void load(Frame& frame, const SceneSelection& selection, const SceneSelection* l
 
 bool can_converge(const Frame& frame)
 {
-    // What a chunk's colour shows changes with what is drawn below it.
     return frame.options.order == DetailOrder::error &&
            std::none_of(frame.clouds.begin(), frame.clouds.end(),
-                        [](const FrameCloud& c) { return c.style.colour == ColourMode::error; });
+                        [](const FrameCloud& c) { return traits_of(c.style.colour).changes_with_detail; });
 }
 
 void adapt_page_share(PictureState& p, bool refused)
