@@ -19,7 +19,7 @@ set(public_headers
   cache/chunk_store.h cache/l2_cache.h cache/load_times.h)
 file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS
      ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/system/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
-set(gl_headers gl/renderer.h gl/splat_style.h gl/vertex_format.h gl/vertex_groups.h gl/gpu_cursor.h gl/l1_cache.h gl/l1_table.h)
+set(gl_headers gl/renderer.h gl/splat_style.h gl/splat_modes.h gl/colour_modes.h gl/vertex_format.h gl/vertex_groups.h gl/gpu_cursor.h gl/l1_cache.h gl/l1_table.h)
 
 function(install_public_headers)
   foreach(header ${ARGN})

@@ -37,10 +37,13 @@ struct Arguments {
     int width = 0, height = 0;
 };
 
-const std::map<std::string, SplatMode> modes{{"constant", SplatMode::constant},
-                                             {"dynamic", SplatMode::dynamic},
-                                             {"affine", SplatMode::affine},
-                                             {"perspective", SplatMode::perspective}};
+std::map<std::string, SplatMode> modes()
+{
+    std::map<std::string, SplatMode> modes;
+    for (const SplatTraits& row : splat_modes()) modes[row.name] = row.mode;
+    return modes;
+}
+
 const std::map<std::string, DetailOrder> orders{{"error", DetailOrder::error}, {"depth", DetailOrder::depth}};
 
 class Player {
@@ -183,7 +186,7 @@ void add_options(CLI::App& app, Arguments& a)
         ->capture_default_str()
         ->check(CLI::Range(1, 1000000));
     app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
-    app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes));
+    app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes()));
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
     app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
@@ -232,6 +235,7 @@ int main(int argc, char** argv)
         Row row;
         if (about->parsed()) {
             row["gl"] = Offscreen().renderer();
+            for (const SplatTraits& mode : splat_modes()) row["splats"].push_back(mode.name);
         } else {
             if (std::sscanf(a.size.c_str(), "%5dx%5d", &a.width, &a.height) != 2)
                 throw std::runtime_error("--size: WIDTHxHEIGHT in pixels was expected, not " + a.size);

@@ -2,7 +2,6 @@
 import dataclasses
 
 KEYS = ["study", "cloud", "path", "mode", "variant", "budget"]
-MODES = ["constant", "dynamic", "affine", "perspective"]
 # Who chooses how much is drawn. The first is what the library does; `budget` is in milliseconds there and in points for the others.
 VARIANTS = {"feedback": "best first, as much as the frame budget allows",
             "best first": "best first, a fixed number of points",
@@ -34,11 +33,11 @@ FULL = Size(points=2_000_000, paths=["fly-over", "walk-through", "orbit", "plan"
             budgets=[30_000, 60_000, 125_000, 250_000, 500_000, 1_000_000, 2_000_000], repeat=5, picture="640x480", pace_ms=33, fly_frames=600, fly_every=6)
 
 
-def configurations(size, clouds, paths):
+def configurations(size, clouds, paths, modes):
     rows = []
     for cloud in clouds:
         for path in paths:
-            for mode in MODES:
+            for mode in modes:
                 for variant in VARIANTS:
                     for budget in size.milliseconds if variant == "feedback" else size.budgets:
                         rows.append({"study": "error", "cloud": cloud, "path": path, "mode": mode, "variant": variant, "budget": budget})

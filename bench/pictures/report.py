@@ -11,9 +11,14 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: 
 import plan  # noqa: E402
 from table import median  # noqa: E402
 
-COLOURS = {"feedback": "#1b6ca8", "best first": "#3a8f4d", "root first": "#d1662c", "root first, filled": "#c9a227", "constant": "#1b6ca8", "dynamic": "#3a8f4d", "affine": "#8d4fa3", "perspective": "#d1662c"}
+COLOURS = {"feedback": "#1b6ca8", "best first": "#3a8f4d", "root first": "#d1662c", "root first, filled": "#c9a227"}
+MODE_COLOURS = ["#8d4fa3", "#1b6ca8", "#3a8f4d", "#d1662c", "#c9a227"]  # in turns
 FIGURES = {"flip": "FLIP error", "ssim": "SSIM", "holes": "hole fraction", "spill": "spill fraction"}
 BASELINE, OURS = "root first", "feedback"
+
+
+def splat_modes(table):
+    return table.values("mode", study="error")
 
 
 def curve(table, figure, **where):
@@ -46,11 +51,12 @@ def time_axis(ax):
 
 
 def draw_curves(table, out, cloud, path):
-    figure, axes = plt.subplots(len(FIGURES), len(plan.MODES), figsize=(3.4 * len(plan.MODES), 2.6 * len(FIGURES)), squeeze=False, sharex=True)
-    for ax, mode in zip(axes[0], plan.MODES):
+    shown = splat_modes(table)
+    figure, axes = plt.subplots(len(FIGURES), len(shown), figsize=(3.4 * len(shown), 2.6 * len(FIGURES)), squeeze=False, sharex=True)
+    for ax, mode in zip(axes[0], shown):
         ax.set_title(mode, fontsize=9)
     for row, (name, title) in zip(axes, FIGURES.items()):
-        for ax, mode in zip(row, plan.MODES):
+        for ax, mode in zip(row, shown):
             for variant in plan.VARIANTS:
                 points = curve(table, name, cloud=cloud, path=path, mode=mode, variant=variant)
                 if points:
@@ -76,10 +82,10 @@ def draw_modes(table, out, clouds, all_paths):
     """All modes against the full-resolution picture of the perspective one."""
     figure, axes = plt.subplots(1, len(clouds) * len(all_paths), figsize=(4 * len(clouds) * len(all_paths), 3.2), squeeze=False)
     for ax, (cloud, path) in zip(axes[0], [(c, p) for c in clouds for p in all_paths]):
-        for mode in plan.MODES:
+        for i, mode in enumerate(splat_modes(table)):
             points = curve(table, "flip_to_perspective", cloud=cloud, path=path, mode=mode, variant=OURS)
             if points:
-                ax.plot(*zip(*points), marker="o", markersize=3, linewidth=1.2, color=COLOURS[mode], label=mode)
+                ax.plot(*zip(*points), marker="o", markersize=3, linewidth=1.2, color=MODE_COLOURS[i % len(MODE_COLOURS)], label=mode)
         time_axis(ax)
         ax.set_ylim(bottom=0)
         ax.set_title(f"{cloud}, {path}", fontsize=9)
@@ -105,7 +111,7 @@ def equal_time(table, clouds, all_paths):
     rows, better = [], {name: [0, 0] for name in FIGURES}
     for cloud in clouds:
         for path in all_paths:
-            for mode in plan.MODES:
+            for mode in splat_modes(table):
                 base = {name: curve(table, name, cloud=cloud, path=path, mode=mode, variant=BASELINE) for name in FIGURES}
                 ours = {name: dict(curve(table, name, cloud=cloud, path=path, mode=mode, variant=OURS)) for name in FIGURES}
                 for ms in ours["flip"]:
@@ -133,7 +139,7 @@ def modes(table, clouds, all_paths):
     largest = max(table.values("budget", study="error", variant="best first"), default=None)
     for cloud in clouds:
         for path in all_paths:
-            for mode in plan.MODES:
+            for mode in splat_modes(table):
                 where = dict(study="error", cloud=cloud, path=path, mode=mode)
                 last = dict(variant="best first", budget=largest)
                 rows.append([cloud, path, mode, number(median(table.series("flip_of_mode", **where))), number(median(table.series("frame_ms_median", **where, **last))),
@@ -147,7 +153,7 @@ def all_figures(table, clouds, all_paths):
     rows = []
     for cloud in clouds:
         for path in all_paths:
-            for mode in plan.MODES:
+            for mode in splat_modes(table):
                 for variant in plan.VARIANTS:
                     for budget in table.values("budget", study="error", cloud=cloud, path=path, mode=mode, variant=variant):
                         where = dict(study="error", cloud=cloud, path=path, mode=mode, variant=variant, budget=budget)

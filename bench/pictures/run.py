@@ -71,6 +71,7 @@ class Run:
         self.work = (arguments.work or arguments.out / "work").resolve()
         self.work.mkdir(parents=True, exist_ok=True)
         self.trees, self.failed = {}, 0
+        self.modes = []  # of splats
         self.of_modes = {}  # file: FLIP between the references of a mode and of the perspective one
 
     def make_tree(self, name, source):
@@ -114,7 +115,7 @@ class Run:
     def measure(self, table):
         self.make_clouds()
         files = study.path_files(self.work, self.size, self.arguments.path)
-        rows = plan.configurations(self.size, self.trees, files)
+        rows = plan.configurations(self.size, self.trees, files, self.modes)
 
         def figures_of(row):
             path = files[row["path"]]
@@ -208,6 +209,7 @@ def main():
     run = Run(arguments, size)
     try:
         about = json.loads(call([run.program, "about"]))
+        run.modes = about.pop("splats")
     except RuntimeError as error:
         if not arguments.smoke:
             raise

@@ -2,7 +2,6 @@
 
 #include "pcm/gl/vertex_discs.h"
 
-#include <string_view>
 #include <utility>
 
 namespace pcm {
@@ -10,16 +9,6 @@ namespace {
 
 // A chunk that could not be loaded is asked for again after this time: the network may be back.
 constexpr std::chrono::seconds retry_after{5};
-
-std::string_view attribute_of(ColourSource colour)
-{
-    return colour == ColourSource::rgb         ? attribute_name::rgb
-           : colour == ColourSource::intensity ? attribute_name::intensity
-                                               : attribute_name::classification;
-}
-
-// Whether the colours are scaled to what the coarsest chunk holds.
-bool is_scaled(ColourSource colour) { return colour == ColourSource::rgb || colour == ColourSource::intensity; }
 
 }  // namespace
 

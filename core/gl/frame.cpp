@@ -16,7 +16,9 @@ constexpr double largest_fill = 32;
 // The spacing on the screen that a style's own splats are taken to cover.
 double spacing_covered(const CloudStyle& style)
 {
-    return style.splats == SplatMode::constant ? static_cast<double>(style.point_size_px) / fill_of_spacing : 1;
+    return traits_of(style.splats).shape == SplatShape::pixels
+               ? static_cast<double>(style.point_size_px) / fill_of_spacing
+               : 1;
 }
 
 }  // namespace

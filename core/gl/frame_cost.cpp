@@ -27,7 +27,7 @@ FrameCost::FrameCost(Frame& frame, const SceneSelection& selection, const std::v
 FrameWork FrameCost::work(const Stroke& stroke, const FrameCloud::Gap& gap) const
 {
     const CloudStyle& style = frame_.clouds[stroke.place.tree].style;
-    const bool own = style.splats != SplatMode::constant && stroke.entry->format.radius;
+    const bool own = traits_of(style.splats).reads_radius && stroke.entry->format.radius;
     const double radius =
         own ? static_cast<double>(style.radius_scale) * static_cast<double>(stroke.entry->typical_radius) : 0;
     const double least = own ? 1.0 : std::max(1.0, static_cast<double>(style.point_size_px));

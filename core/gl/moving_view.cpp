@@ -116,10 +116,9 @@ void load(Frame& frame, const SceneSelection& selection, const SceneSelection* l
 
 bool can_converge(const Frame& frame)
 {
-    // What a chunk's colour shows changes with what is drawn below it.
     return frame.options.order == DetailOrder::error &&
            std::none_of(frame.clouds.begin(), frame.clouds.end(),
-                        [](const FrameCloud& c) { return c.style.colour == ColourMode::error; });
+                        [](const FrameCloud& c) { return traits_of(c.style.colour).changes_with_detail; });
 }
 
 void adapt_page_share(PictureState& p, bool refused)
@@ -142,46 +141,36 @@ std::optional<SceneSelection> predicted(const Frame& frame)
     return select_scene(trees, frame.limits);
 }
 
-}  // namespace
-
-void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
+// Which chunks of each tree are in L1 with the attributes of their style.
+void mark_current(Frame& frame, const SceneSelection& selection)
 {
-    PictureState& p = frame.picture;
-    FrameReport& report = frame.report;
     for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
         FrameCloud& cloud = frame.clouds[t];
-        const DetailSelection& wanted = selection.trees[t];
-        cloud.current.assign(wanted.wanted.size(), false);
-        for (std::size_t i = 0; i < wanted.wanted.size(); ++i)
-            cloud.current[i] =
-                ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted.wanted[i].node), cloud.format);
+        const std::vector<DetailNode>& wanted = selection.trees[t].wanted;
+        cloud.current.assign(wanted.size(), false);
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+            cloud.current[i] = ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted[i].node), cloud.format);
     }
-    const std::optional<SceneSelection> later = resting ? std::nullopt : predicted(frame);
-    load(frame, selection, later ? &*later : nullptr);
-    const Served served = frame.upload(selection);
+}
 
+DrawnOfTrees drawable(const Frame& frame, const SceneSelection& selection)
+{
     DrawnOfTrees drawn(frame.clouds.size());
     for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
-        FrameCloud& cloud = frame.clouds[t];
         const DetailSelection& wanted = selection.trees[t];
-        const DrawSet set =
-            choose_drawable(wanted, [&](const DetailNode& node) { return cloud.feed->find(node.node) != nullptr; });
+        const DrawSet set = choose_drawable(
+            wanted, [&](const DetailNode& node) { return frame.clouds[t].feed->find(node.node) != nullptr; });
         drawn[t].assign(wanted.wanted.size(), false);
         for (const std::uint32_t i : set.drawn) drawn[t][i] = true;
     }
-    std::vector<SceneSelection::Place> places;
-    for (const SceneSelection::Place& place : selection.order)
-        if (drawn[place.tree][place.index]) places.push_back(place);
-    const FrameCost cost(frame, selection, places);
-    const std::size_t count = fit_to_time(frame, selection, cost, drawn);
-    const bool all_fit = count == places.size();
-    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
-        const DetailSelection& wanted = selection.trees[t];
-        std::size_t next = 0;
-        const DrawSet set = choose_drawable(wanted, [&](const DetailNode&) { return drawn[t][next++]; });
-        report.screen_error_px = std::max(report.screen_error_px, set.error_px);
-    }
+    return drawn;
+}
 
+// The first `count` chunks.
+void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost& cost, std::size_t count)
+{
+    PictureState& p = frame.picture;
+    FrameReport& report = frame.report;
     p.target.clear();
     p.kept.clear();
     report.clouds.resize(frame.clouds.size());
@@ -198,8 +187,19 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
         }
     });
     report.points_drawn = report.points_added;
+}
 
-    bool more_to_come = false, waits = false, all_current = true, everything = true;
+struct Progress {
+    bool more_to_come = false;  // chunks that can be loaded are missing
+    bool waits = false;         // some of them are being loaded
+    bool all_current = true;    // what is drawn has the attributes of its style
+    bool everything = true;     // every point in view is drawn
+};
+
+Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnOfTrees& drawn)
+{
+    Progress progress;
+    FrameReport& report = frame.report;
     for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
         FrameCloud& cloud = frame.clouds[t];
         const DetailSelection& wanted = selection.trees[t];
@@ -207,30 +207,60 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
         for (std::size_t i = 0; i < wanted.wanted.size(); ++i) {
             cloud.current[i] = ChunkFeed::is_current(cloud.feed->find(wanted.wanted[i].node), cloud.format);
             report.nodes_missing += !cloud.current[i];
-            all_current = all_current && (cloud.current[i] || !drawn[t][i]);
-            everything = everything && cloud.current[i] && drawn[t][i];
+            progress.all_current = progress.all_current && (cloud.current[i] || !drawn[t][i]);
+            progress.everything = progress.everything && cloud.current[i] && drawn[t][i];
         }
-        everything = everything && wanted.beyond.empty();
+        progress.everything = progress.everything && wanted.beyond.empty();
         // What failed is missing for the time being and not waited for.
-        more_to_come = more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
-        waits = waits || cloud.feed->waits();
+        progress.more_to_come = progress.more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
+        progress.waits = progress.waits || cloud.feed->waits();
     }
+    return progress;
+}
+
+}  // namespace
+
+void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
+{
+    PictureState& p = frame.picture;
+    FrameReport& report = frame.report;
+    mark_current(frame, selection);
+    const std::optional<SceneSelection> later = resting ? std::nullopt : predicted(frame);
+    load(frame, selection, later ? &*later : nullptr);
+    const Served served = frame.upload(selection);
+
+    DrawnOfTrees drawn = drawable(frame, selection);
+    std::vector<SceneSelection::Place> places;
+    for (const SceneSelection::Place& place : selection.order)
+        if (drawn[place.tree][place.index]) places.push_back(place);
+    const FrameCost cost(frame, selection, places);
+    const std::size_t count = fit_to_time(frame, selection, cost, drawn);
+    const bool all_fit = count == places.size();
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        std::size_t next = 0;
+        const DrawSet set = choose_drawable(selection.trees[t], [&](const DetailNode&) { return drawn[t][next++]; });
+        report.screen_error_px = std::max(report.screen_error_px, set.error_px);
+    }
+    draw_chunks(frame, selection, cost, count);
+
+    const Progress progress = progress_of(frame, selection, drawn);
     adapt_page_share(p, served.refused);
     // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
-    more_to_come = more_to_come && !served.refused;
+    const bool more_to_come = progress.more_to_come && !served.refused;
     const bool budget_grows = all_fit && selection.budget_reached &&
                               report.effective_point_budget < frame.options.point_budget &&
                               p.budget.can_grow(frame.options.point_budget);
     // Also when the window is through and the next one has not been asked for.
-    report.repaint = served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !waits);
+    report.repaint =
+        served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !progress.waits);
     report.refining = report.repaint || more_to_come;
     if (selection.order.empty() && selection.budget_reached)
         report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
-    report.full_resolution = everything;
+    report.full_resolution = progress.everything;
     if (frame.options.converge && !report.refining && can_converge(frame)) {
-        // Another frame of this view goes on from here.
-        report.refining = report.repaint = !everything;
-        if (frame.converges && all_current) begin_rest(frame, selection, drawn);
+        // Another frame of this view continues from here.
+        report.refining = report.repaint = !progress.everything;
+        if (frame.converges && progress.all_current) begin_rest(frame, selection, drawn);
     }
 }
 

@@ -33,63 +33,51 @@ struct Renderer::Impl {
         cloud.format = former;
     }
 
-    FrameReport draw(PictureState& p, const Camera& scene, const std::vector<SceneItem>& items,
-                     const RenderOptions& options)
+    // Adds an item to the frame; what is reported of its cloud.
+    CloudReport add(Frame& frame, PictureKey& key, const Camera& scene, const SceneItem& item) const
     {
-        Frame frame{p, options, *l1, splats};
-        FrameReport& report = frame.report;
-        PictureKey key{
-            scene.modelview,   scene.projection, scene.width, scene.height, options.target_spacing_px, options.converge,
-            options.fill_gaps, options.order,    {}};
-        std::vector<CloudReport> clouds;
-        for (const SceneItem& item : items) {
-            if (!item.cloud || item.cloud->l1() != l1)
-                throw Error(ErrorCode::invalid_argument, {},
-                            "a scene's item has no cloud, or one of another L1 than the renderer's");
-            FrameCloud cloud{};
-            const DrawnCloud::Impl& drawn = *item.cloud->impl_;
-            cloud.feed = drawn.feed.get();
-            cloud.tree = &drawn.cloud->cache().tree();
-            CloudReport about;
-            about.style = cloud.style = usable_style(item.style, drawn.cloud->info().schema, &about.notice);
-            clouds.push_back(std::move(about));
-            cloud.format = format_of(cloud.style);
-            cloud.view = scene;
-            cloud.view.origin = item.origin;
-            if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
-            key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style});
-            cloud.leader = frame.clouds.size();
-            for (std::size_t t = frame.clouds.size(); t-- > 0;)
-                if (frame.clouds[t].feed == cloud.feed) cloud.leader = t;
-            if (cloud.leader == frame.clouds.size())
-                frame.owners.push_back(cloud.feed->owner());
-            else
-                share_format(frame, cloud);
-            frame.clouds.push_back(std::move(cloud));
-        }
-        const bool shows = std::any_of(frame.clouds.begin(), frame.clouds.end(),
-                                       [](const FrameCloud& c) { return Frustum::of(c.view).has_value(); });
-        if (!shows) {
-            p.forget();
-            report.clouds = std::move(clouds);
-            return report;
-        }
+        if (!item.cloud || item.cloud->l1() != l1)
+            throw Error(ErrorCode::invalid_argument, {},
+                        "a scene's item has no cloud, or one of another L1 than the renderer's");
+        FrameCloud cloud{};
+        const DrawnCloud::Impl& drawn = *item.cloud->impl_;
+        cloud.feed = drawn.feed.get();
+        cloud.tree = &drawn.cloud->cache().tree();
+        CloudReport report;
+        report.style = cloud.style = usable_style(item.style, drawn.cloud->info().schema, &report.notice);
+        cloud.format = format_of(cloud.style);
+        cloud.view = scene;
+        cloud.view.origin = item.origin;
+        if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
+        key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style});
+        cloud.leader = frame.clouds.size();
+        for (std::size_t t = frame.clouds.size(); t-- > 0;)
+            if (frame.clouds[t].feed == cloud.feed) cloud.leader = t;
+        if (cloud.leader == frame.clouds.size())
+            frame.owners.push_back(cloud.feed->owner());
+        else
+            share_format(frame, cloud);
+        frame.clouds.push_back(std::move(cloud));
+        return report;
+    }
 
-        const GlStateGuard state;
-        state.set_plain();
-        p.asked_samples = std::max(1u, options.samples);
+    // Into the picture's target.
+    void draw_clouds(Frame& frame, const Camera& scene, PictureKey key) const
+    {
+        PictureState& p = frame.picture;
+        p.asked_samples = std::max(1u, frame.options.samples);
         if (p.target.prepare(scene.width, scene.height, p.asked_samples)) {
             p.next.release();
             p.forget();
         }
-        report.samples = p.target.samples();
+        frame.report.samples = p.target.samples();
         if (!p.key || !key.looks_as(*p.key)) {
             p.unmeasured = 2;
             p.budget.forget();
         }
         const bool resting = p.key && *p.key == key;
         p.key = std::move(key);
-        frame.converges = resting && options.converge;
+        frame.converges = resting && frame.options.converge;
         p.target.bind();
         l1->begin_frame(frame.owners);
 
@@ -112,7 +100,29 @@ struct Renderer::Impl {
         }
         p.views.clear();
         for (const FrameCloud& cloud : frame.clouds) p.views.push_back(cloud.view);
+    }
 
+    FrameReport draw(PictureState& p, const Camera& scene, const std::vector<SceneItem>& items,
+                     const RenderOptions& options)
+    {
+        Frame frame{p, options, *l1, splats};
+        FrameReport& report = frame.report;
+        PictureKey key{
+            scene.modelview,   scene.projection, scene.width, scene.height, options.target_spacing_px, options.converge,
+            options.fill_gaps, options.order,    {}};
+        std::vector<CloudReport> clouds;
+        for (const SceneItem& item : items) clouds.push_back(add(frame, key, scene, item));
+        const bool shows = std::any_of(frame.clouds.begin(), frame.clouds.end(),
+                                       [](const FrameCloud& c) { return Frustum::of(c.view).has_value(); });
+        if (!shows) {
+            p.forget();
+            report.clouds = std::move(clouds);
+            return report;
+        }
+
+        const GlStateGuard state;
+        state.set_plain();
+        draw_clouds(frame, scene, std::move(key));
         compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome);
         if (p.clock.waits()) glFinish();
         report.measured_ms = p.budget.last_measured_ms();

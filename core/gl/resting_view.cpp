@@ -57,125 +57,187 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
     }
 }
 
-void draw_resting(Frame& frame)
-{
-    PictureState& p = frame.picture;
-    PictureState::Rest& rest = *p.rest;
-    FrameReport& report = frame.report;
-    const auto node_at = [&](std::size_t i) -> const DetailNode& {
-        const SceneSelection::Place& place = rest.all.order[i];
-        return rest.all.trees[place.tree].wanted[place.index];
-    };
-    const auto cloud_at = [&](std::size_t i) -> FrameCloud& { return frame.clouds[rest.all.order[i].tree]; };
+namespace {
 
-    // What a moving view will show again stays in L1, and what comes next has the rest of it.
-    const auto pages_at = [&](std::size_t i) {
+// One frame of a view that rests.
+class RestingFrame {
+public:
+    explicit RestingFrame(Frame& frame) : frame_(frame), rest_(*frame.picture.rest), report_(frame.report) {}
+
+    void draw()
+    {
+        choose_next();
+        load_next();
+        const Served served = frame_.upload(rest_.all);
+        report_.effective_point_budget = frame_.options.point_budget;
+        if (!next_.empty()) draw_next();
+        const bool stuck = yield_held(served);
+        const double error = error_px();
+        show_when_without_gaps();
+        fill_report(error);
+        const bool more = rest_.added < total();
+        if (stuck && more) report_.error = "the video memory is too small for the rest of the points in view";
+        report_.refining = more && !stuck;
+        bool waits = false;
+        for (FrameCloud& cloud : frame_.clouds) waits = waits || cloud.feed->waits();
+        report_.repaint = report_.refining && (!waits || report_.points_added > 0 || served.uploaded > 0);
+    }
+
+private:
+    const SceneSelection::Place& place_at(std::size_t i) const { return rest_.all.order[i]; }
+    const DetailNode& node_at(std::size_t i) const
+    {
+        return rest_.all.trees[place_at(i).tree].wanted[place_at(i).index];
+    }
+    FrameCloud& cloud_at(std::size_t i) const { return frame_.clouds[place_at(i).tree]; }
+    std::size_t total() const { return rest_.all.order.size(); }
+    std::uint64_t pages_at(std::size_t i) const
+    {
         const std::uint64_t per_page = L1Cache::points_per_page(cloud_at(i).format);
         return (cloud_at(i).tree->nodes()[node_at(i).node].points + per_page - 1) / per_page;
-    };
-    std::uint64_t pages = frame.l1.pages_available(frame.owners);
-    for (std::size_t i = 0; i < rest.held; ++i) {
-        frame.l1.use(cloud_at(i).feed->owner(), node_at(i).node);
-        pages -= std::min(pages, pages_at(i));
     }
-    std::vector<std::size_t> next;
-    const auto consider = [&](std::size_t i) {
-        const std::uint64_t needed = i < rest.held ? 0 : pages_at(i);
-        if (!next.empty() && (next.size() >= rest_window || needed > pages)) return false;
-        pages -= std::min(pages, needed);
-        next.push_back(i);
-        return true;
-    };
-    const bool first_time = rest.added < rest.all.order.size();
-    if (first_time)
-        for (std::size_t i = rest.added; i < rest.all.order.size() && consider(i); ++i) {
-        }
-    else
-        for (std::size_t k = 0; k < rest.left_out.size() && consider(rest.left_out[k]); ++k) {
-        }
-    for (FrameCloud& cloud : frame.clouds) cloud.window.clear();
-    for (const std::size_t i : next) {
-        FrameCloud& cloud = cloud_at(i);
-        const NodeId node = node_at(i).node;
-        if (ChunkFeed::is_current(cloud.feed->find(node), cloud.format))
-            frame.l1.use(cloud.feed->owner(), node);
-        else if (!cloud.feed->has_failed(node))
-            frame.want(rest.all.order[i].tree, {node});
+    bool is_current(std::size_t i) const
+    {
+        const FrameCloud& cloud = cloud_at(i);
+        return ChunkFeed::is_current(cloud.feed->find(node_at(i).node), cloud.format);
     }
-    for (std::size_t t = 0; t < frame.clouds.size(); ++t)
-        if (frame.clouds[t].leader == t) frame.clouds[t].feed->load(frame.clouds[t].window, {}, frame.clouds[t].format);
-    const Served served = frame.upload(rest.all);
 
-    report.effective_point_budget = frame.options.point_budget;
-    if (!next.empty()) {
+    // The nodes that are drawn next, as far as L1 has room for them beside those that a moving view will show again:
+    // these stay.
+    void choose_next()
+    {
+        std::uint64_t pages = frame_.l1.pages_available(frame_.owners);
+        for (std::size_t i = 0; i < rest_.held; ++i) {
+            frame_.l1.use(cloud_at(i).feed->owner(), node_at(i).node);
+            pages -= std::min(pages, pages_at(i));
+        }
+        const auto consider = [&](std::size_t i) {
+            const std::uint64_t needed = i < rest_.held ? 0 : pages_at(i);
+            if (!next_.empty() && (next_.size() >= rest_window || needed > pages)) return false;
+            pages -= std::min(pages, needed);
+            next_.push_back(i);
+            return true;
+        };
+        if (first_time_)
+            for (std::size_t i = rest_.added; i < total() && consider(i); ++i) {
+            }
+        else
+            for (std::size_t k = 0; k < rest_.left_out.size() && consider(rest_.left_out[k]); ++k) {
+            }
+    }
+
+    void load_next()
+    {
+        for (FrameCloud& cloud : frame_.clouds) cloud.window.clear();
+        for (const std::size_t i : next_) {
+            FrameCloud& cloud = cloud_at(i);
+            const NodeId node = node_at(i).node;
+            if (is_current(i))
+                frame_.l1.use(cloud.feed->owner(), node);
+            else if (!cloud.feed->has_failed(node))
+                frame_.want(place_at(i).tree, {node});
+        }
+        for (std::size_t t = 0; t < frame_.clouds.size(); ++t) {
+            const FrameCloud& cloud = frame_.clouds[t];
+            if (cloud.leader == t) cloud.feed->load(cloud.window, {}, cloud.format);
+        }
+    }
+
+    void draw_next()
+    {
+        PictureState& p = frame_.picture;
         std::vector<SceneSelection::Place> places;
-        for (const std::size_t i : next)
-            if (ChunkFeed::is_current(cloud_at(i).feed->find(node_at(i).node), cloud_at(i).format))
-                places.push_back(rest.all.order[i]);
-        const FrameCost cost(frame, rest.all, places);
-        const double time = p.budget.at_rest(frame.options.frame_budget_ms);
-        const double available = time - std::min(report.upload_ms, time / 2);
-        if (rest.behind) p.next.bind();
-        timed(frame, [&](Strokes& strokes) {
-            std::set<std::size_t> had;
+        for (const std::size_t i : next_)
+            if (is_current(i)) places.push_back(place_at(i));
+        const FrameCost cost(frame_, rest_.all, places);
+        const double time = p.budget.at_rest(frame_.options.frame_budget_ms);
+        const double available = time - std::min(report_.upload_ms, time / 2);
+        if (rest_.behind) p.next.bind();
+        timed(frame_, [&](Strokes& strokes) {
+            std::set<std::size_t> drawn;
             auto stroke = cost.strokes().begin();
-            for (const std::size_t i : next) {
-                FrameCloud& cloud = cloud_at(i);
-                const DetailNode& node = node_at(i);
-                const VertexEntry* const entry = cloud.feed->find(node.node);
-                if (ChunkFeed::is_current(entry, cloud.format)) {
-                    const FrameWork more = frame.work + cost.work(*stroke++, {});
-                    if (frame.work.points > 0 &&
-                        (more.points > frame.options.point_budget || p.budget.expected(more) > available))
+            for (const std::size_t i : next_) {
+                if (is_current(i)) {
+                    const FrameWork more = frame_.work + cost.work(*stroke++, {});
+                    if (frame_.work.points > 0 &&
+                        (more.points > frame_.options.point_budget || p.budget.expected(more) > available))
                         break;
-                    frame.work = more;
-                    strokes.draw(cloud, node, *entry, 0, {});
-                    ++rest.nodes;
-                    rest.points += entry->points;
-                    rest.points_of[rest.all.order[i].tree] += entry->points;
-                    had.insert(i);
-                } else if (first_time) {
+                    frame_.work = more;
+                    add(i, strokes);
+                    drawn.insert(i);
+                } else if (first_time_) {
                     // One after the other, so that of points at equal depth the same one is seen each time.
-                    if (!cloud.feed->has_failed(node.node)) break;
-                    rest.left_out.push_back(i);
+                    if (!cloud_at(i).feed->has_failed(node_at(i).node)) break;
+                    rest_.left_out.push_back(i);
                 }
-                if (first_time) ++rest.added;
+                if (first_time_) ++rest_.added;
             }
-            if (!first_time) {
-                auto& out = rest.left_out;
-                out.erase(std::remove_if(out.begin(), out.end(), [&](std::size_t i) { return had.count(i) != 0; }),
-                          out.end());
-            }
+            if (first_time_) return;
+            auto& out = rest_.left_out;
+            out.erase(std::remove_if(out.begin(), out.end(), [&](std::size_t i) { return drawn.count(i) != 0; }),
+                      out.end());
         });
     }
-    // Others hold on to video memory that was reckoned with: then the room of what a moving view wants is needed too.
-    const bool refused = served.refused && served.uploaded == 0 && report.points_added == 0;
-    const bool stuck = refused && rest.held == 0;
-    if (refused) rest.held /= 2;
 
-    const std::size_t total = rest.all.order.size();
-    double error = rest.added < total ? node_at(rest.added).error_px : 0;
-    for (const std::size_t i : rest.left_out) error = std::max(error, node_at(i).error_px);
-    if (rest.behind && (rest.added == total || has_no_gaps(frame, node_at(rest.added).error_px))) {
-        std::swap(p.target, p.next);
-        rest.behind = false;
+    void add(std::size_t i, Strokes& strokes)
+    {
+        const FrameCloud& cloud = cloud_at(i);
+        const VertexEntry& entry = *cloud.feed->find(node_at(i).node);
+        strokes.draw(cloud, node_at(i), entry, 0, {});
+        ++rest_.nodes;
+        rest_.points += entry.points;
+        rest_.points_of[place_at(i).tree] += entry.points;
     }
-    report.clouds.resize(frame.clouds.size());
-    for (std::size_t t = 0; t < frame.clouds.size(); ++t)
-        report.clouds[t].points_drawn = rest.behind ? rest.shown_points_of[t] : rest.points_of[t];
-    report.points_drawn = rest.behind ? rest.shown_points : rest.points;
-    report.nodes_drawn = rest.behind ? rest.shown_nodes : rest.nodes;
-    report.nodes_wanted = total;
-    report.nodes_missing = total - rest.nodes;
-    report.screen_error_px =
-        std::min<double>(rest.behind ? rest.shown_error_px : error, std::max(p.target.width(), p.target.height()));
-    report.full_resolution = rest.added == total && rest.left_out.empty();
-    const bool more = rest.added < total;
-    if (stuck && more) report.error = "the video memory is too small for the rest of the points in view";
-    report.refining = more && !stuck;
-    bool waits = false;
-    for (FrameCloud& cloud : frame.clouds) waits = waits || cloud.feed->waits();
-    report.repaint = report.refining && (!waits || report.points_added > 0 || served.uploaded > 0);
-}
+
+    // Another client may hold video memory that this view counted on: then the pages of what a moving view will show
+    // are needed too. Returns whether there are none left to give.
+    bool yield_held(const Served& served)
+    {
+        const bool refused = served.refused && served.uploaded == 0 && report_.points_added == 0;
+        const bool stuck = refused && rest_.held == 0;
+        if (refused) rest_.held /= 2;
+        return stuck;
+    }
+
+    double error_px() const
+    {
+        double error = rest_.added < total() ? node_at(rest_.added).error_px : 0;
+        for (const std::size_t i : rest_.left_out) error = std::max(error, node_at(i).error_px);
+        return error;
+    }
+
+    void show_when_without_gaps()
+    {
+        if (!rest_.behind) return;
+        if (rest_.added < total() && !has_no_gaps(frame_, node_at(rest_.added).error_px)) return;
+        std::swap(frame_.picture.target, frame_.picture.next);
+        rest_.behind = false;
+    }
+
+    void fill_report(double error)
+    {
+        report_.clouds.resize(frame_.clouds.size());
+        for (std::size_t t = 0; t < frame_.clouds.size(); ++t)
+            report_.clouds[t].points_drawn = rest_.behind ? rest_.shown_points_of[t] : rest_.points_of[t];
+        report_.points_drawn = rest_.behind ? rest_.shown_points : rest_.points;
+        report_.nodes_drawn = rest_.behind ? rest_.shown_nodes : rest_.nodes;
+        report_.nodes_wanted = total();
+        report_.nodes_missing = total() - rest_.nodes;
+        const RenderTarget& target = frame_.picture.target;
+        report_.screen_error_px =
+            std::min<double>(rest_.behind ? rest_.shown_error_px : error, std::max(target.width(), target.height()));
+        report_.full_resolution = rest_.added == total() && rest_.left_out.empty();
+    }
+
+    Frame& frame_;
+    PictureState::Rest& rest_;
+    FrameReport& report_;
+    const bool first_time_ = rest_.added < rest_.all.order.size();  // else those are drawn that could not be loaded
+    std::vector<std::size_t> next_;                                 // places in rest_.all.order
+};
+
+}  // namespace
+
+void draw_resting(Frame& frame) { RestingFrame(frame).draw(); }
 
 }  // namespace pcm

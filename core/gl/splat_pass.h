@@ -86,8 +86,4 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-// The ramp of the colours by height, level and error: dark blue, teal, green, yellow, of even lightness steps. t is
-// clamped to 0..1.
-std::array<float, 3> ramp_colour(float t);
-
 }  // namespace pcm

@@ -35,15 +35,15 @@ SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, doubl
     seen_ = Frustum::of(wide);
 }
 
-void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mode, const ChunkLook& look,
+void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape shape, const ChunkLook& look,
                       std::vector<SplatPart>* parts)
 {
     as_points_.clear();
     as_quads_.clear();
-    const Box3d reached = grown(whole, reach(mode, entry.largest_radius, look));
+    const Box3d reached = grown(whole, reach(shape, entry.largest_radius, look));
     if (!seen_ || !seen_->intersects(reached)) return;
     const bool all = seen_->contains(reached);
-    const bool quads = needs_quads(mode, whole, entry.largest_radius, look);
+    const bool quads = needs_quads(shape, whole, entry.largest_radius, look);
     if (all && !quads && (!parts || depth_range(whole) < by_groups)) {
         as_points_.push_back({0, entry.points});
         if (parts)
@@ -60,8 +60,8 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
             box.min[a] = whole.min[a] + static_cast<double>(group.low[a]);
             box.max[a] = whole.min[a] + static_cast<double>(group.high[a]);
         }
-        if (!all && !seen_->intersects(grown(box, reach(mode, group.largest_radius, look)))) continue;
-        add_run(quads && needs_quads(mode, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
+        if (!all && !seen_->intersects(grown(box, reach(shape, group.largest_radius, look)))) continue;
+        add_run(quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
         if (parts)
             parts->push_back(depth_range(box) < even && (all || seen_->contains(box)) ? part_of(box, points)
                                                                                       : part_in_view(box, points));
@@ -69,21 +69,21 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatMode mo
 }
 
 // Whether splats in a box may be larger than the driver's points. A constant one is never drawn larger.
-bool SplatSieve::needs_quads(SplatMode mode, const Box3d& box, float largest_radius, const ChunkLook& look) const
+bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const
 {
-    if (mode == SplatMode::constant) return false;
+    if (shape == SplatShape::pixels) return false;
     const double radius = static_cast<double>(largest_radius) * static_cast<double>(style_.radius_scale);
     const auto least = static_cast<double>(look.least_px);
-    if (mode != SplatMode::dynamic)
+    if (shape == SplatShape::disc)
         return !(std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) <= largest_point_);
     const double largest = std::max(camera_.largest_square(box, radius), least);
     return !(largest <= largest_point_ && largest <= 2 * guard_);
 }
 
 // How far from its centre a splat can be seen, source units. A constant one goes with its centre.
-double SplatSieve::reach(SplatMode mode, float largest_radius, const ChunkLook& look) const
+double SplatSieve::reach(SplatShape shape, float largest_radius, const ChunkLook& look) const
 {
-    if (mode == SplatMode::constant) return 0;
+    if (shape == SplatShape::pixels) return 0;
     return camera_.squeeze * static_cast<double>(std::max(largest_radius * style_.radius_scale, look.least_radius));
 }
 

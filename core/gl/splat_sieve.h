@@ -2,6 +2,7 @@
 // where their splats may be larger than the driver's points. No OpenGL here.
 #pragma once
 
+#include "pcm/gl/chunk_look.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/splat_camera.h"
 #include "pcm/gl/splat_style.h"
@@ -11,17 +12,6 @@
 #include <vector>
 
 namespace pcm {
-
-// What the modes `level` and `error` show of a chunk, and how large its points are at least.
-struct ChunkLook {
-    float level = 0;
-    float error_px = 0;
-    // Points of a coarse level are farther apart than their radii, which are those of the whole cloud, and than
-    // constant splats are large. So that they leave no gaps, splats are at least so large: a radius, source units, but
-    // no more than so many pixels of a side.
-    float least_radius = 0;
-    float least_px = 0;
-};
 
 // Points that are about as far from the eye.
 struct SplatPart {
@@ -37,14 +27,14 @@ public:
 
     // Sorts a chunk's points; `box` is that of their positions, relative to the view's origin. Adds to `parts`, if
     // there, where they are. Nothing is left out that can be seen, and no point is too large for the driver.
-    void sort(const VertexEntry& entry, const Box3d& box, SplatMode mode, const ChunkLook& look,
+    void sort(const VertexEntry& entry, const Box3d& box, SplatShape shape, const ChunkLook& look,
               std::vector<SplatPart>* parts = nullptr);
     const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
     const std::vector<VertexRun>& as_quads() const { return as_quads_; }
 
 private:
-    bool needs_quads(SplatMode mode, const Box3d& box, float largest_radius, const ChunkLook& look) const;
-    double reach(SplatMode mode, float largest_radius, const ChunkLook& look) const;
+    bool needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const;
+    double reach(SplatShape shape, float largest_radius, const ChunkLook& look) const;
     double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
     double depth_range(const Box3d& box) const;  // of its points, at most so many times either way of its centre's
     SplatPart part_of(const Box3d& box, std::uint32_t points) const;

@@ -11,74 +11,32 @@ bool has(const Schema& schema, std::string_view name, std::uint32_t components)
     return i && schema[*i].components >= components;
 }
 
-void tell(std::string* notice, const std::string& missing, const std::string& instead)
+void add(std::string* notice, const std::string& absent, const std::string& instead)
 {
     if (!notice) return;
     if (!notice->empty()) *notice += "; ";
-    *notice += "the cloud has no " + missing + ": " + instead;
+    *notice += "the cloud has no " + absent + ": " + instead;
 }
 
 }  // namespace
-
-const char* name_of(SplatMode mode)
-{
-    switch (mode) {
-        case SplatMode::constant:
-            return "constant";
-        case SplatMode::dynamic:
-            return "dynamic";
-        case SplatMode::affine:
-            return "affine";
-        case SplatMode::perspective:
-            return "perspective";
-    }
-    return "";
-}
-
-const char* name_of(ColourMode mode)
-{
-    switch (mode) {
-        case ColourMode::rgb:
-            return "rgb";
-        case ColourMode::intensity:
-            return "intensity";
-        case ColourMode::height:
-            return "height";
-        case ColourMode::classification:
-            return "classification";
-        case ColourMode::level:
-            return "level";
-        case ColourMode::error:
-            return "error";
-        case ColourMode::uniform:
-            return "uniform";
-    }
-    return "";
-}
 
 CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice)
 {
     if (notice) notice->clear();
     CloudStyle style = asked;
-    if (style.splats != SplatMode::constant && !has(schema, attribute_name::radius, 1)) {
-        style.splats = SplatMode::constant;
-        tell(notice, "radii", "constant splats are drawn");
-    } else if ((style.splats == SplatMode::affine || style.splats == SplatMode::perspective) &&
-               !has(schema, attribute_name::normal, 3)) {
-        style.splats = SplatMode::dynamic;
-        tell(notice, "normals", "dynamic splats are drawn");
+    const bool has_radius = has(schema, attribute_name::radius, 1);
+    style.splats = drawable_mode(asked.splats, has_radius, has(schema, attribute_name::normal, 3));
+    if (style.splats != asked.splats)
+        add(notice, !has_radius && traits_of(asked.splats).reads_radius ? "radii" : "normals",
+            std::string(name_of(style.splats)) + " splats are drawn");
+    for (;;) {
+        const ColourTraits& traits = traits_of(style.colour);
+        if (traits.source == ColourSource::none ||
+            has(schema, attribute_of(traits.source), components_of(traits.source)))
+            return style;
+        style.colour = traits.when_absent;
+        add(notice, traits.absent, std::string(name_of(style.colour)) + " is shown");
     }
-    const auto fall_back = [&](std::string_view name, std::uint32_t components, const char* missing,
-                               ColourMode instead) {
-        if (has(schema, name, components)) return;
-        style.colour = instead;
-        tell(notice, missing, std::string(name_of(instead)) + " is shown");
-    };
-    if (style.colour == ColourMode::rgb) fall_back(attribute_name::rgb, 3, "colours", ColourMode::intensity);
-    if (style.colour == ColourMode::intensity) fall_back(attribute_name::intensity, 1, "intensity", ColourMode::height);
-    if (style.colour == ColourMode::classification)
-        fall_back(attribute_name::classification, 1, "classes", ColourMode::height);
-    return style;
 }
 
 }  // namespace pcm

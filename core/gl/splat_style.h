@@ -2,39 +2,19 @@
 #pragma once
 
 #include "pcm/cloud/attribute.h"
+#include "pcm/gl/colour_modes.h"
+#include "pcm/gl/splat_modes.h"
 
 #include <array>
-#include <cstdint>
 #include <string>
 
 namespace pcm {
 
-// What a point is drawn as (Botsch and Kobbelt 2003; Zwicker et al. 2004 for the affine one).
-enum class SplatMode : std::uint8_t {
-    constant,  // a square of a fixed number of pixels
-    dynamic,   // a square as large as a sphere of the point's radius appears; reads `radius`
-    affine,  // the point's disc, projected as if the view were parallel around its centre; reads `radius` and `normal`
-    perspective,  // the disc itself, each fragment's ray cut with its plane, depth included; reads `radius` and
-                  // `normal`
-};
-const char* name_of(SplatMode mode);  // "constant", ...
-
-enum class ColourMode : std::uint8_t {
-    rgb,
-    intensity,
-    height,          // along the whole cloud's box
-    classification,  // the classes of LAS 1.4, each in its own colour
-    level,           // how coarse the level is that the chunk's points begin
-    error,           // how far apart, on the screen, points are where the chunk is the finest that is drawn
-    uniform,
-};
-const char* name_of(ColourMode mode);  // "rgb", ...
-
 struct CloudStyle {
     SplatMode splats = SplatMode::constant;
     ColourMode colour = ColourMode::rgb;
-    float point_size_px = 2;  // constant splats: side of the square, clamped to what the driver can
-    float radius_scale = 1;   // the others: factor on the points' radii
+    float point_size_px = 2;  // SplatShape::pixels: side of the square, clamped to the driver's range
+    float radius_scale = 1;   // the other shapes: factor on the points' radii
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
 };
 inline bool operator==(const CloudStyle& a, const CloudStyle& b)

@@ -33,8 +33,8 @@ struct VertexFormat {
         return (wanted.colour == ColourSource::none || wanted.colour == colour) && (radius || !wanted.radius) &&
                (normal || !wanted.normal);
     }
-    // 0 to 15, another one for each format.
-    unsigned number() const { return static_cast<unsigned>(colour) + (radius ? 4u : 0u) + (normal ? 8u : 0u); }
+    // Unique for each format.
+    unsigned number() const { return (radius ? 1u : 0u) + (normal ? 2u : 0u) + 4u * static_cast<unsigned>(colour); }
 };
 inline bool operator==(const VertexFormat& a, const VertexFormat& b) { return a.number() == b.number(); }
 inline bool operator!=(const VertexFormat& a, const VertexFormat& b) { return !(a == b); }
@@ -43,13 +43,8 @@ inline bool operator<(const VertexFormat& a, const VertexFormat& b) { return a.n
 // What a style reads and nothing else. `usable`: see usable_style().
 inline VertexFormat format_of(const CloudStyle& usable)
 {
-    VertexFormat format;
-    if (usable.colour == ColourMode::rgb) format.colour = ColourSource::rgb;
-    if (usable.colour == ColourMode::intensity) format.colour = ColourSource::intensity;
-    if (usable.colour == ColourMode::classification) format.colour = ColourSource::classification;
-    format.radius = usable.splats != SplatMode::constant;
-    format.normal = usable.splats == SplatMode::affine || usable.splats == SplatMode::perspective;
-    return format;
+    const SplatTraits& splats = traits_of(usable.splats);
+    return {traits_of(usable.colour).source, splats.reads_radius, splats.reads_normal};
 }
 
 }  // namespace pcm

@@ -1,17 +1,16 @@
 #include "pcm/offscreen/image.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/output_file.h"
 
 #include <png.h>
-
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <string>
-#include <system_error>
+#include <vector>
 
 namespace pcm {
 namespace {
@@ -19,7 +18,7 @@ namespace {
 struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
-using File = std::unique_ptr<std::FILE, Close>;
+using InputFile = std::unique_ptr<std::FILE, Close>;
 
 // libpng's simplified interface keeps the first error as text.
 struct Png {
@@ -28,16 +27,6 @@ struct Png {
     ~Png() { png_image_free(&image); }
     Png(const Png&) = delete;
     Png& operator=(const Png&) = delete;
-};
-
-// Removes a file that was not finished.
-struct Unfinished {
-    std::filesystem::path path;
-    ~Unfinished()
-    {
-        std::error_code ignored;
-        if (!path.empty()) std::filesystem::remove(path, ignored);
-    }
 };
 
 }  // namespace
@@ -67,34 +56,24 @@ void write_png(const std::filesystem::path& file, const Image& image, bool alpha
         opaque.resize(3 * pixels);
         for (std::size_t i = 0; i < pixels; ++i) std::memcpy(&opaque[3 * i], &image.rgba[4 * i], 3);
     }
-    std::filesystem::path part = file;
-    part += "." + std::to_string(::getpid()) + ".part";
-    File out(std::fopen(part.c_str(), "wb"));
-    if (!out) throw Error::from_errno(errno, file, "writing the picture");
-    Unfinished unfinished{part};
     Png png;
     png.image.width = static_cast<png_uint_32>(image.width);
     png.image.height = static_cast<png_uint_32>(image.height);
     png.image.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
-    errno = 0;
-    if (!png_image_write_to_stdio(&png.image, out.get(), 0, alpha ? image.rgba.data() : opaque.data(), 0, nullptr)) {
-        if (errno != 0) throw Error::from_errno(errno, file, "writing the picture");
-        throw Error(ErrorCode::io, file, std::string("writing the picture failed: ") + png.image.message);
-    }
-    errno = 0;
-    if (std::fflush(out.get()) != 0 || std::ferror(out.get()))
-        throw Error::from_errno(errno, file, "writing the picture");
-    out.reset();
-    std::error_code error;
-    std::filesystem::rename(part, file, error);
-    if (error) throw Error::from_errno(error.value(), file, "writing the picture");
-    unfinished.path.clear();
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png.image);
+    std::vector<std::byte> encoded(size);
+    if (!png_image_write_to_memory(&png.image, encoded.data(), &size, 0, alpha ? image.rgba.data() : opaque.data(), 0,
+                                   nullptr))
+        throw Error(ErrorCode::io, file, std::string("encoding the picture failed: ") + png.image.message);
+    OutputFile out(file);
+    out.append(encoded.data(), size);
+    out.finish();
 }
 
 Image read_png(const std::filesystem::path& file)
 {
     errno = 0;
-    const File in(std::fopen(file.c_str(), "rb"));
+    const InputFile in(std::fopen(file.c_str(), "rb"));
     if (!in) throw Error::from_errno(errno, file, "opening the picture");
     Png png;
     if (!png_image_begin_read_from_stdio(&png.image, in.get()))

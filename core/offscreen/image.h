@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-// Four bytes a pixel, red, green, blue, alpha; the upper row first.
+// Four bytes per pixel: red, green, blue, alpha. The top row comes first.
 struct Image {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgba;  // width * height * 4
@@ -21,17 +21,17 @@ struct Image {
     bool operator==(const Image& o) const { return width == o.width && height == o.height && rgba == o.rgba; }
 };
 
-// Colours that were multiplied with their alpha, as blending leaves them over a transparent background, divided by it,
-// as PNG wants them.
+// Divides colours by their alpha. Blending over a transparent background leaves colours premultiplied; PNG stores them
+// unpremultiplied.
 void unpremultiply(Image& image);
 
-// Written beside the file and put in its place when it is whole. Without `alpha` the pixels are opaque, and a quarter
-// is saved. Throws Error(invalid_argument) for an image whose bytes do not match its size, Error(permission | no_space
-// | io ...).
+// Replaces the file atomically and durably (system/output_file.h). Without `alpha` the pixels are opaque, which saves a
+// quarter of the bytes before compression. Throws Error(invalid_argument) for an image whose bytes do not match its
+// size, Error(not_found | permission | no_space | io).
 void write_png(const std::filesystem::path& file, const Image& image, bool alpha = true);
 
-// Any PNG, made to four bytes a pixel. Throws Error(not_found | permission | bad_format | unsupported); unsupported are
-// pictures of more than 2^28 pixels.
+// Any PNG, converted to four bytes per pixel. Throws Error(not_found | permission | bad_format), and Error(unsupported)
+// for more than 2^28 pixels.
 Image read_png(const std::filesystem::path& file);
 
 }  // namespace pcm

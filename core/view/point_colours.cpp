@@ -21,6 +21,21 @@ void with_values(const Column& column, const Use& use)
 
 }  // namespace
 
+std::string_view attribute_of(ColourSource source)
+{
+    switch (source) {
+        case ColourSource::none:
+            return {};
+        case ColourSource::rgb:
+            return attribute_name::rgb;
+        case ColourSource::intensity:
+            return attribute_name::intensity;
+        case ColourSource::classification:
+            return attribute_name::classification;
+    }
+    return {};
+}
+
 ColourScale ColourScale::of(const Column& column, ColourSource colour)
 {
     std::vector<double> values;

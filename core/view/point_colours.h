@@ -6,12 +6,18 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace pcm {
 
 // The attribute that colours are made from.
 enum class ColourSource : std::uint8_t { none, rgb, intensity, classification };
+
+std::string_view attribute_of(ColourSource source);  // empty for none
+inline std::uint32_t components_of(ColourSource source) { return source == ColourSource::rgb ? 3 : 1; }  // at least
+// Whether its values have a ColourScale, which the coarsest chunk sets; classes have not.
+inline bool is_scaled(ColourSource source) { return source == ColourSource::rgb || source == ColourSource::intensity; }
 
 // How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk,
 // which is a sample of the whole, so that every chunk of a picture has the same scale.

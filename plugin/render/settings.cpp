@@ -24,11 +24,26 @@ const char* const upload_budget = "MeshLab::PointCloud::UploadBudget";
 const char* const l1_size = "MeshLab::PointCloud::VideoMemory";
 const char* const l2_size = "MeshLab::PointCloud::Memory";
 
-// In the order of what they stand for, see splat_style.h.
-const QStringList splat_modes{"Squares of one size", "Squares as large as the radius", "Discs, affine",
-                              "Discs, perspective accurate"};
-const QStringList colour_modes{"RGB", "Intensity", "Height", "Classification", "Level", "Error", "Uniform"};
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
+
+// The choices of a table of modes: splat_modes() or colour_modes().
+template <class Table>
+QStringList labels_of(const Table& modes)
+{
+    QStringList labels;
+    for (const auto& row : modes) labels << row.label;
+    return labels;
+}
+
+// "a; b; or c" of their descriptions.
+template <class Table>
+QString descriptions_of(const Table& modes, const QString& separator)
+{
+    QStringList list;
+    for (const auto& row : modes) list << row.description;
+    list.last().prepend("or ");
+    return list.join(separator);
+}
 
 std::uint64_t mebibytes(const RichParameterList& parameters, const char* name, int least)
 {
@@ -41,21 +56,18 @@ void add_settings(RichParameterList& parameters)
 {
     const RenderOptions render;
     const CloudStyle style;
-    parameters.addParam(RichEnum(
-        splat_mode, static_cast<int>(style.splats), splat_modes, "Splats",
-        "What a point is drawn as: a square of a fixed size in pixels; a square as large as the point's radius "
-        "appears; its disc (radius and normal), projected as if the view were parallel around its centre; or the "
-        "disc exactly, with its depth. A cloud without normals or radii is shown by the nearest of these that it "
-        "has the data for, and the log says so. Default: squares of one size."));
+    parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), labels_of(splat_modes()), "Splats",
+                                 "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
+                                     ". A cloud without normals or radii is shown by the nearest of these that it "
+                                     "has the data for, and the log says so. Default: squares of one size."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
     parameters.addParam(RichFloat(radius_scale, style.radius_scale, "Radius scale",
                                   "Factor on the points' radii, from 0.001 to 1000, for the other splats. Default 1."));
-    parameters.addParam(RichEnum(
-        colour, static_cast<int>(style.colour), colour_modes, "Colour by",
-        "What the colour of a point shows: its own colour, its intensity, height (z, over the whole cloud), its "
-        "class, how coarse the level of detail of its chunk is, how far apart points are on the screen there, or "
-        "nothing. A cloud without colours shows its intensity, and one without that its height. Default RGB."));
+    parameters.addParam(
+        RichEnum(colour, static_cast<int>(style.colour), labels_of(colour_modes()), "Colour by",
+                 "What the colour of a point shows: " + descriptions_of(colour_modes(), ", ") +
+                     ". A cloud without colours shows its intensity, and one without that its height. Default RGB."));
     const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
     parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
                                   "Colour of all points when the colour shows nothing. Default light grey."));
@@ -106,12 +118,12 @@ Settings read_settings(const RichParameterList& parameters)
         return std::clamp(static_cast<double>(parameters.getFloat(name)), least, most);
     };
     Settings settings;
-    const auto choice = [&](const char* name, const QStringList& of) {
+    const auto choice = [&](const char* name, const auto& of) {
         return std::clamp(parameters.getEnum(name), 0, int(of.size()) - 1);
     };
     CloudStyle& style = settings.style;
-    style.splats = static_cast<SplatMode>(choice(splat_mode, splat_modes));
-    style.colour = static_cast<ColourMode>(choice(colour, colour_modes));
+    style.splats = static_cast<SplatMode>(choice(splat_mode, splat_modes()));
+    style.colour = static_cast<ColourMode>(choice(colour, colour_modes()));
     style.point_size_px = static_cast<float>(number(splat_size, 1, 256));
     style.radius_scale = static_cast<float>(number(radius_scale, 1e-3, 1e3));
     const QColor uniform = parameters.getColor(uniform_colour);

@@ -12,9 +12,6 @@ using namespace pcm::test;
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int width = 160;
-constexpr int height = 120;
-constexpr double aspect = double(width) / height;
 
 Vec3d random_direction(std::mt19937_64& random)
 {

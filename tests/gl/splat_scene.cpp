@@ -6,8 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <random>
 
 namespace pcm::test {
+
+namespace {
+
+Vec3d random_direction(std::mt19937_64& random)
+{
+    std::normal_distribution<double> normal;
+    return {normal(random), normal(random), normal(random)};
+}
+
+}  // namespace
 
 DepthFramebuffer::DepthFramebuffer(int width, int height, unsigned samples)
     : width_(width), height_(height), samples_(samples)
@@ -151,6 +162,38 @@ CloudStyle style_of(SplatMode mode)
     style.splats = mode;
     return style;
 }
+
+Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed, const ChunkLook& look)
+{
+    SplatPass pass;
+    const DepthFramebuffer framebuffer(view.width, view.height);
+    framebuffer.clear(reversed);
+    scene.draw(pass, view, style, reversed, 1, look);
+    Drawn picture{framebuffer.colours(), framebuffer.depths()};
+    pass.release();
+    return picture;
+}
+
+std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness, double size)
+{
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> even(-1, 1);
+    std::vector<Disc> discs;
+    for (std::size_t d = 0; d < count; ++d) {
+        const double depth = 6 + 4 * even(random);
+        Vec3d normal = random_direction(random);
+        normal[2] += normal[2] < 0 ? -1 : 1;  // seen neither from the side nor, in the affine mode, as if
+        discs.push_back({{wideness * depth * even(random), wideness * 0.75 * depth * even(random), -depth},
+                         normal,
+                         (0.5 + 0.45 * even(random)) * size});
+    }
+    return discs;
+}
+
+Grid fine_grid() { return {{1e-6, 1e-6, 1e-6}, {0, 0, 0}}; }
+
+Camera perspective_view() { return view_of(identity(), perspective(1, aspect, 0.1, 100), width, height); }
+Camera parallel_view() { return view_of(translation(0.3, 0, 0), orthographic(5, 5 / aspect, 0.1, 20), width, height); }
 
 Agreement compare(const SplatScene& scene, const Camera& view, bool reversed, bool doubles, double margin)
 {

@@ -63,6 +63,25 @@ double depth_of(const Camera& view, bool reversed, float value);
 
 CloudStyle style_of(SplatMode mode);
 
+struct Drawn {
+    std::vector<Pixel> colours;
+    std::vector<float> depths;
+};
+// The scene alone, with a pass of its own.
+Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed = true,
+           const ChunkLook& look = {});
+
+// The size of the views below.
+constexpr int width = 160;
+constexpr int height = 120;
+constexpr double aspect = double(width) / height;
+Camera perspective_view();
+Camera parallel_view();
+
+// Discs in front of an eye at the origin; the centres of some are beside the view.
+std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness = 0.8, double size = 1);
+Grid fine_grid();
+
 struct Agreement {
     std::size_t covered = 0;  // pixels that the oracle is certain about and that are covered
     std::size_t certain = 0;  // of them and the empty ones

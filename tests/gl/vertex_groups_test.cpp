@@ -56,11 +56,6 @@ Camera look_around(std::mt19937_64& random, const Vec3d& origin)
     return view;
 }
 
-struct Drawn {
-    std::vector<Pixel> colours;
-    std::vector<float> depths;
-};
-
 Drawn draw(SplatPass& pass, const DepthFramebuffer& framebuffer, const SplatScene& scene, const VertexEntry& entry,
            const Camera& view, const CloudStyle& style, const ChunkLook& look)
 {
@@ -126,6 +121,7 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
     const Grid grid{{0.001, 0.001, 0.001}, {0, 0, 0}};
     const DepthFramebuffer framebuffer(160, 120);
     std::size_t left_out = 0, quads_too = 0, seen = 0;
+    SplatPass pass;
     for (const double largest_radius : {0.3, 30.0}) {
         const SplatScene scene(grid, ground(random, 5000, largest_radius));
         VertexEntry whole = scene.entry();
@@ -136,13 +132,11 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
         }
         for (int i = 0; i < 40; ++i) {
             const Camera view = look_around(random, {50, 50, 0});
-            for (const SplatMode mode :
-                 {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
-                CloudStyle style = style_of(mode);
+            for (const SplatTraits& traits : splat_modes()) {
+                CloudStyle style = style_of(traits.mode);
                 style.colour = ColourMode::rgb;
                 ChunkLook look;
                 if (i % 2) look.least_radius = 0.5f, look.least_px = 20;
-                SplatPass pass;
                 const Drawn parts = draw(pass, framebuffer, scene, scene.entry(), view, style, look);
                 const Drawn all = draw(pass, framebuffer, scene, whole, view, style, look);
                 std::size_t different = 0;
@@ -156,16 +150,16 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
                 const std::uint64_t vertices = pass.preview(scene.entry(), of_view);
                 pass.end();
                 left_out += scene.entry().points > vertices ? scene.entry().points - vertices : 0;
-                quads_too += mode != SplatMode::constant && vertices > scene.entry().points;
+                quads_too += traits.shape != SplatShape::pixels && vertices > scene.entry().points;
                 // Squares whose sides are no whole pixels are rounded differently as points and as quads: at their
                 // edges.
-                const bool rounded = mode == SplatMode::dynamic;
+                const bool rounded = traits.shape == SplatShape::sphere;
                 EXPECT_LE(different, rounded ? all.colours.size() / 10 : 0)
-                    << "view " << i << ", mode " << int(mode) << ", radius " << largest_radius;
-                pass.release();
+                    << "view " << i << ", " << traits.name << ", radius " << largest_radius;
             }
         }
     }
+    pass.release();
     EXPECT_GT(left_out, 500'000u);
     EXPECT_GT(quads_too, 20u);
     EXPECT_GT(seen, 500'000u);

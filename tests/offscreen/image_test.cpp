@@ -1,9 +1,11 @@
 #include "pcm/offscreen/image.h"
 
+#include "tests/faults.h"
 #include "tests/support.h"
 
 #include "pcm/system/error.h"
 
+#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -74,7 +76,31 @@ TEST(Png, SaysWhatCannotBeWritten)
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);  // the folder alone
 }
 
-TEST(Png, DamageIsSaidAndHarmless)
+// Every call that changes files fails once: opening, writing, syncing, renaming.
+TEST(Png, AFailedWriteLeavesTheOldPicture)
+{
+    const test::TemporaryFolder folder;
+    const std::string program = (fs::read_symlink("/proc/self/exe").parent_path() / "write_picture").string();
+    const std::vector<std::string> command{program, (folder / "a.png").string()};
+    const long calls = test::count_calls(command, folder.path());
+    EXPECT_GE(calls, 4);
+    write_png(folder / "a.png", noise(2, 2, 1));
+    const std::string old = bytes_of(folder / "a.png");
+    for (const std::string kind : {"eio", "full"})
+        for (long at = 1; at <= calls; ++at) {
+            const test::Faulty result = test::run_with_fault(command, folder.path(), kind, at);
+            if (kind == "full" && result.code == 0) {  // the call needed no space
+                write_png(folder / "a.png", noise(2, 2, 1));
+                continue;
+            }
+            EXPECT_EQ(result.code, 1) << kind << " at call " << at;
+            EXPECT_NE(result.err.find("a.png"), std::string::npos) << result.err;
+            EXPECT_EQ(bytes_of(folder / "a.png"), old) << kind << " at call " << at;
+            EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
+        }
+}
+
+TEST(Png, DamageIsReportedAndHarmless)
 {
     const test::TemporaryFolder folder;
     write_png(folder / "whole.png", noise(20, 20, 5));

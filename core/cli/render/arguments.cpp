@@ -17,20 +17,20 @@ namespace fs = std::filesystem;
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
 
-// The enumerators of a mode are numbered from 0 to `last`.
-template <class Mode>
-std::vector<std::string> names_of(Mode last)
+// The names of a table of modes: splat_modes() or colour_modes().
+template <class Table>
+std::vector<std::string> names_of(const Table& modes)
 {
     std::vector<std::string> names;
-    for (unsigned m = 0; m <= static_cast<unsigned>(last); ++m) names.emplace_back(name_of(static_cast<Mode>(m)));
+    for (const auto& row : modes) names.emplace_back(row.name);
     return names;
 }
 
-template <class Mode>
-Mode mode_of(const std::string& name, Mode last)
+// `name` is one of them.
+template <class Table>
+auto mode_of(const std::string& name, const Table& modes)
 {
-    const std::vector<std::string> names = names_of(last);
-    return static_cast<Mode>(std::find(names.begin(), names.end(), name) - names.begin());
+    return std::find_if(modes.begin(), modes.end(), [&](const auto& row) { return name == row.name; })->mode;
 }
 
 std::string listed(const std::vector<std::string>& names)
@@ -126,13 +126,13 @@ void add_look(Options& options, RenderArguments& a)
 {
     const char* const group = "How it looks";
     options.option("--size", a.size, "WIDTHxHEIGHT in pixels").show_default().group(group);
-    options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(SplatMode::perspective)))
+    options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(splat_modes())))
         .show_default()
-        .one_of(names_of(SplatMode::perspective))
+        .one_of(names_of(splat_modes()))
         .group(group);
-    options.option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(ColourMode::uniform)))
+    options.option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(colour_modes())))
         .show_default()
-        .one_of(names_of(ColourMode::uniform))
+        .one_of(names_of(colour_modes()))
         .group(group);
     options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")
         .group(group);
@@ -224,8 +224,8 @@ Background background_of(const RenderArguments& arguments)
 CloudStyle style_of(const RenderArguments& arguments)
 {
     CloudStyle style = arguments.style;
-    style.splats = mode_of(arguments.splats, SplatMode::perspective);
-    style.colour = mode_of(arguments.colour, ColourMode::uniform);
+    style.splats = mode_of(arguments.splats, splat_modes());
+    style.colour = mode_of(arguments.colour, colour_modes());
     if (!arguments.uniform_colour.empty()) {
         style.colour = ColourMode::uniform;
         style.uniform_colour = colour_of(arguments.uniform_colour, "--uniform-colour");

@@ -1,0 +1,36 @@
+#include "pcm/gl/splat_modes.h"
+
+#include <cstddef>
+
+namespace pcm {
+
+const std::vector<SplatTraits>& splat_modes()
+{
+    using Mode = SplatMode;
+    static const std::vector<SplatTraits> table{
+        {Mode::constant, "constant", "Squares of one size", "a square of a fixed size in pixels", false, false,
+         SplatShape::pixels, "", false, Mode::constant, Mode::constant},
+        {Mode::dynamic, "dynamic", "Squares as large as the radius", "a square as large as the point's radius appears",
+         true, false, SplatShape::sphere, "DYNAMIC", false, Mode::constant, Mode::dynamic},
+        // In an orthographic view the projection is exact, and the perspective mode's program draws the same.
+        {Mode::affine, "affine", "Discs, affine",
+         "its disc (radius and normal), projected as if the view were parallel around its centre", true, true,
+         SplatShape::disc, "AFFINE", false, Mode::dynamic, Mode::perspective},
+        {Mode::perspective, "perspective", "Discs, perspective accurate", "the disc exactly, with its depth", true,
+         true, SplatShape::disc, "DISC", true, Mode::dynamic, Mode::perspective},
+    };
+    return table;
+}
+
+const SplatTraits& traits_of(SplatMode mode) { return splat_modes()[static_cast<std::size_t>(mode)]; }
+
+SplatMode drawable_mode(SplatMode mode, bool has_radius, bool has_normal)
+{
+    for (;;) {
+        const SplatTraits& traits = traits_of(mode);
+        if ((has_radius || !traits.reads_radius) && (has_normal || !traits.reads_normal)) return mode;
+        mode = traits.when_absent;
+    }
+}
+
+}  // namespace pcm
