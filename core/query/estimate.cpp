@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk_codec.h"
 #include "pcm/query/chunk_stream.h"
+#include "pcm/query/read_rates.h"
 #include "pcm/tree/selected_nodes.h"
 #include "pcm/tree/tree_index.h"
 

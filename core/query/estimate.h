@@ -3,12 +3,13 @@
 
 #include "pcm/cache/l2_cache.h"
 #include "pcm/query/query.h"
-#include "pcm/query/read_rates.h"
 
 #include <cstdint>
 #include <optional>
 
 namespace pcm {
+
+class ReadRates;
 
 enum class EstimatePrecision {
     index,    // from the index alone, in memory

@@ -7,9 +7,8 @@
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
-#include "pcm/system/progress.h"
 #include "pcm/cloud/region.h"
-#include "pcm/query/point_blocks.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <limits>
@@ -17,6 +16,8 @@
 #include <vector>
 
 namespace pcm {
+
+class BlockCache;
 
 struct Neighbour {
     NodeId node = no_node;

@@ -1,8 +1,8 @@
 // What is asked of a point cloud tree.
 #pragma once
 
-#include "pcm/system/progress.h"
 #include "pcm/cloud/selection.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <optional>
