@@ -267,6 +267,19 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
     EXPECT_EQ(view.value(0, 0), 77);
 }
 
+TEST_F(EditCursorTest, ACursorKeepsADroppedCloudOpenAndItsEndClosesIt)
+{
+    Query query;
+    query.attributes = {"intensity"};
+    {
+        auto cursor = open(Access::write)->edit(query);  // nobody else holds the cloud
+        EXPECT_THROW(open(Access::write), Error);        // still locked
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
+    }
+    for (const auto& [key, value] : values(*open(Access::write), "intensity")) ASSERT_EQ(value, 5);
+}
+
 TEST_F(EditCursorTest, ATransformedCloud)
 {
     auto cloud = open(Access::write);
