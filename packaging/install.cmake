@@ -1,5 +1,5 @@
-# What `cmake --install` puts where, for programs that build on the library: the libraries, their public headers, and the
-# package that find_package(pcm) reads. The command and the plugins say so themselves, beside their targets.
+# What `cmake --install` puts where for programs that build on the library: the libraries, their public headers, and the
+# package that find_package(pcm) reads. The command and the plugins are installed from beside their targets.
 #
 # Components of the install: library (this file), command, meshlab.
 include(CMakePackageConfigHelpers)
@@ -7,21 +7,26 @@ include(GNUInstallDirs)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 
-# The public headers and all that they include; tests/install compiles each of them by itself out of the install.
+# The headers that a program may include, and below them those that these include in turn: they are installed too, but
+# not for a program to name. tests/install holds the lists against the includes and compiles each header by itself.
 set(public_headers
-  edit_cursor.h point_cloud.h
-  io/reader.h io/pipe/grid_choice.h cloud/selection.h io/text/text_layout.h io/pipe/transformed_reader.h io/writer.h
-  bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
-  tree/chunk_size.h tree/tree.h tree/tree_reader.h tree/selected_nodes.h build/builder.h tree/verify.h tree/verify_levels.h
-  update/append.h update/compact.h update/erase.h update/repair.h update/target.h
-  query/estimate.h query/nearest.h query/point_blocks.h query/query.h threads/task_pool.h query/read_rates.h
-  convert/convert.h
-  cache/chunk_store.h cache/l2_cache.h cache/load_times.h)
-file(GLOB wholly_public RELATIVE ${PROJECT_SOURCE_DIR}/core CONFIGURE_DEPENDS
-     ${PROJECT_SOURCE_DIR}/core/cloud/*.h ${PROJECT_SOURCE_DIR}/core/system/*.h ${PROJECT_SOURCE_DIR}/core/view/*.h)
-set(gl_headers gl/renderer.h gl/splat_style.h gl/splat_modes.h gl/colour_modes.h gl/vertex_format.h gl/vertex_groups.h gl/gpu_cursor.h gl/l1_cache.h gl/l1_table.h)
+  point_cloud.h make_cloud.h
+  query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h cache/l2_cache.h
+  build/builder.h convert/convert.h update/append.h update/compact.h update/erase.h update/repair.h update/target.h
+  tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
+  io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/transformed_reader.h
+  cloud/affine.h cloud/attribute.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h cloud/selection.h
+  system/error.h system/progress.h
+  view/camera.h view/camera_path.h view/clearance.h view/first_person.h view/frustum.h view/level_of_detail.h view/motion.h)
+set(reachable_headers
+  bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
+  cache/load_times.h cloud/matrix.h io/text/text_layout.h system/file.h system/page_allocator.h tree/chunk_size.h
+  tree/selected_nodes.h)
+set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/l1_cache.h)
+set(reachable_gl_headers gl/colour_modes.h gl/l1_table.h gl/splat_modes.h gl/vertex_format.h gl/vertex_groups.h view/point_colours.h)
+set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
 
-function(install_public_headers)
+function(install_headers)
   foreach(header ${ARGN})
     get_filename_component(folder ${header} DIRECTORY)
     install(FILES ${PROJECT_SOURCE_DIR}/core/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pcm/${folder}
@@ -31,7 +36,7 @@ endfunction()
 
 # A component a target, so that an install without OpenGL is whole, and find_package can say what is missing.
 function(install_component component target)
-  install_public_headers(${ARGN})
+  install_headers(${ARGN})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${component})
   install(TARGETS ${target} EXPORT pcm_${component}
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library
@@ -40,12 +45,12 @@ function(install_component component target)
           COMPONENT library)
 endfunction()
 
-install_component(core pcm_core ${public_headers} ${wholly_public})
+install_component(core pcm_core ${public_headers} ${reachable_headers})
 if(TARGET pcm_gl)
-  install_component(gl pcm_gl ${gl_headers})
+  install_component(gl pcm_gl ${public_gl_headers} ${reachable_gl_headers})
 endif()
 if(TARGET pcm_offscreen)
-  install_component(offscreen pcm_offscreen offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
+  install_component(offscreen pcm_offscreen ${public_offscreen_headers})
 endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cmake/pcmConfig.cmake.in

@@ -10,7 +10,7 @@ namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-// Adds those of points [begin, end) whose grid position is in a box.
+// Appends the numbers of the points [begin, end) whose grid position is in a box.
 void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t begin, std::uint32_t end,
                std::vector<std::uint32_t>& points)
 {
@@ -19,7 +19,7 @@ void points_in(const ChunkPositions& positions, const Box3i& box, std::uint32_t 
     std::uint32_t* const kept = points.data() + before;
     std::size_t n = 0;
     const auto keep = [&](const auto& xyz) {
-        // Less the origin, as the chunk has them: the box begins at `low` and is `width` + 1 wide.
+        // Relative to the chunk's origin, as its positions are, the box begins at `low` and is `width` + 1 wide.
         using Number = std::remove_const_t<std::remove_reference_t<decltype(xyz[0][0])>>;
         std::array<Number, 3> low, width;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -93,21 +93,16 @@ const SelectedChunk* ChunkStream::next()
     double worked = 0;
     while (next_ < nodes_.size() || !ahead_.empty()) {
         for (; next_ < nodes_.size() && ahead_.size() < in_flight_; ++next_) {
-            ahead_.push_back(std::make_unique<Job>());
-            Job* job = ahead_.back().get();
+            auto job = std::make_unique<Job>();
             job->node = nodes_[next_];
-            job->task = std::make_shared<Task>([this, job] { read(*job); });
-            // The caller does the first itself.
-            if (ahead_.size() > 1) pool_.submit(job->task, static_cast<unsigned>(in_flight_ - 1));
+            job->task = std::make_shared<Task>([this, job = job.get()] { read(*job); });
+            ahead_.push_back(std::move(job));
+            // The caller runs the first one itself.
+            if (ahead_.size() > 1) pool_.submit(ahead_.back()->task, static_cast<unsigned>(in_flight_ - 1));
         }
         current_ = std::move(ahead_.front());
         ahead_.pop_front();
         current_->task->finish();
-        if (current_->error) {
-            const std::exception_ptr error = current_->error;
-            current_.reset();
-            std::rethrow_exception(error);
-        }
         worked += current_->seconds;
         points_read_ += current_->result.points;
         bytes_read_ += current_->bytes;
@@ -130,7 +125,7 @@ double ChunkStream::fraction() const
 
 // On any thread.
 void ChunkStream::read(Job& job) const
-try {
+{
     const Tree& tree = cache_.tree();
     const SelectedNode& node = job.node;
     SelectedChunk& result = job.result;
@@ -174,8 +169,6 @@ try {
         job.seconds = now() - start;
         rates_.add_read(result.chunk.points * decoded_bytes(tree, columns_), job.seconds);
     }
-} catch (...) {
-    job.error = std::current_exception();
 }
 
 void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) const
@@ -197,7 +190,7 @@ void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) co
         const auto begin = relations.empty() ? 0 : result.begins[k];
         const auto end = k + 1 == parts ? static_cast<std::uint32_t>(result.points) : result.begins[k + 1];
         some.clear();
-        // Whole numbers are quick to compare, and few points are left.
+        // Comparing integers is fast, and leaves few points for the tests in double.
         BoxRelation relation = of_part(k);
         points_in(positions, relation == BoxRelation::inside ? cache_.tree().info().box : box_, begin, end, some);
         if (selector_.is_box()) relation = BoxRelation::inside;

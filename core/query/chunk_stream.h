@@ -11,35 +11,35 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace pcm {
 
-// A chunk, or those of its segments that selected points can be in, and which of its points are selected.
+// A chunk, or the segments of it that selected points can be in, and which of its points are selected.
 struct SelectedChunk {
     NodeId node = no_node;
     Chunk chunk;
-    std::size_t points = 0;               // of `chunk`, from its first on, that are of the level asked for
-    bool all = true;                      // all of them are selected; else `selected`
+    std::size_t points = 0;               // the first ones of `chunk`: those of the level asked for
+    bool all = true;                      // all of them are selected; else `selected` lists the selected ones
     std::vector<std::uint32_t> selected;  // ascending
-    // Where the parts of `chunk` stand in the node's whole chunk: part k begins at `begins[k]` in `chunk` and at
-    // `first[k]` there.
+    // Where the segments of `chunk` stand in the node's whole chunk: segment k begins at point `begins[k]` of `chunk`
+    // and at point `first[k]` of the whole chunk. Empty when `chunk` is whole.
     std::vector<std::uint32_t> begins, first;
 
     std::size_t size() const { return all ? points : selected.size(); }
     std::size_t index(std::size_t i) const { return all ? i : selected[i]; }
     std::uint32_t number(std::size_t index) const;  // in the node's whole chunk
 
-    L2Cache::Handle pin;  // keeps what came from the cache in it
+    L2Cache::Handle pin;  // of a chunk that came from the cache: keeps it there
 };
 
-// A chunk that the cache holds is used from there. Of others, those that the selection or the level cuts are read past
-// the cache, and of them alone the segments that selected points can be in; whole ones go through the cache. Memory: at
-// most `in_flight` chunks beside the one that next() gave. One thread calls; the tree, the cache, the pool and the
-// rates outlive the stream.
+// A chunk that the cache holds is used from there. Of the others, a chunk that the selection or the level cuts is read
+// past the cache, and only those of its segments that selected points can be in; a whole chunk goes through the cache.
+// Memory: at most `in_flight` chunks, the one that next() returned among them. The caller's thread reads too, so
+// in_flight - 1 threads of the pool are asked for. One thread calls; the cache, the pool and the rates outlive the
+// stream. The destructor waits for the reads that run, and drops the others.
 class ChunkStream {
 public:
     ChunkStream(L2Cache& cache, TaskPool& pool, ReadRates& rates, Selector selector,
@@ -48,15 +48,16 @@ public:
     ChunkStream(const ChunkStream&) = delete;
     ChunkStream& operator=(const ChunkStream&) = delete;
 
-    // The next chunk with selected points; null at the end. It lives until the next call. Throws what reading threw.
+    // The next chunk with selected points; null at the end. It lives until the next call. Throws what reading the chunk
+    // threw; the call after that resumes behind this chunk.
     const SelectedChunk* next();
 
     const std::vector<SelectedNode>& nodes() const { return nodes_; }
-    double fraction() const;  // of the nodes that were looked at
+    double fraction() const;  // of the nodes, those that were returned or passed over
 
-    // So far, of chunks that were given or passed over.
+    // So far, of chunks that were returned or passed over.
     std::uint64_t points_read() const { return points_read_; }  // decoded, selected or not
-    std::uint64_t bytes_read() const { return bytes_read_; }    // from disk, as far as not through the cache
+    std::uint64_t bytes_read() const { return bytes_read_; }    // from disk, past the cache
     std::uint64_t chunks() const { return chunks_; }
     std::uint64_t cached() const { return cached_; }  // chunks that came out of the cache
 
@@ -64,7 +65,6 @@ private:
     struct Job {
         SelectedNode node;
         SelectedChunk result;
-        std::exception_ptr error;
         std::uint64_t bytes = 0;
         double seconds = 0;
         bool cached = false;
@@ -79,16 +79,16 @@ private:
     Selector selector_;
     std::optional<std::uint16_t> level_;
     ColumnSet columns_;
-    Box3i box_;  // no point outside of it is selected
+    Box3i box_;  // grid positions; no point outside of it is selected
     std::size_t in_flight_;
     std::vector<SelectedNode> nodes_;
-    std::size_t next_ = 0;                    // of nodes_, to be asked for
-    std::deque<std::unique_ptr<Job>> ahead_;  // asked for, not given
+    std::size_t next_ = 0;                    // of nodes_: the first without a job
+    std::deque<std::unique_ptr<Job>> ahead_;  // submitted, not returned
     std::unique_ptr<Job> current_;
     std::uint64_t chunks_ = 0, points_read_ = 0, bytes_read_ = 0, cached_ = 0;
 };
 
-// Bytes that the columns of a set take in memory, a point.
+// Bytes per point that the columns of a set take in memory.
 std::uint64_t decoded_bytes(const Tree& tree, const ColumnSet& columns);
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk_codec.h"
 #include "pcm/query/chunk_stream.h"
+#include "pcm/query/read_rates.h"
 #include "pcm/tree/selected_nodes.h"
 #include "pcm/tree/tree_index.h"
 
@@ -12,8 +13,8 @@
 namespace pcm {
 namespace {
 
-// What part of a box's volume is selected, from points spread evenly over the part of it inside of the selection's
-// bounds.
+// The fraction of a box's volume that is selected, from test points on a lattice over the box's intersection with the
+// selection's bounds.
 double selected_part(const Selector& selector, const Box3d& box, std::size_t steps)
 {
     Box3d clip = box;
@@ -40,12 +41,12 @@ double selected_part(const Selector& selector, const Box3d& box, std::size_t ste
                         clip.min[a] + clip.extent(a) * ((static_cast<double>(at[a]) + 0.5) / static_cast<double>(n[a]));
                 hits += selector.holds_at(p);
             }
-    // A region that slips between all of them is not nothing.
+    // A region between the test points is small, but not empty.
     const double of_samples = std::max(static_cast<double>(hits), 0.5) / static_cast<double>(n[0] * n[1] * n[2]);
     return part * of_samples;
 }
 
-// Headers of a tree's chunks; the file of the last one stays open.
+// Headers of a tree's chunks; the file that was read last stays open.
 class Headers {
 public:
     explicit Headers(const Tree& tree) : tree_(tree) {}
@@ -81,7 +82,7 @@ Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& quer
         std::clamp(std::cbrt(1e5 / static_cast<double>(std::max<std::size_t>(cut, 1))), 3.0, 8.0));
     Headers headers(tree);
 
-    // Adds points that lie in a box together.
+    // Adds the points of one box.
     const auto add = [&](BoxRelation relation, const Box3d& box, std::uint32_t points) {
         if (relation == BoxRelation::outside) return;
         estimate.points_most += points;

@@ -1,5 +1,6 @@
 #include "pcm/query/nearest.h"
 
+#include "pcm/query/point_blocks.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/crew.h"

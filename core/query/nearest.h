@@ -1,15 +1,14 @@
 // The points nearest to a point, and the first one that a ray or a cone meets: exactly, or at a precision.
 //
-// Distances are between doubles: with p the source coordinates of a point and q those asked for, the squared distance
-// is (dx * dx + dy * dy) + dz * dz with dx = p.x - q.x and so on, in double. Order is by (squared distance, node,
-// index): results depend on nothing but the tree. Nothing is approximate but what the level leaves out, and that is
-// reported.
+// Distances are computed in double: with p the source coordinates of a point and q the query point, the squared
+// distance is (dx * dx + dy * dy) + dz * dz with dx = p.x - q.x and so on. Order is by (squared distance, node, index),
+// so results depend on the tree alone. The only approximation is what the level leaves out, and the results report its
+// size.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
-#include "pcm/system/progress.h"
 #include "pcm/cloud/region.h"
-#include "pcm/query/point_blocks.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <limits>
@@ -17,6 +16,8 @@
 #include <vector>
 
 namespace pcm {
+
+class BlockCache;
 
 struct Neighbour {
     NodeId node = no_node;
@@ -28,24 +29,24 @@ struct Neighbour {
 
 struct NearestOptions {
     std::optional<std::uint16_t> level;  // only points of the cloud at this level; the whole cloud when absent
-    double max_distance = std::numeric_limits<double>::infinity();  // none whose squared distance is above its square
-    unsigned threads = 0;                                           // of many searches; 0: one a processor
+    double max_distance = std::numeric_limits<double>::infinity();  // source units; compared by squares, inclusive
+    unsigned threads = 0;                                           // of many searches; 0: one per processor
     ProgressFunction progress;                                      // of many searches
 };
 
-// At a level every point of the cloud has one nearer than the level's spacing s. So when the nearest point of the level
-// lies at distance d, no point of the cloud is nearer than d - s; and each further distance is at least that of the
-// whole cloud.
+// Every point of the cloud has a point of the level nearer than the level's spacing s. So when the nearest point of the
+// level lies at distance d, no point of the cloud is nearer than d - s; and the distance of the i-th nearest point of
+// the level is at least that of the i-th nearest of the whole cloud.
 struct NearestResult {
     std::vector<Neighbour>
         points;                 // nearest first; fewer than asked for when the cloud has no more (within max_distance)
     double least_distance = 0;  // no point of the whole cloud is nearer
-    Outcome outcome;  // points_in: compared; error: how much nearer a point of the whole cloud may be, source units
+    Outcome outcome;  // points_in: compared; error: by how much a point of the whole cloud may be nearer, source units
 };
 
 struct NearestBatch {
-    std::vector<Neighbour> points;       // of all searches, one after the other
-    std::vector<std::size_t> first;      // of each search, and the end
+    std::vector<Neighbour> points;       // of all searches, one search after another
+    std::vector<std::size_t> first;      // of each search in `points`, and the end
     std::vector<double> least_distance;  // of each search
     Outcome outcome;                     // error: the largest of any search
 };
@@ -62,16 +63,16 @@ struct HitResult {
     Outcome outcome;         // error: every point of the whole cloud has one of the level nearer than this
 };
 
-// What a level leaves out: every point of the cloud has one of the level nearer than this. 0 where the level is the
+// What a level leaves out: every point of the cloud has a point of the level nearer than this. 0 where the level is the
 // whole cloud, infinite where nothing is promised (points were deleted since the levels were made).
 double level_spacing(const Tree& tree, std::uint16_t level);
 
-// Memory: beside the cache's, up to 16 chunks that a search, or each thread of many searches, holds. Throw
+// Memory: beside the cache's, up to 16 chunks held by a search, or by each thread of many searches. Throw
 // Error(invalid_argument) for a point that is not finite, a negative max_distance, or a region that is neither ray nor
 // cone; and what reading throws.
 NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k,
                            const NearestOptions& options);
-// The same for many points; neighbouring ones share chunks, whatever their order. Memory: of the results.
+// The same for many points; neighbouring ones share chunks, whatever their order. Memory: also the results.
 NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<Vec3d>& points, std::size_t k,
                           const NearestOptions& options);
 // The point in a ray or cone that is nearest along its axis.

@@ -15,12 +15,12 @@
 
 namespace pcm {
 
-// Points of a chunk lie in Morton order, level by level: a run of them is near together. Blocks are runs of one level,
+// Points of a chunk lie in Morton order, level by level, so a run of them is compact. Blocks are runs of one level,
 // groups are runs of blocks. Boxes are in source coordinates, and tight.
 struct PointBlocks {
     static constexpr std::size_t block_points = 64, group_blocks = 32;
 
-    struct Boxes {  // a column a bound
+    struct Boxes {  // one column per bound
         std::array<std::vector<double>, 3> min, max;
         std::size_t size() const { return min[0].size(); }
         Box3d box(std::size_t i) const
@@ -37,7 +37,7 @@ struct PointBlocks {
     std::size_t bytes() const;
 };
 
-// Blocks of the chunks used last, at most `capacity` bytes of them. Any number of threads.
+// Blocks of the most recently used chunks, at most `capacity` bytes of them. Any number of threads.
 class BlockCache {
 public:
     explicit BlockCache(std::size_t capacity = std::size_t(64) << 20) : capacity_(capacity) {}
@@ -47,7 +47,7 @@ private:
     using Entry = std::pair<NodeId, std::shared_ptr<const PointBlocks>>;
     const std::size_t capacity_;
     std::mutex mutex_;
-    std::list<Entry> used_;  // last used first
+    std::list<Entry> used_;  // most recently used first
     std::unordered_map<NodeId, std::list<Entry>::iterator> places_;
     std::size_t bytes_ = 0;
 };

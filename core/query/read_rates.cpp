@@ -5,7 +5,7 @@
 namespace pcm {
 namespace {
 
-constexpr double kept = 0.995;  // of what is known, with each further read: the last 200 decide
+constexpr double kept = 0.995;  // weight of the earlier reads after each further one: about the last 200 decide
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::optional<double> ReadRates::seconds(std::uint64_t reads, double decoded_byt
     double rate = 0;
     if (spread > 1e-6 * bytes_squared_) rate = (bytes_seconds_ - bytes_ * seconds_ / reads_) / spread;
     double latency = (seconds_ - rate * bytes_) / reads_;
-    // Reads of one size, or times that hide the line: all of the time goes with the bytes.
+    // Reads of one size, or times too noisy for a line: all of the time is put down to the bytes.
     if (!(rate > 0) || !(latency >= 0)) {
         latency = bytes_ > 0 ? 0 : seconds_ / reads_;
         rate = bytes_ > 0 ? seconds_ / bytes_ : 0;

@@ -1,4 +1,4 @@
-// How long reading took so far, for estimates of how long it will take.
+// How long reads took so far, for estimates of how long further ones will take.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@
 
 namespace pcm {
 
-// Reads take seconds = latency + decoded bytes * rate; both come from a line through the reads seen, of which old ones
-// count less and less. How many reads ran beside each other shows in the time that callers waited. Any number of
-// threads.
+// A read takes seconds = latency + decoded bytes * rate. Both come from a line fitted to the earlier reads by least
+// squares, older ones with exponentially smaller weight. How far reads run in parallel shows in the time that callers
+// waited. Any number of threads.
 class ReadRates {
 public:
     void add_read(std::uint64_t decoded_bytes, double seconds);
-    // Of a caller that went through `reads` of these: the time that passed in all.
+    // A caller waited `waited_seconds` for reads that took `read_seconds` in sum.
     void add_wait(double read_seconds, double waited_seconds);
 
-    // Nothing before the first read.
+    // The time that a caller will wait for so many reads of so many bytes in sum. Nothing before the first read.
     std::optional<double> seconds(std::uint64_t reads, double decoded_bytes) const;
 
 private:

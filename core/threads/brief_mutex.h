@@ -1,5 +1,6 @@
-// A mutex for what takes some ten nanoseconds. Who finds it taken tries again, lets others run, and only then sleeps:
-// with more threads than processors a mutex of the system spends its time on putting threads to sleep and waking them.
+// A mutex for critical sections of some ten nanoseconds. A thread that finds it taken spins, then yields, and only then
+// sleeps: with more threads than processors a mutex of the system spends its time on putting threads to sleep and
+// waking them.
 #pragma once
 
 #include <atomic>
@@ -13,8 +14,8 @@ public:
     bool try_lock() { return !taken_.exchange(true, std::memory_order_acquire); }
     void lock()
     {
-        // Longer and longer pauses: so one processor has the lock many times in a row, and its cache line does not go
-        // to and fro.
+        // The pauses get longer: so one processor takes the lock many times in a row, and its cache line does not move
+        // back and forth.
         for (unsigned tries = 0; !try_lock(); ++tries) {
             if (tries < 6)
                 for (unsigned i = 0; i < (32u << tries); ++i) pause();

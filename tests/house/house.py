@@ -66,7 +66,7 @@ def room_of(name, arrows):
     path = name.removeprefix("core/")
     folder = path.rpartition("/")[0]
     if not folder:
-        return "point_cloud"  # the sources at the root of core/: the facade
+        return path.partition(".")[0]  # a source at the root of core/ is a room of its own
     while folder and folder not in arrows:
         folder = folder.rpartition("/")[0]
     return folder or path.split("/")[0]

@@ -1,12 +1,12 @@
 // Queries of trees against a look at every point: regions, levels, conditions, estimates, neighbours, first hits.
 
+#include "pcm/build/builder.h"
+#include "pcm/generate/scene.h"
+#include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
-#include "pcm/generate/scene.h"
 #include "tests/memory_reader.h"
-#include "pcm/point_cloud.h"
 #include "tests/support.h"
-#include "pcm/build/builder.h"
 
 #include <algorithm>
 #include <atomic>

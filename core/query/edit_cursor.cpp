@@ -1,8 +1,9 @@
-#include "pcm/edit_cursor.h"
+#include "pcm/query/edit_cursor.h"
 
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
-#include "pcm/point_cloud.h"
+#include "pcm/query/point_cursor.h"
+#include "pcm/query/query_source.h"
+#include "pcm/system/error.h"
 
 #include <cmath>
 #include <limits>
@@ -13,12 +14,12 @@ namespace pcm {
 namespace {
 
 template <class T>
-bool can_have(double value)
+bool can_hold(double value)
 {
     if constexpr (std::is_floating_point_v<T>) {
         return !std::isfinite(value) || std::fabs(value) <= static_cast<double>(std::numeric_limits<T>::max());
     } else {
-        // The largest of 64 bits is no double; the power of two after it is.
+        // The largest integer of 64 bits is no double; the power of two after it is.
         const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
         return value == std::floor(value) && value < end && value >= (std::is_signed_v<T> ? -end : 0.0);
     }
@@ -36,7 +37,7 @@ double EditView::value(std::size_t i, std::size_t attribute, std::uint32_t compo
 Column& EditView::column(std::size_t attribute)
 {
     Column*& column = columns_[attribute];
-    return *(column = &edit_->column((*slots_)[attribute]));  // marking begins a new copy
+    return *(column = &edit_->column((*slots_)[attribute]));  // after a mark this is a new copy
 }
 
 void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint32_t component)
@@ -47,7 +48,7 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
                     "there is no component " + std::to_string(component) + " of " + std::to_string(to.components()));
     with_type(to.type(), [&](auto scalar) {
         using T = decltype(scalar);
-        if (!can_have<T>(value))
+        if (!can_hold<T>(value))
             throw Error(
                 ErrorCode::invalid_argument, {},
                 "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));
@@ -56,7 +57,7 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
 }
 
 struct EditCursor::State {
-    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<QuerySource> source;
     PointCursor points;
     std::vector<std::size_t> slots;
     ColumnSet columns;
@@ -70,27 +71,22 @@ struct EditCursor::State {
         edit->discard();
         edit.reset();
         if (unmarked)
-            throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(),
+            throw Error(ErrorCode::invalid_argument, source->folder,
                         "points were changed and not marked as written; the change is dropped",
-                        "call mark_written() before going on");
+                        "call mark_written() before moving on");
     }
 };
 
-EditCursor::EditCursor(std::shared_ptr<PointCloud> cloud, const Query& query)
+EditCursor::EditCursor(std::shared_ptr<QuerySource> source, const Query& query)
 {
-    // What is selected is found in what there is; the values are taken when a chunk's turn has come.
+    // The inner cursor finds the selected points; the values are taken when a chunk comes up.
     Query which = query;
     which.attributes.clear();
-    State state{cloud, cloud->points(which), {}, {}, {}, {}};
-    for (const std::string& name : query.attributes) {
-        const auto slot = cloud->info().schema.find(name);
-        if (!slot)
-            throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(),
-                        "this cloud has no attribute '" + name + "'");
-        state.slots.push_back(*slot);
-        state.columns.attributes.set(*slot);
-    }
-    state_ = std::make_unique<State>(std::move(state));
+    std::vector<std::size_t> slots = slots_of(*source, query);
+    ColumnSet columns;
+    for (const std::size_t slot : slots) columns.attributes.set(slot);
+    PointCursor points(source, which);
+    state_.reset(new State{std::move(source), std::move(points), std::move(slots), columns, {}, {}});
 }
 
 EditCursor::EditCursor(EditCursor&&) noexcept = default;
@@ -106,9 +102,9 @@ bool EditCursor::getNextData(EditView& view)
     if (!s.points.getNextData(points)) return false;
     s.numbers.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) s.numbers[i] = points.number(i);
-    s.edit.emplace(s.cloud->cache().edit(points.node(), s.columns));
+    s.edit.emplace(s.source->cache.edit(points.node(), s.columns));
     view.node_ = points.node();
-    view.grid_ = &s.cloud->info().grid;
+    view.grid_ = &s.source->info().grid;
     view.edit_ = &*s.edit;
     view.numbers_ = &s.numbers;
     view.slots_ = &s.slots;

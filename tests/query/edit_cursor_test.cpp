@@ -1,14 +1,14 @@
 // Changing points of a cloud through PointCloud.
 
-#include "pcm/point_cloud.h"
+#include "pcm/make_cloud.h"
 
 #include "pcm/system/error.h"
-#include "tests/clouds.h"
-#include "tests/support.h"
+#include "pcm/tree/verify.h"
 #include "pcm/update/append.h"
 #include "pcm/update/compact.h"
 #include "pcm/update/repair.h"
-#include "pcm/tree/verify.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
 
 #include <map>
 #include <random>
@@ -267,6 +267,19 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
     EXPECT_EQ(view.value(0, 0), 77);
 }
 
+TEST_F(EditCursorTest, ACursorKeepsADroppedCloudOpenAndItsEndClosesIt)
+{
+    Query query;
+    query.attributes = {"intensity"};
+    {
+        auto cursor = open(Access::write)->edit(query);  // nobody else holds the cloud
+        EXPECT_THROW(open(Access::write), Error);        // still locked
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
+    }
+    for (const auto& [key, value] : values(*open(Access::write), "intensity")) ASSERT_EQ(value, 5);
+}
+
 TEST_F(EditCursorTest, ATransformedCloud)
 {
     auto cloud = open(Access::write);
@@ -275,13 +288,13 @@ TEST_F(EditCursorTest, ATransformedCloud)
     auto cursor = cloud->edit(query);
     for (EditView view; cursor.getNextData(view); view.mark_written())
         for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
-    const auto moved = cloud->transform(Affine::translation({1000, -2000, 0.5}), folder_ / "moved.pct");
+    const auto moved = transform_cloud(*cloud, Affine::translation({1000, -2000, 0.5}), folder_ / "moved.pct");
     // The same integers on another grid, with what was changed.
     EXPECT_EQ(moved->info().content_hash, open(Access::read)->info().content_hash);
     EXPECT_EQ(moved->info().grid.offset[1], cloud->info().grid.offset[1] - 2000);
     EXPECT_EQ(values(*moved, "intensity").begin()->second, 5);
     const Vec3d centre = cloud->info().bounds().centre();
-    const auto turned = cloud->transform(Affine::rotation({0, 0, 1}, 0.5, centre), folder_ / "turned.pct");
+    const auto turned = transform_cloud(*cloud, Affine::rotation({0, 0, 1}, 0.5, centre), folder_ / "turned.pct");
     EXPECT_EQ(turned->info().points, 30000u);
     EXPECT_LT(turned->info().position_error, 1e-9);
     EXPECT_TRUE(verify_tree(folder_ / "turned.pct", 2).faults.empty());
@@ -302,7 +315,7 @@ TEST_F(EditCursorTest, ATransformedCloud)
 TEST_F(EditCursorTest, CreateSaveAndChangeTheCopy)
 {
     const auto reader = open_cloud_reader();
-    const auto made = PointCloud::create(folder_ / "made.pct", *reader);
+    const auto made = create_cloud(folder_ / "made.pct", *reader);
     EXPECT_EQ(made->info().content_hash, open(Access::read)->info().content_hash);
     auto cloud = open(Access::write);
     Query query;
@@ -310,7 +323,7 @@ TEST_F(EditCursorTest, CreateSaveAndChangeTheCopy)
     auto cursor = cloud->edit(query);
     for (EditView view; cursor.getNextData(view); view.mark_written())
         for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);
-    cloud->save(folder_ / "copy.pct");  // with what was changed
+    save_cloud(*cloud, folder_ / "copy.pct");  // with what was changed
     cloud->close();
     const auto copy = PointCloud::open(folder_ / "copy.pct", {}, Access::write);
     EXPECT_EQ(copy->info().content_hash, open(Access::read)->info().content_hash);

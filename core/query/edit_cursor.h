@@ -1,31 +1,34 @@
-// Changing points of a cloud: see point_cloud.h.
+// Changing the attributes of points chunk by chunk: see point_cloud.h.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
 #include "pcm/query/query.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace pcm {
 
-class PointCloud;
+struct QuerySource;
 
-// The points of one chunk that a query selects, to be changed. Valid until the cursor moves on or dies. What was
-// changed counts once it is marked; a cursor that is to move on from changes that are not throws.
+// The points of one chunk that a query selects, to be changed. Valid until the cursor moves on or is destroyed. Changes
+// count once they are marked as written; a cursor that is to move on from unmarked changes throws.
 class EditView {
 public:
     std::size_t size() const { return numbers_->size(); }
     NodeId node() const { return node_; }
     // Source coordinates, double.
     Vec3d position(std::size_t i) const { return grid_->to_source(edit_->chunk().positions->grid((*numbers_)[i])); }
-    // Attribute number `attribute` of the query's list, raw, with what was set.
+    // The raw value, as the file stores it, of attribute number `attribute` of the query's list, with what was set. The
+    // value in the attribute's own unit is raw * Attribute::scale + Attribute::offset.
     double value(std::size_t i, std::size_t attribute, std::uint32_t component = 0) const;
-    // Throws Error(invalid_argument) for a value that the attribute's type cannot have: a fraction for an integer, one
-    // out of range.
+    // Sets the raw value: of an attribute with a scale or an offset, the caller divides them out first. Throws
+    // Error(invalid_argument) for a value that the attribute's type cannot hold: a fraction for an integer type, or one
+    // out of its range.
     void set(std::size_t i, std::size_t attribute, double value, std::uint32_t component = 0);
-    // All points of the chunk, selected or not, to be changed; selected point i is number index(i) there.
+    // Raw values of all points of the chunk, selected or not, to be changed; selected point i is number index(i) there.
     Column& column(std::size_t attribute);
     std::uint32_t index(std::size_t i) const { return (*numbers_)[i]; }
     const Chunk& chunk() const { return edit_->chunk(); }
@@ -38,22 +41,24 @@ private:
     L2Cache::Edit* edit_ = nullptr;
     const std::vector<std::uint32_t>* numbers_ = nullptr;
     const std::vector<std::size_t>* slots_ = nullptr;
-    std::vector<Column*> columns_;  // that are in change, by the query's attributes
+    std::vector<Column*> columns_;  // changed since the last mark, by the query's attributes; null for the others
 };
 
+// One thread. Keeps the open tree and its cache alive.
 class EditCursor {
 public:
+    // PointCloud::edit() makes cursors. Throws what PointCursor throws.
+    EditCursor(std::shared_ptr<QuerySource> source, const Query& query);
     EditCursor(EditCursor&&) noexcept;
     EditCursor& operator=(EditCursor&&) noexcept;
     ~EditCursor();
+
     // Moves to the next chunk with selected points; false at the end. Throws what reading throws,
     // Error(invalid_argument) when the last view was changed and not marked as written (the change is dropped) and when
-    // the cloud was closed, and Error(cancelled) when the query's progress function says so.
+    // the cloud was closed, and Error(cancelled) when the query's progress function returns false.
     bool getNextData(EditView& view);
 
 private:
-    friend class PointCloud;
-    EditCursor(std::shared_ptr<PointCloud> cloud, const Query& query);
     struct State;
     std::unique_ptr<State> state_;
 };

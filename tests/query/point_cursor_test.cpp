@@ -1,9 +1,9 @@
 #include "pcm/point_cloud.h"
 
+#include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
 #include "tests/support.h"
-#include "pcm/build/builder.h"
 
 #include <algorithm>
 #include <random>
