@@ -1,7 +1,7 @@
 // Affine maps of space.
 #pragma once
 
-#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/vector.h"
 
 #include <array>
 #include <cmath>
@@ -22,8 +22,8 @@ struct Affine {
     // and not be zero (Rodrigues' formula). A scale grows or shrinks about the centre besides.
     static Affine rotation(const Vec3d& axis, double radians, const Vec3d& centre, double scale = 1)
     {
-        const double length = std::hypot(axis[0], axis[1], axis[2]), c = std::cos(radians), s = std::sin(radians);
-        const Vec3d u{axis[0] / length, axis[1] / length, axis[2] / length};
+        const double c = std::cos(radians), s = std::sin(radians);
+        const Vec3d u = normalised(axis);
         Affine affine;
         affine.pivot = affine.target = centre;
         for (std::size_t i = 0; i < 3; ++i)
@@ -47,10 +47,9 @@ struct Affine {
 
     Vec3d operator()(const Vec3d& p) const
     {
-        const Vec3d d{p[0] - pivot[0], p[1] - pivot[1], p[2] - pivot[2]};
+        const Vec3d d = p - pivot;
         Vec3d q;
-        for (std::size_t i = 0; i < 3; ++i)
-            q[i] = (linear[i][0] * d[0] + linear[i][1] * d[1] + linear[i][2] * d[2]) + target[i];
+        for (std::size_t i = 0; i < 3; ++i) q[i] = dot(linear[i], d) + target[i];
         return q;
     }
     double determinant() const

@@ -1,5 +1,6 @@
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // of one rounding
-constexpr double pi = 3.14159265358979323846;
 
 [[noreturn]] void refuse(const std::string& region, const std::string& what)
 {
@@ -32,32 +32,14 @@ void require_length(const std::string& region, const char* name, double length)
         refuse(region, std::string("its ") + name + " is " + exact(length) + "; it is 0 or more, and finite");
 }
 
-// For fixed a, rising or falling in each coordinate of d, rounding included: the ends over a box are at corners.
-double dot(const Vec3d& a, const Vec3d& d) { return (a[0] * d[0] + a[1] * d[1]) + a[2] * d[2]; }
-
-Vec3d cross(const Vec3d& a, const Vec3d& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double norm(const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
-
-double largest(const Vec3d& v) { return std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])}); }
-
-Vec3d scaled(const Vec3d& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
-
-Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-bool is_finite(const Vec3d& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
-
 // Lengths of 1e-200 and 1e200 too.
 Vec3d unit(const std::string& region, const char* name, const Vec3d& v)
 {
     require_finite(region, name, v);
-    const double size = largest(v);
+    const double size = largest_magnitude(v);
     if (!(size > 0)) refuse(region, std::string("its ") + name + " has no length");
-    const Vec3d near_one = {v[0] / size, v[1] / size, v[2] / size};
-    return scaled(near_one, 1 / norm(near_one));
+    const Vec3d near_one = v / size;
+    return (1 / length(near_one)) * near_one;
 }
 
 // The smallest and the largest a . d over a box.
@@ -110,15 +92,15 @@ Region Region::oriented_box(const Vec3d& centre, const std::array<Vec3d, 3>& axe
             if (std::fabs(dot(u[k], u[j])) > 1e-6)
                 refuse(name, "its axes" + words({axes[j]}) + " and" + words({axes[k]}) + " are not perpendicular");
         }
-    u[1] = unit(name, "axis", minus(u[1], scaled(u[0], dot(u[0], u[1]))));
+    u[1] = unit(name, "axis", u[1] - dot(u[0], u[1]) * u[0]);
     const Vec3d third = unit(name, "axis", cross(u[0], u[1]));
-    u[2] = scaled(third, dot(third, u[2]) < 0 ? -1 : 1);
+    u[2] = (dot(third, u[2]) < 0 ? -1.0 : 1.0) * third;
     Region region;
     region.kind_ = Kind::oriented_box;
     region.centre_ = centre;
     for (std::size_t k = 0; k < 3; ++k) {
         region.planes_.push_back({u[k], half[k]});
-        region.planes_.push_back({scaled(u[k], -1), half[k]});
+        region.planes_.push_back({-1.0 * u[k], half[k]});
     }
     region.bound_by_planes();
     region.text_ = "oriented-box" + words({centre, half, u[0], u[1]});
@@ -153,7 +135,7 @@ Region Region::convex(const Vec3d& centre, const std::vector<Plane>& planes)
     region.text_ = "planes" + words({centre});
     for (const Plane& plane : planes) {
         require_finite(name, "normal", plane.normal);
-        const double size = largest(plane.normal);
+        const double size = largest_magnitude(plane.normal);
         if (!(size > 0)) refuse(name, "a plane's normal has no length");
         if (!std::isfinite(plane.offset)) refuse(name, "a plane's offset is not finite");
         // By a power of two: nothing is rounded.
@@ -186,20 +168,19 @@ Region Region::frustum(const std::array<double, 16>& modelview, const std::array
     }
     // The eye solves rows * eye = -moved: Cramer, with rows near one.
     for (std::size_t r = 0; r < 3; ++r)
-        if (!(largest(rows[r]) > 0)) refuse(name, "its modelview is singular");
+        if (!(largest_magnitude(rows[r]) > 0)) refuse(name, "its modelview is singular");
     std::array<Vec3d, 3> turned;
     Vec3d right;
     for (std::size_t r = 0; r < 3; ++r) {
-        const double factor = 1 / norm(rows[r]);
-        turned[r] = scaled(rows[r], factor);
+        const double factor = 1 / length(rows[r]);
+        turned[r] = factor * rows[r];
         right[r] = -moved[r] * factor;
     }
     const double determinant = dot(turned[0], cross(turned[1], turned[2]));
     if (!(std::fabs(determinant) > 1e-14)) refuse(name, "its modelview is singular");
     Vec3d eye{};
     for (std::size_t r = 0; r < 3; ++r) {
-        const Vec3d part = scaled(cross(turned[(r + 1) % 3], turned[(r + 2) % 3]), right[r] / determinant);
-        for (std::size_t a = 0; a < 3; ++a) eye[a] += part[a];
+        eye = eye + (right[r] / determinant) * cross(turned[(r + 1) % 3], turned[(r + 2) % 3]);
     }
     // The centre is the eye, rounded; what rounding took away goes into the planes.
     Vec3d centre, rest;
@@ -213,12 +194,11 @@ Region Region::frustum(const std::array<double, 16>& modelview, const std::array
     std::vector<Plane> planes;
     for (std::size_t r = 0; r < 3; ++r)
         for (const double sign : {1.0, -1.0}) {
-            Vec3d n = row(3);
-            for (std::size_t a = 0; a < 3; ++a) n[a] += sign * row(r)[a];
+            const Vec3d n = row(3) + sign * row(r);
             Plane plane{{}, projection[15] + sign * projection[12 + r]};
             for (std::size_t a = 0; a < 3; ++a)
                 plane.normal[a] = n[0] * rows[0][a] + n[1] * rows[1][a] + n[2] * rows[2][a];
-            if (largest(plane.normal) == 0) {
+            if (largest_magnitude(plane.normal) == 0) {
                 if (plane.offset >= 0) continue;  // as the far plane of a view without end
                 refuse(name, "nothing is inside of its clip volume");
             }
@@ -241,20 +221,18 @@ Region Region::frustum(const Vec3d& eye, const Vec3d& target, const Vec3d& up, d
         refuse(name, "its aspect is " + exact(aspect) + "; it is a positive number, width over height");
     if (!(near > 0 && far > near) || !std::isfinite(far))
         refuse(name, "its planes are at " + exact(near) + " and " + exact(far) + "; 0 < near < far is needed");
-    const Vec3d forward = unit(name, "direction of view", minus(target, eye));
+    const Vec3d forward = unit(name, "direction of view", target - eye);
     const Vec3d upwards = unit(name, "upward direction", up);
     const Vec3d sideways = cross(forward, upwards);
-    if (norm(sideways) < 1e-9) refuse(name, "its upward direction lies along the view");
+    if (length(sideways) < 1e-9) refuse(name, "its upward direction lies along the view");
     const Vec3d right = unit(name, "upward direction", sideways), above = cross(right, forward);
     const double rise = std::tan(view_angle / 360 * pi), run = rise * aspect;
     if (!std::isfinite(run) || !(run > 0)) refuse(name, "its aspect is out of range");
-    std::vector<Plane> planes{{forward, -near}, {scaled(forward, -1), far}};
+    std::vector<Plane> planes{{forward, -near}, {-1.0 * forward, far}};
     for (const double sign : {1.0, -1.0})
         for (const auto& [side, slope] : {std::pair{right, run}, std::pair{above, rise}}) {
             // side . d <= slope * forward . d, and the same on the other side
-            Plane plane;
-            for (std::size_t a = 0; a < 3; ++a) plane.normal[a] = slope * forward[a] - sign * side[a];
-            planes.push_back(plane);
+            planes.push_back({slope * forward - sign * side, 0});
         }
     return convex(eye, planes);
 }
@@ -336,9 +314,10 @@ void Region::bound_by_planes()
                                 rounding += 4 * epsilon * multiplier * std::fabs(three[m]->normal[a]);
                             }
                         }
-                        if (!(largest(residual) + rounding <= most_residual) || !(bound < best[axis][end])) continue;
+                        if (!(largest_magnitude(residual) + rounding <= most_residual) || !(bound < best[axis][end]))
+                            continue;
                         best[axis][end] = bound;
-                        worst_residual = std::max(worst_residual, largest(residual) + rounding);
+                        worst_residual = std::max(worst_residual, largest_magnitude(residual) + rounding);
                     }
             }
     double reach = 0;
@@ -377,17 +356,17 @@ bool Region::radial_contains(const Vec3d& d) const
 {
     const double t = dot(axis_, d);
     if (!(t >= 0 && t <= length_)) return false;
-    const Vec3d w = {d[0] - t * axis_[0], d[1] - t * axis_[1], d[2] - t * axis_[2]};
+    const Vec3d w = d - t * axis_;
     if (kind_ == Kind::cone) return std::sqrt(dot(w, w)) * cosine_ <= t * sine_;
-    if (!(largest(w) <= radius_)) return false;
-    const Vec3d v = scaled(w, inverse_unit_);
+    if (!(largest_magnitude(w) <= radius_)) return false;
+    const Vec3d v = inverse_unit_ * w;
     return dot(v, v) <= scaled_square_;
 }
 
 bool Region::contains(const Vec3d& p) const
 {
     if (kind_ == Kind::box) return is_finite(p) && box_.contains(p);
-    const Vec3d d = minus(p, centre_);
+    const Vec3d d = p - centre_;
     if (!is_finite(d)) return false;
     switch (kind_) {
         case Kind::oriented_box:
@@ -396,8 +375,8 @@ bool Region::contains(const Vec3d& p) const
                 if (!(dot(plane.normal, d) + plane.offset >= 0)) return false;
             return true;
         case Kind::sphere: {
-            if (!(largest(d) <= radius_)) return false;
-            const Vec3d v = scaled(d, inverse_unit_);
+            if (!(largest_magnitude(d) <= radius_)) return false;
+            const Vec3d v = inverse_unit_ * d;
             return dot(v, v) <= scaled_square_;
         }
         default:
@@ -422,7 +401,7 @@ BoxRelation Region::radial_relation(const Box3d& d) const
     {
         Vec3d far;
         for (std::size_t a = 0; a < 3; ++a) far[a] = farthest_from_zero(d.min[a], d.max[a]);
-        reach = norm(far);
+        reach = length(far);
     }
     const double margin = 32 * epsilon * reach;
     if (!std::isfinite(reach)) return BoxRelation::crosses;
@@ -434,8 +413,8 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         const Vec3d corner = {i & 1 ? d.max[0] : d.min[0], i & 2 ? d.max[1] : d.min[1], i & 4 ? d.max[2] : d.min[2]};
         corners[i] = {dot(across_[0], corner), dot(across_[1], corner)};
         const double t = dot(axis_, corner);
-        const Vec3d w = {corner[0] - t * axis_[0], corner[1] - t * axis_[1], corner[2] - t * axis_[2]};
-        inside = inside && norm(w) * cosine_ - t * sine_ <= limit - margin - 8 * epsilon * limit;
+        const Vec3d w = corner - t * axis_;
+        inside = inside && length(w) * cosine_ - t * sine_ <= limit - margin - 8 * epsilon * limit;
     }
     if (inside) return BoxRelation::inside;
 
@@ -446,8 +425,7 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         for (std::size_t a = 0; a < 3; ++a)
             v[a] = (x / length * across_[0][a] + y / length * across_[1][a]) * (1 - 8 * epsilon);
         const double tilt = cosine_ * dot(v, axis_) + sine_;
-        const Vec3d g = {cosine_ * v[0] - tilt * axis_[0], cosine_ * v[1] - tilt * axis_[1],
-                         cosine_ * v[2] - tilt * axis_[2]};
+        const Vec3d g = cosine_ * v - tilt * axis_;
         return range(g, d).first > limit + margin + 8 * epsilon * limit;
     };
     for (std::size_t i = 0; i < 8; ++i) {
@@ -472,7 +450,7 @@ BoxRelation Region::relation(const Box3d& box) const
         return finite && box_.contains(box) ? BoxRelation::inside : BoxRelation::crosses;
     }
     // p - centre rounded is rising in p: these are the ends of what contains() works on.
-    const Box3d d{minus(box.min, centre_), minus(box.max, centre_)};
+    const Box3d d{box.min - centre_, box.max - centre_};
     if (!is_finite(d.min) || !is_finite(d.max)) return BoxRelation::crosses;
     switch (kind_) {
         case Kind::oriented_box:
@@ -489,8 +467,8 @@ BoxRelation Region::relation(const Box3d& box) const
                 far[a] = farthest_from_zero(d.min[a], d.max[a]);
             }
             const auto holds = [&](const Vec3d& v) {
-                const Vec3d s = scaled(v, inverse_unit_);
-                return largest(v) <= radius_ && dot(s, s) <= scaled_square_;
+                const Vec3d s = inverse_unit_ * v;
+                return largest_magnitude(v) <= radius_ && dot(s, s) <= scaled_square_;
             };
             return !holds(near) ? BoxRelation::outside : holds(far) ? BoxRelation::inside : BoxRelation::crosses;
         }
@@ -499,11 +477,11 @@ BoxRelation Region::relation(const Box3d& box) const
     }
 }
 
-double Region::along(const Vec3d& p) const { return dot(axis_, minus(p, centre_)); }
+double Region::along(const Vec3d& p) const { return dot(axis_, p - centre_); }
 
 double Region::least_along(const Box3d& box) const
 {
-    return range(axis_, {minus(box.min, centre_), minus(box.max, centre_)}).first;
+    return range(axis_, {box.min - centre_, box.max - centre_}).first;
 }
 
 }  // namespace pcm

@@ -1,6 +1,7 @@
 // Regions in words.
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <charconv>
@@ -70,15 +71,14 @@ Region parse_region(const std::string& text)
         need(7, 12);
         Vec3d u, v;
         if (n == 7) {
-            const double turn = numbers[6] / 180 * 3.14159265358979323846;
+            const double turn = numbers[6] / 180 * pi;
             u = {std::cos(turn), std::sin(turn), 0};
             v = {-u[1], u[0], 0};
         } else {
             u = vector(6);
             v = vector(9);
         }
-        const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        return Region::oriented_box(vector(0), {u, v, w}, vector(3));
+        return Region::oriented_box(vector(0), {u, v, cross(u, v)}, vector(3));
     }
     if (kind == "ray" || kind == "cone") {
         need(7, 8);
