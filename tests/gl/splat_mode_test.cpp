@@ -1,6 +1,7 @@
 // Every kind of splat against its own formula in double; what they have in common; and how wrong each is.
 #include "tests/gl/splat_scene.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/gl/gl_state.h"
 
 #include <gtest/gtest.h>
@@ -426,7 +427,6 @@ TEST(SplatMode, WhatIsMissingIsReplaced)
 TEST(SplatMode, GapsAreFilled)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    constexpr double pi = 3.14159265358979323846;
     for (const Camera& view : {perspective_view(), parallel_view()})
         for (const SplatMode mode :
              {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})

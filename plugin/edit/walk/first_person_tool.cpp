@@ -1,5 +1,6 @@
 #include "plugin/edit/walk/first_person_tool.h"
 
+#include "pcm/cloud/vector.h"
 #include "plugin/edit/walk/scene_reach.h"
 #include "plugin/edit/walk/trackball_pose.h"
 #include "plugin/host/text.h"
@@ -21,8 +22,7 @@ namespace {
 
 constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a frame that took longer the eye does not leap
-constexpr double pi = 3.14159265358979323846;
-constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
+constexpr int wheel_notch = 120;       // Qt's unit: eighths of a degree
 
 const char* const name = "First Person Navigation";
 
