@@ -10,7 +10,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # The public headers and all that they include; tests/install compiles each of them by itself out of the install.
 set(public_headers
   edit_cursor.h point_cloud.h
-  io/reader.h io/pipe/grid_choice.h cloud/selection.h io/text/text_layout.h io/pipe/transformed_reader.h io/writer.h
+  io/reader.h io/pipe/grid_choice.h cloud/selection.h io/text/text_layout.h io/pipe/selected_reader.h io/pipe/transformed_reader.h io/writer.h
   bpc/bpc_array.h bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h
   tree/chunk_size.h tree/tree.h tree/tree_reader.h tree/selected_nodes.h build/builder.h tree/verify.h tree/verify_levels.h
   update/append.h update/compact.h update/erase.h update/repair.h
