@@ -49,7 +49,7 @@ Condition::Number parse_value(std::string_view text, const std::string& conditio
 using Wide = long double;  // 64 bits of mantissa: every i64 and u64 is exact
 static_assert(std::numeric_limits<Wide>::digits >= 64);
 
-// Where a user's value lies among an integer attribute's raw values.
+// A user's value in the raw units of an integer attribute.
 Wide raw_of(const Condition::Number& number, const Attribute& attribute)
 {
     if (attribute.scale == 1 && attribute.offset == 0) {
@@ -71,7 +71,7 @@ Interval<T> nothing()
     return {std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
 }
 
-// The raw values of type T from `low` to `high`, as users see them; the ends belong to it unless `open`.
+// The raw values of type T between two values as users see them; the ends are included unless `open`.
 template <class T>
 Interval<T> interval(std::optional<Condition::Number> low, std::optional<Condition::Number> high, bool open,
                      const Attribute& attribute)
@@ -194,7 +194,7 @@ Condition parse_condition(const std::string& text)
         const std::string_view item = trim(rest.substr(0, comma));
         const auto dots = item.find("..");
         if (!lists && (dots != std::string_view::npos || comma != std::string_view::npos))
-            refuse(text, "one number was expected; lists and ranges go with = and !=");
+            refuse(text, "one number was expected; lists and ranges are allowed with = and != only");
         Condition::Range range;
         if (dots == std::string_view::npos) {
             range.low = range.high = parse_value(item, text);

@@ -1,4 +1,4 @@
-// Regions in words.
+// Parses regions.
 #include "pcm/cloud/region.h"
 
 #include "pcm/cloud/vector.h"
@@ -40,7 +40,7 @@ std::vector<std::string_view> words_of(std::string_view text)
 Region parse_region(const std::string& text)
 {
     const std::vector<std::string_view> words = words_of(text);
-    if (words.empty()) refuse(text, "it names no shape");
+    if (words.empty()) refuse(text, "it is empty");
     std::vector<double> numbers;
     for (std::size_t i = 1; i < words.size(); ++i) {
         std::string_view word = words[i];
@@ -93,12 +93,13 @@ Region parse_region(const std::string& text)
     }
     if (kind == "planes") {
         if (n < 7 || (n - 3) % 4 != 0)
-            refuse(text, std::to_string(n) + " numbers were given; a centre is three, a plane four");
+            refuse(text,
+                   std::to_string(n) + " numbers were given; three are needed for the centre, four for each plane");
         std::vector<Region::Plane> planes;
         for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
         return Region::convex(vector(0), planes);
     }
-    refuse(text, "'" + std::string(kind) + "' is no shape");
+    refuse(text, "'" + std::string(kind) + "' is not a known shape");
 }
 
 }  // namespace pcm

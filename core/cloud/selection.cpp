@@ -25,7 +25,7 @@ std::string list_of(const Schema& schema)
     throw Error(ErrorCode::invalid_argument, {}, "this cloud has no attribute '" + name + "'", list_of(schema));
 }
 
-// An attribute's number and the component that a condition names.
+// The index of the attribute and the component that a condition names.
 std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition, const Schema& schema)
 {
     std::string name = condition.name;

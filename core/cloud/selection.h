@@ -1,5 +1,4 @@
-// What is wanted of a cloud: the points in a box or a region, the points whose attributes meet conditions, some of the
-// attributes.
+// Part of a cloud: the points in a box or a region, the points that meet conditions, some of the attributes.
 #pragma once
 
 #include "pcm/cloud/condition.h"
@@ -16,8 +15,8 @@
 namespace pcm {
 
 struct Selection {
-    std::optional<Box3d> box;       // source coordinates, both ends included; all points when absent, none when empty
-    std::optional<Region> region;   // beside the box: both must hold
+    std::optional<Box3d> box;       // source coordinates, faces included; all points when absent, none when empty
+    std::optional<Region> region;   // with a box: the intersection
     std::vector<Condition> where;   // all must be met
     std::vector<std::string> keep;  // attributes; all when empty
     std::vector<std::string> drop;
@@ -26,29 +25,29 @@ struct Selection {
     bool chooses_attributes() const { return !keep.empty() || !drop.empty(); }
 };
 
-// A selection, made ready for clouds of one schema. Immutable; any number of threads.
+// A selection prepared for clouds of one schema. Immutable; any number of threads.
 class Selector {
 public:
-    // Throws Error(invalid_argument) for a name that the schema lacks, naming those it has, and for an attribute of
-    // several components without one of them.
+    // Throws Error(invalid_argument) for a name that the schema lacks, listing the names it has, and for a condition on
+    // an attribute of several components that does not name one component.
     Selector(const Selection& selection, const Schema& schema);
 
-    // Attributes that the selection leaves, in the schema's order: as numbers in the schema, and as a schema.
+    // The selected attributes in the schema's order: as indices in the schema, and as a schema.
     const std::vector<std::size_t>& kept() const { return kept_; }
     const Schema& kept_schema() const { return kept_schema_; }
-    // Attributes, by number in the schema, that conditions look at.
+    // Indices in the schema of the attributes that conditions test, ascending.
     const std::vector<std::size_t>& tested() const { return tested_; }
     bool tests_points() const { return looks_at_positions() || tests_attributes(); }
     bool tests_attributes() const { return !tests_.empty(); }
-    // No point outside of this box is selected; absent when points anywhere may be.
+    // No point outside of this box is selected; absent when the selection does not bound positions.
     const std::optional<Box3d>& bounds() const { return bounds_; }
-    // Whether points in a box can have a position that is selected, or all have one. Conservative: see
+    // Whether no position, some positions or all positions in a box are selected. Conservative like
     // Region::relation().
     BoxRelation relation(const Box3d& box) const;
 
-    // Whether bounds() is all that is asked of positions.
+    // Whether a position is selected exactly when it is in bounds().
     bool is_box() const { return !region_ && coordinate_tests_.empty(); }
-    // Box, region and conditions on coordinates of a position.
+    // Whether a position meets the box, the region and the conditions on coordinates.
     bool holds_at(const Vec3d& p) const
     {
         bool holds = (!box_ || box_->contains(p)) && (!region_ || region_->contains(p));
@@ -56,15 +55,15 @@ public:
         return holds;
     }
 
-    // Keeps in `selected`, ascending numbers of points, those that meet box, region and conditions. `columns[k]` is
-    // attribute k of the schema (only tested ones are looked at), `position(i)` the source coordinates of point i.
-    // Where relation() of a box around the points is `inside`, their positions need no look.
+    // Keeps in `selected`, ascending indices of points, those that meet box, region and conditions. `columns[k]` is
+    // attribute k of the schema (only tested ones are accessed), `position(i)` the source coordinates of point i. Pass
+    // the relation() of a box around the points: where it is `inside`, positions are not tested.
     template <class Position>
     void narrow(const std::vector<const Column*>& columns, const Position& position,
                 std::vector<std::uint32_t>& selected, BoxRelation relation = BoxRelation::crosses) const;
 
-    // Leaves the selected points of a batch with all attributes of the schema; its attributes stay. `grid` is the
-    // batch's, for gridded ones.
+    // Removes the points of a batch that are not selected; the batch has all attributes of the schema, and keeps them.
+    // `grid` is the grid of a gridded batch, else unused.
     void apply(PointBatch& batch, const Grid* grid) const;
 
 private:

@@ -1,7 +1,7 @@
 // Vectors of three coordinates and their algebra.
 //
-// Results decide bytes on disk: the order of the operations is part of each function's meaning and must not change. The
-// vectors are std::arrays, so the operators are found in namespace pcm, not by their arguments.
+// Results decide bytes on disk and pictures: the order of the floating-point operations must not change. Vectors are
+// std::arrays, so the operators are found from within namespace pcm only, not by argument-dependent lookup.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +28,8 @@ inline Vec3d cross(const Vec3d& a, const Vec3d& b)
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// Without overflow or underflow in between, and slow. Where speed counts and the coordinates are within 1e-150..1e150,
-// std::sqrt(dot(v, v)); the two may differ in the last bit.
+// Without intermediate overflow or underflow, but slow. Inner loops use std::sqrt(dot(v, v)), which is good for lengths
+// from 1e-150 to 1e150 and may differ in the last bit.
 inline double length(const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
 // v / length(v); NaN for a vector of length 0.
 inline Vec3d normalised(const Vec3d& v) { return v / length(v); }
@@ -40,15 +40,15 @@ inline double largest_magnitude(const Vec3d& v)
 }
 inline bool is_finite(const Vec3d& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
-// Square of the distance of two points: monotonic in each |p[a] - q[a]|, rounding included.
+// Square of the distance between two points; monotonic in each |p[a] - q[a]|, rounding included.
 inline double squared_distance(const Vec3d& p, const Vec3d& q)
 {
     const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
     return (x * x + y * y) + z * z;
 }
 
-// The same of two points on a grid whose steps have these squares. Coordinate differences below 2^53 steps are exact,
-// and the order of p and q makes no difference. Integers of any type; their differences must not overflow.
+// The same for integer coordinates; `squared_scale` are the squares of the grid's steps. Symmetric in p and q.
+// Differences below 2^53 steps are exact; they must not overflow the integer type.
 template <class Integer>
 double squared_distance(const std::array<Integer, 3>& p, const std::array<Integer, 3>& q, const Vec3d& squared_scale)
 {
