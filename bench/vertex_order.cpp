@@ -1,6 +1,7 @@
 // Whether the order of a chunk's points in its VBO changes the time to draw them: as the tree stores them (level by
 // level, each in Morton order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz
 // et al., arXiv 2104.07526). Prints a table; see README.md.
+#include "pcm/cloud/morton.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/splat_pass.h"
 #include "pcm/gl/vertex_discs.h"
@@ -29,16 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* order_names[] = {"as stored", "Morton", "batches of 128"};
 constexpr std::size_t orders = 3;
-
-std::uint64_t spread_bits(std::uint64_t v)
-{
-    v &= 0x1fffff;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-}
 
 std::vector<std::uint32_t> order_of(const ChunkPositions& positions, const Vec3d& scale, std::size_t order)
 {
@@ -151,13 +142,10 @@ Camera view_of(const TreeInfo& info, double distance, int width, int height)
     view.width = width;
     view.height = height;
     view.origin = box.centre();
-    Vec3d d{0.6, 0.5, -0.45};
-    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    for (double& v : d) v /= length;
+    const Vec3d d = normalised({0.6, 0.5, -0.45});
     const double flat = std::hypot(d[0], d[1]);
     const Vec3d right{d[1] / flat, -d[0] / flat, 0};
-    const Vec3d up{right[1] * d[2] - right[2] * d[1], right[2] * d[0] - right[0] * d[2],
-                   right[0] * d[1] - right[1] * d[0]};
+    const Vec3d up = cross(right, d);
     view.modelview = {
         right[0], up[0], -d[0], 0, right[1], up[1], -d[1], 0, right[2], up[2], -d[2], 0, 0, 0, -distance * diagonal, 1};
     const double near = 1e-4 * diagonal;

@@ -1,5 +1,6 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/io/metadata_text.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
@@ -160,7 +161,7 @@ Scan scan(PointReader& cloud, const ProgressFunction& progress)
             Vec3d p;
             for (std::size_t a = 0; a < 3; ++a)
                 p[a] = batch.gridded ? cloud.info().grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
-            if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
+            if (is_finite(p))
                 seen.box.extend(p);
             else
                 ++seen.not_finite;

@@ -2,6 +2,7 @@
 
 #include "pcm/build/builder.h"
 #include "pcm/cli/common.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_reader.h"
 
@@ -48,7 +49,7 @@ Affine map_of(const Arguments& arguments, const Box3d& box)
         axis = {arguments.rotate[0], arguments.rotate[1], arguments.rotate[2]};
         if (axis == Vec3d{0, 0, 0})
             refuse("--rotate has an axis without a direction", "0 0 1 30 turns by 30 degrees about the upright axis");
-        radians = arguments.rotate[3] * 3.14159265358979323846 / 180;
+        radians = arguments.rotate[3] * pi / 180;
     }
     Affine map;
     if (radians == 0) {  // positions stay on their grid

@@ -1,15 +1,15 @@
 // Affine maps of space.
 #pragma once
 
-#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/vector.h"
 
 #include <array>
 #include <cmath>
 
 namespace pcm {
 
-// p becomes linear * (p - pivot) + target. With a pivot near the points no large numbers are subtracted, so a rotation
-// at map coordinates is as exact as one at the origin.
+// Maps p to linear * (p - pivot) + target. With a pivot near the points, no large numbers are subtracted: a rotation at
+// map coordinates is as exact as one at the origin.
 struct Affine {
     std::array<Vec3d, 3> linear{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  // rows
     Vec3d pivot{0, 0, 0}, target{0, 0, 0};
@@ -18,12 +18,12 @@ struct Affine {
     {
         return {{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, {0, 0, 0}, by};
     }
-    // About an axis through `centre`, counter-clockwise for who looks against it; the axis need not be of unit length,
-    // and not be zero (Rodrigues' formula). A scale grows or shrinks about the centre besides.
+    // Rotation about an axis through `centre` (Rodrigues' formula), counter-clockwise as seen from the tip of the axis,
+    // which has any length but 0; also scales about the centre.
     static Affine rotation(const Vec3d& axis, double radians, const Vec3d& centre, double scale = 1)
     {
-        const double length = std::hypot(axis[0], axis[1], axis[2]), c = std::cos(radians), s = std::sin(radians);
-        const Vec3d u{axis[0] / length, axis[1] / length, axis[2] / length};
+        const double c = std::cos(radians), s = std::sin(radians);
+        const Vec3d u = normalised(axis);
         Affine affine;
         affine.pivot = affine.target = centre;
         for (std::size_t i = 0; i < 3; ++i)
@@ -34,7 +34,7 @@ struct Affine {
             }
         return affine;
     }
-    // linear * p + shift, with a pivot of one's choice.
+    // The map linear * p + shift, evaluated about a given pivot.
     static Affine about(const std::array<Vec3d, 3>& linear, const Vec3d& shift, const Vec3d& pivot)
     {
         Affine affine{linear, pivot, shift};
@@ -47,10 +47,9 @@ struct Affine {
 
     Vec3d operator()(const Vec3d& p) const
     {
-        const Vec3d d{p[0] - pivot[0], p[1] - pivot[1], p[2] - pivot[2]};
+        const Vec3d d = p - pivot;
         Vec3d q;
-        for (std::size_t i = 0; i < 3; ++i)
-            q[i] = (linear[i][0] * d[0] + linear[i][1] * d[1] + linear[i][2] * d[2]) + target[i];
+        for (std::size_t i = 0; i < 3; ++i) q[i] = dot(linear[i], d) + target[i];
         return q;
     }
     double determinant() const

@@ -27,7 +27,7 @@ inline constexpr std::string_view classification = "classification";
 inline constexpr std::string_view gps_time = "gps_time";
 }  // namespace attribute_name
 
-// One attribute: `components` scalars of `type` a point, interleaved. The value a user sees is raw * scale + offset.
+// One attribute: `components` scalars of `type` per point, interleaved. The value a user sees is raw * scale + offset.
 struct Attribute {
     std::string name;
     ScalarType type = ScalarType::u8;
@@ -58,14 +58,14 @@ public:
     // Bytes of all attributes of one point, without its position.
     std::size_t point_bytes() const;
     bool operator==(const Schema& other) const { return attributes_ == other.attributes_; }
-    // Whether its attributes are those of `other`, or the first of them.
+    // Whether its attributes are the first attributes of `other`, or all of them.
     bool is_beginning_of(const Schema& other) const;
 
 private:
     std::vector<Attribute> attributes_;
 };
 
-// Which columns of a chunk somebody needs; what is not asked for is neither read nor decoded.
+// Which columns of a chunk are needed; the others are neither read nor decoded.
 struct ColumnSet {
     bool positions = true;
     std::bitset<max_attributes> attributes;  // by index in the schema

@@ -5,11 +5,12 @@
 
 namespace pcm {
 
-bool is_affine(const Matrix4d& m)
+bool is_finite(const Matrix4d& m)
 {
-    return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] != 0 &&
-           std::all_of(m.begin(), m.end(), [](double v) { return std::isfinite(v); });
+    return std::all_of(m.begin(), m.end(), [](double v) { return std::isfinite(v); });
 }
+
+bool is_affine(const Matrix4d& m) { return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] != 0 && is_finite(m); }
 
 Matrix4d product(const Matrix4d& a, const Matrix4d& b)
 {

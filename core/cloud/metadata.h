@@ -1,4 +1,4 @@
-// What travels with a cloud beside its points.
+// Metadata of a cloud: data that belongs to the whole cloud, not to points.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// Opaque blocks that travel with a cloud (LAS variable length records, coordinate systems): kept byte for byte.
+// An opaque block that is copied with the cloud byte for byte: a LAS variable length record, a coordinate system.
 struct Metadata {
     std::string key;  // "las.vlr/<user id>/<record id>", "las.header", ...
     std::vector<std::byte> value;

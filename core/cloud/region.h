@@ -1,13 +1,14 @@
-// A part of space that points are chosen by: box, oriented box, sphere, convex volume, ray with a radius, cone.
+// A part of space for selecting points: box, oriented box, sphere, convex volume, ray with a radius, cone.
 //
-// contains() is the definition. It works on d = p - centre, where centre is the region's own (corner of a cone, origin
-// of a ray, eye of a frustum), so map coordinates take no precision from it: the boundary of a region is where the
-// formulas below put it to within 16 eps * |d| (eps = 2^-53; |d| is the distance of the point from the centre), and
-// exactly for a box.
+// contains() is the definition. It works on d = p - centre, where the centre belongs to the region (apex of a cone,
+// origin of a ray, eye of a frustum), so map coordinates cost no precision: the boundary of a region is where the
+// formulas below put it, exactly for a box, else to within 16 eps * |d| (eps = 2^-53; |d| is the distance of the point
+// from the centre).
 //
-// relation() of a box is conservative about contains(): `inside` only when contains() holds for all doubles in the box,
-// `outside` only when for none. Boxes and single half-spaces are told exactly; for the rest what lies within 64 eps *
-// (largest |d| of the box) of the boundary, or just outside of a corner or an edge, may be called `crosses`.
+// relation() of a box is conservative: `inside` only when contains() holds for all doubles in the box, `outside` only
+// when it holds for none. Boxes, spheres and single half-spaces are classified exactly; for other regions, a box within
+// 64 eps * (largest |d| of the box) of the boundary, or just outside of a corner or an edge, may be reported as
+// `crosses`.
 //
 // Immutable; any number of threads. Lengths are in source units, angles in degrees.
 #pragma once
@@ -24,43 +25,43 @@ namespace pcm {
 
 enum class BoxRelation : std::uint8_t { outside, crosses, inside };
 
-// Both must hold.
+// The relation of a box to the intersection of two regions, from its relations to each.
 inline BoxRelation both(BoxRelation a, BoxRelation b) { return a < b ? a : b; }
 
 class Region {
 public:
     enum class Kind : std::uint8_t { box, oriented_box, sphere, convex, ray, cone };
 
-    // All throw Error(invalid_argument), saying what is wrong, for numbers that are not finite and where noted.
+    // All makers throw Error(invalid_argument), saying what is wrong, for numbers that are not finite or violate a
+    // condition below.
 
-    // Faces included; a box with min > max contains nothing.
+    // Faces included; a box with min > max contains nothing. Corners may be infinite, not NaN.
     static Region box(const Box3d& box);
 
-    // |axis[k] . d| <= half[k]. Axes of any length but 0, perpendicular to each other (to 1e-6; what is left is taken
-    // out of the second and the third); halves >= 0.
+    // |axis[k] . d| <= half[k]. Axes of any length but 0, perpendicular to each other to 1e-6 (the second and the third
+    // are corrected to be exactly perpendicular); halves >= 0.
     static Region oriented_box(const Vec3d& centre, const std::array<Vec3d, 3>& axes, const Vec3d& half);
 
     // |d| <= radius; radius >= 0.
     static Region sphere(const Vec3d& centre, double radius);
 
-    // The points with normal . (p - centre) + offset >= 0 for all planes. From 1 to 64 planes with normals that are not
-    // zero.
+    // The points with normal . (p - centre) + offset >= 0 for all planes. 1 to 64 planes, no normal zero.
     struct Plane {
         Vec3d normal{};
         double offset = 0;
     };
     static Region convex(const Vec3d& centre, const std::vector<Plane>& planes);
 
-    // What a view shows: column-major matrices as OpenGL has them; `modelview`, affine and invertible, maps p - origin
-    // to the eye's space, and seen is what `projection` maps to -w <= x, y, z <= w.
+    // What a view shows: column-major matrices like OpenGL's; `modelview`, affine and invertible, maps p - origin to
+    // eye space, and a point is visible when `projection` maps it to -w <= x, y, z <= w.
     static Region frustum(const std::array<double, 16>& modelview, const std::array<double, 16>& projection,
                           const Vec3d& origin);
-    // The same from an eye that looks at a point: the whole angle of view upwards, width over height, distances of the
-    // near and the far plane, 0 < near < far. `up` is not along the view.
+    // The same from an eye that looks at a target: the full vertical angle of view, the aspect width / height, the
+    // distances of the near and the far plane, 0 < near < far. `up` is not parallel to the direction of view.
     static Region frustum(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double view_angle, double aspect,
                           double near, double far);
 
-    // A cylinder: with u the unit direction and t = u . d: 0 <= t <= length (without an end when absent) and
+    // A cylinder: with u the unit direction and t = u . d: 0 <= t <= length (unbounded when absent) and
     // |d - t u| <= radius. Radius and length >= 0.
     static Region ray(const Vec3d& origin, const Vec3d& direction, double radius, std::optional<double> length = {});
 
@@ -70,18 +71,18 @@ public:
 
     // False for a point that is not finite.
     bool contains(const Vec3d& p) const;
-    // `outside` for an empty box; `crosses` for one that is not finite, where it is not surely outside.
+    // `outside` for an empty box; `crosses` for a box that is not finite, unless it is surely outside.
     BoxRelation relation(const Box3d& box) const;
 
     // No point outside of this box is contained; ends may be infinite.
     const Box3d& bounds() const { return bounds_; }
     Kind kind() const { return kind_; }
     const Vec3d& centre() const { return centre_; }
-    // As parse_region() reads it, with all digits.
+    // In the form that parse_region() reads, with all digits.
     std::string text() const { return text_; }
 
-    // Of a ray or a cone: t above, and the smallest t in a box. Rounding is the same: no point of the box has a smaller
-    // one.
+    // For a ray or a cone: t as defined above, and a lower bound of t in a box that holds for along() of every point of
+    // the box, rounding included.
     double along(const Vec3d& p) const;
     double least_along(const Box3d& box) const;
 
@@ -98,21 +99,25 @@ private:
     Vec3d centre_{};
     Box3d box_, bounds_;
     std::vector<Plane> planes_;
-    double radius_ = 0, inverse_unit_ = 1,
-           scaled_square_ = 0;  // sphere, ray; squares are of lengths over a power of two near the radius
+    // Sphere, ray. Lengths are squared after multiplication by inverse_unit_, a power of two near 1 / radius.
+    double radius_ = 0, inverse_unit_ = 1, scaled_square_ = 0;
     Vec3d axis_{};
-    std::array<Vec3d, 2> across_{};  // perpendicular to the axis and each other
+    std::array<Vec3d, 2> across_{};  // perpendicular to the axis and to each other
     double cosine_ = 1, sine_ = 0, length_ = 0;
     std::string text_;
 };
 
-// Regions in words, as on the command line; numbers between blanks or commas:
+// Regions as text, as on the command line; numbers are separated by blanks or commas:
+//
 //     box X0 Y0 Z0 X1 Y1 Z1
-//     oriented-box CX CY CZ HX HY HZ TURN                    half sizes; turned by TURN degrees about z,
-//     counter-clockwise oriented-box CX CY CZ HX HY HZ UX UY UZ VX VY VZ       first and second axis; the third is
-//     perpendicular to both sphere CX CY CZ RADIUS ray OX OY OZ DX DY DZ RADIUS [LENGTH] cone AX AY AZ DX DY DZ
-//     HALF_ANGLE [LENGTH] frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ] planes CX CY CZ NX NY NZ OFFSET
-//     ...                    four numbers a plane
+//     oriented-box CX CY CZ HX HY HZ TURN                 half sizes, turned by TURN degrees counter-clockwise about z
+//     oriented-box CX CY CZ HX HY HZ UX UY UZ VX VY VZ    first and second axis; the third is perpendicular to both
+//     sphere CX CY CZ RADIUS
+//     ray OX OY OZ DX DY DZ RADIUS [LENGTH]
+//     cone AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]
+//     frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]
+//     planes CX CY CZ NX NY NZ OFFSET ...                 four numbers per plane
+//
 // Throws Error(invalid_argument), saying what was expected.
 Region parse_region(const std::string& text);
 

@@ -1,6 +1,7 @@
-// Regions in words.
+// Parses regions.
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <charconv>
@@ -39,7 +40,7 @@ std::vector<std::string_view> words_of(std::string_view text)
 Region parse_region(const std::string& text)
 {
     const std::vector<std::string_view> words = words_of(text);
-    if (words.empty()) refuse(text, "it names no shape");
+    if (words.empty()) refuse(text, "it is empty");
     std::vector<double> numbers;
     for (std::size_t i = 1; i < words.size(); ++i) {
         std::string_view word = words[i];
@@ -70,15 +71,14 @@ Region parse_region(const std::string& text)
         need(7, 12);
         Vec3d u, v;
         if (n == 7) {
-            const double turn = numbers[6] / 180 * 3.14159265358979323846;
+            const double turn = numbers[6] / 180 * pi;
             u = {std::cos(turn), std::sin(turn), 0};
             v = {-u[1], u[0], 0};
         } else {
             u = vector(6);
             v = vector(9);
         }
-        const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-        return Region::oriented_box(vector(0), {u, v, w}, vector(3));
+        return Region::oriented_box(vector(0), {u, v, cross(u, v)}, vector(3));
     }
     if (kind == "ray" || kind == "cone") {
         need(7, 8);
@@ -93,12 +93,13 @@ Region parse_region(const std::string& text)
     }
     if (kind == "planes") {
         if (n < 7 || (n - 3) % 4 != 0)
-            refuse(text, std::to_string(n) + " numbers were given; a centre is three, a plane four");
+            refuse(text,
+                   std::to_string(n) + " numbers were given; three are needed for the centre, four for each plane");
         std::vector<Region::Plane> planes;
         for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
         return Region::convex(vector(0), planes);
     }
-    refuse(text, "'" + std::string(kind) + "' is no shape");
+    refuse(text, "'" + std::string(kind) + "' is not a known shape");
 }
 
 }  // namespace pcm

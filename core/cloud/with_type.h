@@ -1,4 +1,4 @@
-// From a type's name to the type.
+// Dispatch from a ScalarType to the C++ type.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// Calls `use` with a zero of the C++ type that `type` names; what it returns.
+// Calls `use` with a zero of the C++ type that `type` names, and returns its result.
 template <class Use>
 auto with_type(ScalarType type, Use&& use)
 {

@@ -1,5 +1,6 @@
 #include "pcm/convert/open_cloud.h"
 
+#include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/tree/tree_reader.h"

@@ -1,7 +1,8 @@
 #include "pcm/convert/output_grid.h"
 
-#include "pcm/system/text.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/grid_choice.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -94,7 +95,7 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
             Vec3d p;
             for (std::size_t a = 0; a < 3; ++a)
                 p[a] = grid ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
-            if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+            if (!is_finite(p)) continue;
             box.extend(p);
             if (on_candidate)
                 for (std::size_t a = 0; a < 3; ++a) on_candidate->watch(a, p[a]);

@@ -4,6 +4,8 @@
 // / and sqrt, which IEEE 754 fixes (and which the compiler must not fuse: -ffp-contract=off).
 #pragma once
 
+#include "pcm/cloud/vector.h"
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -37,7 +39,7 @@ inline std::int64_t whole_below(double x)
 inline void sine_cosine(double turns, double& sine, double& cosine)
 {
     const std::int64_t quarter = whole_below(4.0 * turns + 0.5);
-    const double x = (turns - 0.25 * static_cast<double>(quarter)) * 6.283185307179586476925;  // within a quarter of pi
+    const double x = (turns - 0.25 * static_cast<double>(quarter)) * (2 * pi);  // within a quarter of pi
     const double y = x * x;
     // Taylor series; the first terms left out are below 1e-15.
     double s = 1.0 / 6227020800 + y * (-1.0 / 1307674368000);

@@ -1,6 +1,8 @@
 #include "pcm/query/nearest.h"
 
 #include "pcm/query/point_blocks.h"
+#include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/morton.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/crew.h"
@@ -67,21 +69,6 @@ private:
     std::array<HeldChunk, 16> held_;
 };
 
-double square_of(const Vec3d& p, const Vec3d& q)
-{
-    const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return (x * x + y * y) + z * z;
-}
-
-// Of the nearest point of a box. Rounding is rising in each coordinate, so no point of the box has a smaller
-// square_of().
-double square_of_box(const Box3d& box, const Vec3d& q)
-{
-    return square_of({std::clamp(q[0], box.min[0], box.max[0]), std::clamp(q[1], box.min[1], box.max[1]),
-                      std::clamp(q[2], box.min[2], box.max[2])},
-                     q);
-}
-
 // The nearest points of blocks [begin, end), as squares.
 void squares_of(const PointBlocks::Boxes& boxes, std::size_t begin, std::size_t end, const Vec3d& q, double* squares)
 {
@@ -142,7 +129,7 @@ private:
     {
         const Node& node = chunks_.tree().node(id);
         if (node.box.empty() || !chunks_.passes(node)) return;
-        const double square = square_of_box(chunks_.grid().to_source(node.box), q);
+        const double square = squared_distance(chunks_.grid().to_source(node.box), q);
         if (!may_hold(square, id, k)) return;
         nodes_.emplace_back(square, id);
         std::push_heap(nodes_.begin(), nodes_.end(), std::greater<>());
@@ -210,7 +197,7 @@ private:
             }
         } else {
             for (std::size_t i = 0; i < count; ++i)
-                squares[i] = square_of(grid.to_source(positions.grid(begin + i)), q);
+                squares[i] = squared_distance(grid.to_source(positions.grid(begin + i)), q);
         }
         compared_ += count;
         for (std::size_t i = 0; i < count; ++i) {
@@ -243,7 +230,7 @@ private:
 void require(const std::vector<Vec3d>& points, const NearestOptions& options)
 {
     for (const Vec3d& p : points)
-        if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+        if (!is_finite(p))
             throw Error(ErrorCode::invalid_argument, {},
                         "neighbours of a point that is not finite were asked for: " + exact(p));
     if (!(options.max_distance >= 0))
@@ -267,29 +254,6 @@ constexpr const char* error_meaning = "how much nearer the nearest point of the 
 double error_of(const std::vector<Neighbour>& points, double spacing, double max_distance)
 {
     return std::min(spacing, points.empty() ? max_distance : points[0].distance());
-}
-
-// Neighbours in this order are near each other: bits of 21-bit coordinates in turn.
-std::vector<std::uint32_t> morton_order(const std::vector<Vec3d>& points)
-{
-    Box3d box;
-    for (const Vec3d& p : points) box.extend(p);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points.size());
-    const double side = std::max({box.extent(0), box.extent(1), box.extent(2)});
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        std::uint64_t key = 0;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double part = side > 0 ? (points[i][a] - box.min[a]) / side : 0.0;
-            const auto cell =
-                part > 0 ? std::min<std::uint64_t>(static_cast<std::uint64_t>(part * 0x1p21), 0x1fffff) : 0;
-            for (unsigned bit = 0; bit < 21; ++bit) key |= (cell >> bit & 1) << (3 * bit + a);
-        }
-        keys[i] = {key, static_cast<std::uint32_t>(i)};
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<std::uint32_t> order(points.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = keys[i].second;
-    return order;
 }
 
 }  // namespace

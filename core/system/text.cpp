@@ -23,7 +23,7 @@ std::string exact(double value)
     return std::string(text, std::to_chars(text, text + sizeof text, value, format).ptr);
 }
 
-std::string exact(const Vec3d& v) { return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]); }
+std::string exact(const std::array<double, 3>& v) { return exact(v[0]) + " " + exact(v[1]) + " " + exact(v[2]); }
 
 std::string brief(double value)
 {

@@ -1,18 +1,17 @@
 // Numbers in words, for logs, messages and the command line.
 #pragma once
 
-#include "pcm/cloud/geometry.h"
-
+#include <array>
 #include <cstdint>
 #include <string>
 
 namespace pcm {
 
-std::string grouped(std::uint64_t number);    // 1,234,567
-std::string exact(double value);              // as many digits as it takes to read the same double back
-std::string exact(const Vec3d& v);            // "x y z"
-std::string brief(double value);              // three significant digits
-std::string bytes_text(std::uint64_t bytes);  // "1.25 GB"
-std::string time_text(double seconds);        // "3.2 ms"
+std::string grouped(std::uint64_t number);          // 1,234,567
+std::string exact(double value);                    // as many digits as it takes to read the same double back
+std::string exact(const std::array<double, 3>& v);  // "x y z"
+std::string brief(double value);                    // three significant digits
+std::string bytes_text(std::uint64_t bytes);        // "1.25 GB"
+std::string time_text(double seconds);              // "3.2 ms"
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/selection.h"
+#include "pcm/io/reader.h"
 #include "pcm/tree/selected_nodes.h"
 #include "pcm/tree/tree.h"
 

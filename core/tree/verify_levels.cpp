@@ -1,5 +1,6 @@
 #include "pcm/tree/verify_levels.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -55,15 +56,7 @@ public:
         }
     }
 
-    double squared(const Vec3i& p, const Vec3i& q) const
-    {
-        double sum = 0;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double d = static_cast<double>(std::max(p[a], q[a]) - std::min(p[a], q[a]));
-            sum += d * d * squared_scale_[a];
-        }
-        return sum;
-    }
+    double squared(const Vec3i& p, const Vec3i& q) const { return squared_distance(p, q, squared_scale_); }
 
     // The smallest squared distance from p to a point within `reach` cubes that is not p itself or, with `self`, is not
     // point number `self`. It is the true one if it is at most (reach * side)².

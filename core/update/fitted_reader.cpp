@@ -1,10 +1,11 @@
 #include "pcm/update/fitted_reader.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/text.h"
+#include "pcm/cloud/selection.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/pipe/grid_choice.h"
-#include "pcm/cloud/selection.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,7 +114,7 @@ void FittedReader::fit_positions(PointBatch& batch)
     std::array<std::vector<std::int32_t>, 3> narrow;
     for (std::size_t i = 0; i < batch.size; ++i) {
         const Vec3d p{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
-        if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+        if (!is_finite(p)) {
             ++skipped_;
             continue;
         }
@@ -171,11 +172,12 @@ void FittedReader::refuse()
                        " new points have no place on the tree's grid, whose steps are " + exact(tree_.grid.scale);
     if (largest_deviation_ > 0) text += "; the nearest places are up to " + brief(largest_deviation_) + " away";
     if (too_far_) text += "; some points are beyond its range";
-    throw Error(ErrorCode::invalid_argument, folder_, text,
-                tree_.position_type == ScalarType::i32 && !too_far_
-                    ? "build a new tree of all the files, or round the new ones to the grid with 'pcmlab convert --scale "
-                      "--offset' first"
-                    : "build a new tree of all the files");
+    throw Error(
+        ErrorCode::invalid_argument, folder_, text,
+        tree_.position_type == ScalarType::i32 && !too_far_
+            ? "build a new tree of all the files, or round the new ones to the grid with 'pcmlab convert --scale "
+              "--offset' first"
+            : "build a new tree of all the files");
 }
 
 }  // namespace pcm

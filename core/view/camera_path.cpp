@@ -1,5 +1,6 @@
 #include "pcm/view/camera_path.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <nlohmann/json.hpp>
@@ -15,22 +16,7 @@ namespace pcm {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double degree = 3.14159265358979323846 / 180;
-
-Vec3d cross(const Vec3d& a, const Vec3d& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
-Vec3d minus(const Vec3d& a, const Vec3d& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
-Vec3d unit(const Vec3d& v)
-{
-    const double l = length(v);
-    return {v[0] / l, v[1] / l, v[2] / l};
-}
+constexpr double degree = pi / 180;
 
 // The camera's axes in source axes.
 struct Axes {
@@ -39,8 +25,8 @@ struct Axes {
 
 Axes axes_of(const CameraFrame& frame)
 {
-    const Vec3d back = unit(minus(frame.eye, frame.target));
-    const Vec3d right = unit(cross(unit(frame.up), back));
+    const Vec3d back = normalised(frame.eye - frame.target);
+    const Vec3d right = normalised(cross(normalised(frame.up), back));
     return {right, cross(back, right), back};
 }
 
@@ -120,16 +106,15 @@ CameraPath path_of(const Json& json, const std::string& name, std::size_t& numbe
 void check(const CameraFrame& frame)
 {
     for (const Vec3d* v : {&frame.eye, &frame.target, &frame.up})
-        for (const double c : *v)
-            if (!std::isfinite(c)) refuse("a coordinate of the camera is not finite");
+        if (!is_finite(*v)) refuse("a coordinate of the camera is not finite");
     if (frame.angle) {
         if (!(*frame.angle > 0 && *frame.angle < 180)) refuse("'angle' is not between 0 and 180 degrees");
     } else if (!(frame.height > 0 && std::isfinite(frame.height))) {
         refuse("'height' is not above 0");
     }
-    const Vec3d ahead = minus(frame.target, frame.eye);
+    const Vec3d ahead = frame.target - frame.eye;
     if (!(length(ahead) > 0)) refuse("'eye' is the 'target'");
-    if (!(length(frame.up) > 0) || !(length(cross(unit(ahead), unit(frame.up))) > 1e-9))
+    if (!(length(frame.up) > 0) || !(length(cross(normalised(ahead), normalised(frame.up))) > 1e-9))
         refuse("'up' is along the view");
 }
 
@@ -175,7 +160,7 @@ CameraPath CameraPath::placed(const Box3d& box) const
 Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height)
 {
     const Axes axes = axes_of(frame);
-    const Vec3d eye = minus(frame.eye, origin);
+    const Vec3d eye = frame.eye - origin;
     Camera view;
     view.origin = origin;
     view.width = width;
@@ -189,7 +174,7 @@ Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, 
 
     double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
     for (unsigned number = 0; number < 8 && !box.empty(); ++number) {
-        const double depth = -dot(axes.back, minus(corner(box, number), frame.eye));
+        const double depth = -dot(axes.back, corner(box, number) - frame.eye);
         nearest = std::min(nearest, depth);
         farthest = std::max(farthest, depth);
     }
@@ -222,8 +207,8 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     frame.angle = angle;
     frame.target = box.centre();
     const double size = std::max(box.diagonal(), 1e-9 * (1 + length(frame.target)));
-    const Vec3d back = unit({-0.5, -1, 0.8});
-    for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + size * back[a];
+    const Vec3d back = normalised({-0.5, -1, 0.8});
+    frame.eye = frame.target + size * back;
     const Axes axes = axes_of(frame);
     const double margin = 1.05, aspect = static_cast<double>(width) / height;
     const double slope = angle ? std::tan(*angle / 2 * degree) / margin
@@ -234,13 +219,13 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     Vec3d shift{0, 0, 0};
     double away = 0.01 * size, half_height = 0.01 * size;
     for (unsigned number = 0; number < 8; ++number)  // by a wide angle the nearest corner could be at the eye
-        away = std::max(away, dot(axes.back, minus(corner(box, number), frame.target)) + 0.05 * size);
+        away = std::max(away, dot(axes.back, corner(box, number) - frame.target) + 0.05 * size);
     for (const bool across : {true, false}) {
         const Vec3d& axis = across ? axes.right : axes.up;
         const double s = across ? slope * aspect : slope;
         double most = -std::numeric_limits<double>::infinity(), least = most;
         for (unsigned number = 0; number < 8; ++number) {
-            const Vec3d p = minus(corner(box, number), frame.target);
+            const Vec3d p = corner(box, number) - frame.target;
             const double depth = angle ? dot(axes.back, p) : 0;
             most = std::max(most, depth + dot(axis, p) / s);
             least = std::max(least, depth - dot(axis, p) / s);
@@ -251,10 +236,8 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     }
     frame.height = angle ? 0 : 2 * half_height;
     if (!angle) away = size;
-    for (std::size_t a = 0; a < 3; ++a) {
-        frame.target[a] += shift[a];
-        frame.eye[a] = frame.target[a] + away * back[a];
-    }
+    frame.target = frame.target + shift;
+    frame.eye = frame.target + away * back;
     return frame;
 }
 

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
-#include "pcm/view/level_of_detail.h"
+#include "pcm/view/camera.h"
 
 #include <filesystem>
 #include <optional>

@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 #include <vector>
+#include "pcm/cloud/box_distance.h"
 
 namespace pcm {
 namespace {
@@ -17,14 +18,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 double square(double v) { return v * v; }
-
-// Of the point of a box that is nearest.
-double nearest_of(const Box3d& box, const Vec3d& p)
-{
-    double sum = 0;
-    for (std::size_t a = 0; a < 3; ++a) sum += square(std::clamp(p[a], box.min[a], box.max[a]) - p[a]);
-    return sum;
-}
 
 // The smallest number that the nearest point of a tight box cannot be beyond.
 double farthest_nearest_of(const Box3d& box, const Vec3d& p)
@@ -74,7 +67,7 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
         result.least = infinity;
         return result;
     }
-    if (!std::all_of(place.begin(), place.end(), [](double v) { return std::isfinite(v); })) return result;
+    if (!is_finite(place)) return result;
 
     const Grid& grid = tree.info().grid;
     // Coordinates are rounded too; so much an axis.
@@ -96,7 +89,7 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
         if (node.subtree_points == 0) return;
         const Box3d box = tree.box(id);
         nearest = std::min(nearest, farthest_nearest_of(box, place));
-        open.emplace(nearest_of(box, place), id);
+        open.emplace(squared_distance(box, place), id);
     };
     ask(0);
     while (!open.empty() && open.top().first < nearest && looked_at < limits.nodes) {

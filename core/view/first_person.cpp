@@ -9,17 +9,7 @@
 namespace pcm {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double level_enough = 1e-4;  // radians: less than a tenth of a pixel across a screen
-
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3d cross(const Vec3d& a, const Vec3d& b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vec3d times(double s, const Vec3d& v) { return {s * v[0], s * v[1], s * v[2]}; }
-Vec3d plus(const Vec3d& a, const Vec3d& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 // Of a scene at rest: to the right and ahead at yaw 0, and up; right x ahead = up.
 struct Horizon {
@@ -42,18 +32,18 @@ Horizon horizon_of(UpAxis axis)
 std::array<Vec3d, 3> orthonormal(const EyePose& pose)
 {
     for (const Vec3d* v : {&pose.eye, &pose.right, &pose.up, &pose.back})
-        for (const double c : *v)
-            if (!std::isfinite(c)) refuse("a pose has a number that is not finite");
+        if (!is_finite(*v)) refuse("a pose has a number that is not finite");
     if (!(pose.focus > 0) || !std::isfinite(pose.focus)) refuse("a pose has a focus that is not above 0");
     constexpr double tolerance = 1e-3;
     for (const Vec3d* v : {&pose.right, &pose.up, &pose.back})
-        if (std::fabs(length(*v) - 1) > tolerance) refuse("a pose has an axis that is not of unit length");
-    const Vec3d back = times(1 / length(pose.back), pose.back);
-    Vec3d up = plus(pose.up, times(-dot(pose.up, back), back));
-    if (std::fabs(length(up) - 1) > tolerance) refuse("a pose has axes that are not perpendicular");
-    up = times(1 / length(up), up);
+        if (std::fabs(std::sqrt(dot(*v, *v)) - 1) > tolerance) refuse("a pose has an axis that is not of unit length");
+    const Vec3d back = (1 / std::sqrt(dot(pose.back, pose.back))) * pose.back;
+    Vec3d up = pose.up - dot(pose.up, back) * back;
+    const double up_length = std::sqrt(dot(up, up));
+    if (std::fabs(up_length - 1) > tolerance) refuse("a pose has axes that are not perpendicular");
+    up = (1 / up_length) * up;
     const Vec3d right = cross(up, back);
-    if (length(plus(right, times(-1, pose.right))) > 2 * tolerance)
+    if (length(right - pose.right) > 2 * tolerance)
         refuse("a pose has axes that are not perpendicular and right-handed");
     return {right, up, back};
 }
@@ -103,12 +93,12 @@ std::array<Vec3d, 3> FirstPerson::axes() const
 {
     const Horizon h = horizon_of(up_axis_);
     const double sy = std::sin(yaw_), cy = std::cos(yaw_), sp = std::sin(pitch_), cp = std::cos(pitch_);
-    const Vec3d right = plus(times(cy, h.right), times(sy, h.ahead));
-    const Vec3d ahead = plus(times(-sy, h.right), times(cy, h.ahead));
-    const Vec3d back = plus(times(-cp, ahead), times(-sp, h.up));
-    const Vec3d up = plus(times(-sp, ahead), times(cp, h.up));
+    const Vec3d right = cy * h.right + sy * h.ahead;
+    const Vec3d ahead = -sy * h.right + cy * h.ahead;
+    const Vec3d back = -cp * ahead + -sp * h.up;
+    const Vec3d up = -sp * ahead + cp * h.up;
     const double sr = std::sin(roll_), cr = std::cos(roll_);
-    return {plus(times(cr, right), times(sr, up)), plus(times(-sr, right), times(cr, up)), back};
+    return {cr * right + sr * up, -sr * right + cr * up, back};
 }
 
 EyePose FirstPerson::pose() const
@@ -123,7 +113,7 @@ void FirstPerson::turn(double yaw, double pitch)
     const Vec3d centre = pose().centre();
     yaw_ = std::remainder(yaw_ + yaw, 2 * pi);
     pitch_ = std::clamp(pitch_ + pitch, -pi / 2, pi / 2);
-    if (orthographic_) eye_ = plus(centre, times(focus_, axes()[2]));
+    if (orthographic_) eye_ = centre + focus_ * axes()[2];
     levelling_ = roll_ != 0;
 }
 
@@ -154,7 +144,7 @@ bool FirstPerson::step(double seconds, unsigned keys, double reach)
         levelling_ = roll_ != 0;
         const auto now = axes();
         // Aside is level, up is the scene's; so walking with some roll left does not climb.
-        const Vec3d level_right = plus(times(std::cos(roll_), now[0]), times(-std::sin(roll_), now[1]));
+        const Vec3d level_right = std::cos(roll_) * now[0] - std::sin(roll_) * now[1];
         const Vec3d up = horizon_of(up_axis_).up;
         if (orthographic_) {
             // Moving across at speed v * focus while the focus falls as exp(-v t): the integral of v * exp(-v t) over
@@ -164,15 +154,15 @@ bool FirstPerson::step(double seconds, unsigned keys, double reach)
             const double each = speed / std::sqrt(double(ahead * ahead + aside * aside + upwards * upwards)) * seconds;
             const double way = focus_ * (ahead != 0 ? across : each);
             // In the plane of the picture: what goes along the view shows nothing.
-            Vec3d move = plus(times(aside * way, level_right), times(upwards * way, up));
-            move = plus(move, times(-dot(move, now[2]), now[2]));
-            const Vec3d centre = plus(pose().centre(), move);
+            Vec3d move = (aside * way) * level_right + (upwards * way) * up;
+            move = move - dot(move, now[2]) * now[2];
+            const Vec3d centre = pose().centre() + move;
             focus_ = std::clamp(focus_ * std::exp(-rate * seconds), 1e-12, 1e12);
-            eye_ = plus(centre, times(focus_, now[2]));
+            eye_ = centre + focus_ * now[2];
         } else if (reach > 0 && std::isfinite(reach)) {
-            Vec3d move = plus(times(-ahead, now[2]), plus(times(aside, level_right), times(upwards, up)));
-            const double size = length(move);  // 0: forwards and down while looking straight up
-            if (size > 1e-9) eye_ = plus(eye_, times(speed * reach * seconds / size, move));
+            const Vec3d move = double(-ahead) * now[2] + (double(aside) * level_right + double(upwards) * up);
+            const double size = std::sqrt(dot(move, move));  // 0: forwards and down while looking straight up
+            if (size > 1e-9) eye_ = eye_ + (speed * reach * seconds / size) * move;
             focus_ = reach;
         }
     }

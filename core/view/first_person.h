@@ -11,7 +11,7 @@
 // Not for several threads at once.
 #pragma once
 
-#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/vector.h"
 
 #include <array>
 #include <cstdint>
@@ -28,7 +28,7 @@ struct EyePose {
     // 0. In an orthographic view what is seen is as high as a constant times this.
     double focus = 1;
     bool orthographic = false;
-    Vec3d centre() const { return {eye[0] - focus * back[0], eye[1] - focus * back[1], eye[2] - focus * back[2]}; }
+    Vec3d centre() const { return eye - focus * back; }
 };
 
 // What is held down: an OR of these.

@@ -11,16 +11,6 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length_of(const Vec3d& a) { return std::hypot(a[0], a[1], a[2]); }
-
-bool is_finite(const Matrix4d& m)
-{
-    for (const double v : m)
-        if (!std::isfinite(v)) return false;
-    return true;
-}
-
 // The three components of a projection's row; the fourth is m[12 + row].
 Vec3d row_of(const Matrix4d& m, std::size_t row) { return {m[row], m[4 + row], m[8 + row]}; }
 
@@ -64,19 +54,17 @@ std::optional<Vec3d> solve(Matrix3d rows, Vec3d b)
 double perpendicular(const Vec3d& g, const Vec3d& axis)
 {
     const double along = dot(g, axis) / dot(axis, axis);
-    return length_of({g[0] - along * axis[0], g[1] - along * axis[1], g[2] - along * axis[2]});
+    return length(g - along * axis);
 }
 
 }  // namespace
 
 std::optional<Frustum> Frustum::of(const Camera& view)
 {
-    if (view.width <= 0 || view.height <= 0 || !is_finite(view.modelview) || !is_finite(view.projection))
+    if (view.width <= 0 || view.height <= 0 || !is_affine(view.modelview) || !is_finite(view.projection) ||
+        !is_finite(view.origin))
         return std::nullopt;
-    for (const double v : view.origin)
-        if (!std::isfinite(v)) return std::nullopt;
     Matrix4d modelview = view.modelview;
-    if (modelview[3] != 0 || modelview[7] != 0 || modelview[11] != 0 || modelview[15] == 0) return std::nullopt;
     for (double& v : modelview) v /= view.modelview[15];
     const Matrix4d& projection = view.projection;
 
@@ -87,8 +75,7 @@ std::optional<Frustum> Frustum::of(const Camera& view)
     Frustum frustum;
     frustum.origin_ = view.origin;
     frustum.eye_ = *eye;
-    for (const double v : frustum.eye_)
-        if (!std::isfinite(v)) return std::nullopt;
+    if (!is_finite(frustum.eye_)) return std::nullopt;
 
     // Eye space is linear * (p - eye), so a plane of the projection keeps its offset and turns its normal by the
     // transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
@@ -122,7 +109,7 @@ std::optional<Frustum> Frustum::of(const Camera& view)
     double largest_scale = 0;
     double smallest_scale = infinity;
     for (std::size_t a = 0; a < 3; ++a) {
-        const double scale = length_of({linear[0][a], linear[1][a], linear[2][a]});
+        const double scale = length({linear[0][a], linear[1][a], linear[2][a]});
         largest_scale = std::max(largest_scale, scale);
         smallest_scale = std::min(smallest_scale, scale);
     }
@@ -131,16 +118,16 @@ std::optional<Frustum> Frustum::of(const Camera& view)
     frustum.orthographic_ = w[0] == 0 && w[1] == 0 && w[2] == 0;
     if (frustum.orthographic_) {
         if (w_offset == 0) return std::nullopt;
-        frustum.pixels_per_unit_ = largest_scale / std::abs(w_offset) *
-                                   std::max(view.width * 0.5 * length_of(x), view.height * 0.5 * length_of(y));
+        frustum.pixels_per_unit_ =
+            largest_scale / std::abs(w_offset) * std::max(view.width * 0.5 * length(x), view.height * 0.5 * length(y));
     } else {
         // Along a plane of constant w, x_ndc changes by the part of x's gradient that is perpendicular to w's, over w;
         // and w is |w's gradient| times the distance on the axis.
         frustum.pixels_per_unit_ =
-            largest_scale / smallest_scale / length_of(w) *
+            largest_scale / smallest_scale / length(w) *
             std::max(view.width * 0.5 * perpendicular(x, w), view.height * 0.5 * perpendicular(y, w));
         const Plane& near_plane = frustum.planes_[4];
-        const double steepness = length_of(near_plane.normal);
+        const double steepness = length(near_plane.normal);
         frustum.near_ = steepness > 0 ? std::max(0.0, -near_plane.offset / steepness) : 0.0;
     }
     if (!std::isfinite(frustum.pixels_per_unit_)) return std::nullopt;
@@ -180,17 +167,17 @@ Frustum::Side Frustum::side_of(const Plane& plane, const Box3d& box, double sign
     return {value, 16 * epsilon * bound};
 }
 
-double Frustum::pixels(double length, const Box3d& box) const
+double Frustum::pixels(double size, const Box3d& box) const
 {
-    if (!(length > 0)) return 0;
-    if (orthographic_) return length * pixels_per_unit_;
+    if (!(size > 0)) return 0;
+    if (orthographic_) return size * pixels_per_unit_;
     Vec3d away{};
     for (std::size_t a = 0; a < 3; ++a)
         away[a] = std::max({0.0, (box.min[a] - origin_[a]) - eye_[a], eye_[a] - (box.max[a] - origin_[a])});
-    const double distance = std::max(length_of(away), near_);
-    return distance > 0 ? length * pixels_per_unit_ / distance : infinity;
+    const double distance = std::max(length(away), near_);
+    return distance > 0 ? size * pixels_per_unit_ / distance : infinity;
 }
 
-Vec3d Frustum::eye() const { return {origin_[0] + eye_[0], origin_[1] + eye_[1], origin_[2] + eye_[2]}; }
+Vec3d Frustum::eye() const { return origin_ + eye_; }
 
 }  // namespace pcm

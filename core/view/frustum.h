@@ -4,6 +4,7 @@
 
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/matrix.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/view/camera.h"
 
 #include <array>
@@ -24,10 +25,10 @@ public:
     // margin covers the rounding of coordinates of the size at hand.
     bool intersects(const Box3d& source_box) const;
 
-    // Pixels that `length` (source units) covers when it is seen face on at the point of the box that is nearest to the
+    // Pixels that `size` (source units) covers when it is seen face on at the point of the box that is nearest to the
     // eye, but no nearer than the near plane. Exact on the view's axis. For a modelview that scales the axes
     // differently this is an upper bound.
-    double pixels(double length, const Box3d& source_box) const;
+    double pixels(double size, const Box3d& source_box) const;
 
     // True only if the whole box is inside the clip volume; may be false for a box that touches it from within.
     bool contains(const Box3d& source_box) const;

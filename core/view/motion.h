@@ -1,7 +1,7 @@
 // Where a moving view will be: what it will need can be loaded before.
 #pragma once
 
-#include "pcm/view/level_of_detail.h"
+#include "pcm/view/camera.h"
 
 #include <optional>
 

@@ -1,5 +1,6 @@
 #include "plugin/host/points_layer.h"
 
+#include "pcm/cloud/vector.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/origin.h"
 #include "plugin/host/proxy.h"
@@ -55,7 +56,7 @@ std::optional<Points> read_all(PointReader& reader, std::uint64_t most, const Pr
             Vec3d p;
             for (std::size_t a = 0; a < 3; ++a)
                 p[a] = batch.gridded ? info.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
-            if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+            if (!is_finite(p)) {
                 ++points.skipped;
                 continue;
             }

@@ -4,6 +4,7 @@
 #include "pcm/convert/convert.h"
 #include "plugin/host/layer_reader.h"
 #include "plugin/host/registry.h"
+#include "pcm/io/pipe/selected_reader.h"
 #include "plugin/host/selection_text.h"
 #include "plugin/host/text.h"
 #include "plugin/io/formats.h"

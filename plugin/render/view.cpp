@@ -1,5 +1,6 @@
 #include "plugin/render/view.h"
 
+#include "pcm/cloud/vector.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
@@ -56,7 +57,7 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
 // size of the view (glarea.cpp: setView, setTiledView). The vertical scale of the whole view depends on the fov alone.
 bool is_tile(const pcm::Camera& view, float fov)
 {
-    const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * 3.14159265358979323846 / 360);
+    const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * pi / 360);
     return view.projection[5] > 1.5 * whole;
 }
 

@@ -2,13 +2,14 @@
 
 #include "pcm/build/builder.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
-#include "tests/clouds.h"
-#include "tests/memory_reader.h"
-#include "tests/support.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/verify.h"
 #include "pcm/tree/verify_levels.h"
+#include "tests/clouds.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -253,9 +254,7 @@ TEST(Build, MeasuringLevelsIsExact)
             points.push_back({tree->info().grid.to_source(chunk.positions->grid(i)), level});
         }
     }
-    const auto distance = [](const Vec3d& p, const Vec3d& q) {
-        return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
-    };
+    const auto distance = [](const Vec3d& p, const Vec3d& q) { return length(p - q); };
     const LevelsReport report = verify_levels(*tree, 1);
     ASSERT_GE(report.levels.size(), 1u);
     for (std::size_t level = 0; level < report.levels.size(); ++level) {

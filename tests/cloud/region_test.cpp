@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ public:
         }
         for (;;) {
             const Vec3d v = vector(1);
-            if (std::hypot(v[0], v[1], v[2]) > 0.1) return v;
+            if (length(v) > 0.1) return v;
         }
     }
     // From near to far, and in between.
@@ -46,7 +47,7 @@ private:
 Region random_region(Numbers& numbers, const Vec3d& centre, double size)
 {
     const double flat = numbers.below(4) ? 1 : 0;
-    const auto length = [&] { return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt; };
+    const auto any_length = [&] { return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt; };
     switch (numbers.below(7)) {
         case 0: {
             Box3d box;
@@ -58,11 +59,9 @@ Region random_region(Numbers& numbers, const Vec3d& centre, double size)
         }
         case 1: {
             const Vec3d u = numbers.direction(), other = numbers.direction();
-            Vec3d v = {u[1] * other[2] - u[2] * other[1], u[2] * other[0] - u[0] * other[2],
-                       u[0] * other[1] - u[1] * other[0]};
-            if (std::hypot(v[0], v[1], v[2]) < 1e-3)
-                v = u[0] * u[0] < 0.5 ? Vec3d{0, u[2], -u[1]} : Vec3d{u[1], -u[0], 0};
-            const Vec3d w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+            Vec3d v = cross(u, other);
+            if (length(v) < 1e-3) v = u[0] * u[0] < 0.5 ? Vec3d{0, u[2], -u[1]} : Vec3d{u[1], -u[0], 0};
+            const Vec3d w = cross(u, v);
             return Region::oriented_box(centre, {u, v, w},
                                         {size * numbers.unit(), size * numbers.unit(), size * numbers.unit() * flat});
         }
@@ -82,13 +81,13 @@ Region random_region(Numbers& numbers, const Vec3d& centre, double size)
                                    near, near * numbers.between(1.01, 10));
         }
         case 5:
-            return Region::ray(centre, numbers.direction(), size * numbers.unit() * flat, length());
+            return Region::ray(centre, numbers.direction(), size * numbers.unit() * flat, any_length());
         default: {
             const std::size_t edge = numbers.below(6);
             const double angle = edge == 0   ? std::pow(10, numbers.between(-12, 0))
                                  : edge == 1 ? 90 - std::pow(10, numbers.between(-12, 0))
                                              : numbers.between(1, 89);
-            return Region::cone(centre, numbers.direction(), angle, length());
+            return Region::cone(centre, numbers.direction(), angle, any_length());
         }
     }
 }
@@ -201,8 +200,7 @@ TEST(Region, AnOrientedBoxIsTheBoxTurned)
 {
     Numbers numbers(3);
     for (int round = 0; round < 3000; ++round) {
-        const double turn = numbers.between(-200, 200), c = std::cos(turn / 180 * M_PI),
-                     s = std::sin(turn / 180 * M_PI);
+        const double turn = numbers.between(-200, 200), c = std::cos(turn / 180 * pi), s = std::sin(turn / 180 * pi);
         const Vec3d centre = numbers.vector(1e6), half = {numbers.unit(), numbers.unit() * 5, numbers.unit() * 2};
         const Region region =
             parse_region("oriented-box " + std::to_string(centre[0]) + " " + std::to_string(centre[1]) + " " +

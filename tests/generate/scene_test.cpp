@@ -1,5 +1,6 @@
 #include "pcm/generate/scene.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/generate/determinism.h"
 #include "pcm/generate/site.h"
 #include "pcm/io/reader.h"
@@ -53,16 +54,15 @@ std::vector<Point> points_of(const std::filesystem::path& las)
 
 double distance_to(const ScenePrimitive& p, const Vec3d& q)
 {
-    const Vec3d d{q[0] - p.point[0], q[1] - p.point[1], q[2] - p.point[2]};
-    const double along = d[0] * p.direction[0] + d[1] * p.direction[1] + d[2] * p.direction[2];
-    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const Vec3d d = q - p.point;
+    const double along = dot(d, p.direction), distance = length(d);
     switch (p.kind) {
         case ScenePrimitive::Kind::plane:
             return std::abs(along);
         case ScenePrimitive::Kind::cylinder:
-            return std::abs(std::sqrt(std::max(0.0, length * length - along * along)) - p.radius);
+            return std::abs(std::sqrt(std::max(0.0, distance * distance - along * along)) - p.radius);
         case ScenePrimitive::Kind::sphere:
-            return std::abs(length - p.radius);
+            return std::abs(distance - p.radius);
     }
     return 0;
 }
@@ -141,9 +141,7 @@ TEST(Scene, PointsLieOnTheirPrimitives)
             EXPECT_EQ(p.id, i + 1);
             EXPECT_EQ(p.points, counts[i + 1]);
             if (p.points > 500) ++seen[p.kind];
-            const double length = std::sqrt(p.direction[0] * p.direction[0] + p.direction[1] * p.direction[1] +
-                                            p.direction[2] * p.direction[2]);
-            EXPECT_NEAR(length, p.kind == ScenePrimitive::Kind::sphere ? 0 : 1, 1e-12);
+            EXPECT_NEAR(length(p.direction), p.kind == ScenePrimitive::Kind::sphere ? 0 : 1, 1e-12);
             EXPECT_EQ(p.radius > 0, p.kind != ScenePrimitive::Kind::plane);
             // The noise is really there: no primitive is better than the incidence can make it.
             if (noise > 0.01 && p.points > 2000) {
@@ -413,8 +411,8 @@ TEST(SceneDeterminism, ElementaryFunctions)
         const double turns = random.between(-3, 3);
         double sine, cosine;
         scene::sine_cosine(turns, sine, cosine);
-        ASSERT_NEAR(sine, std::sin(turns * 2 * 3.14159265358979323846), 1e-14);
-        ASSERT_NEAR(cosine, std::cos(turns * 2 * 3.14159265358979323846), 1e-14);
+        ASSERT_NEAR(sine, std::sin(turns * 2 * pi), 1e-14);
+        ASSERT_NEAR(cosine, std::cos(turns * 2 * pi), 1e-14);
         const double x = std::ldexp(1 + random.unit(), random.below(200) - 100);
         ASSERT_NEAR(scene::logarithm(x), std::log(x), 1e-13);
         const double normal = random.normal();

@@ -2,6 +2,7 @@
 #include "tests/gl/splat_scene.h"
 
 #include <gtest/gtest.h>
+#include "pcm/cloud/vector.h"
 
 #include <cmath>
 #include <random>
@@ -11,7 +12,6 @@ using namespace pcm::test;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 
 Vec3d random_direction(std::mt19937_64& random)
 {
@@ -39,12 +39,9 @@ std::vector<Disc> random_discs(std::size_t count, double unit, std::uint64_t see
 Disc grazing_disc(double x, double y, double depth, double radius, double degrees, double turn)
 {
     const Vec3d ray{x, y, -1};
-    const double length = std::sqrt(x * x + y * y + 1);
-    const Vec3d d{x / length, y / length, -1 / length};
-    Vec3d side{d[1] * 0.3 - d[2] * 0.9, d[2] * 0.1 - d[0] * 0.3, d[0] * 0.9 - d[1] * 0.1};  // d x (0.1, 0.9, 0.3)
-    const double s = std::sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
-    for (double& v : side) v /= s;
-    const Vec3d up{d[1] * side[2] - d[2] * side[1], d[2] * side[0] - d[0] * side[2], d[0] * side[1] - d[1] * side[0]};
+    const Vec3d d = normalised(ray);
+    const Vec3d side = normalised(cross(d, {0.1, 0.9, 0.3}));
+    const Vec3d up = cross(d, side);
     Disc disc;
     const double angle = degrees * pi / 180;
     for (std::size_t a = 0; a < 3; ++a) {

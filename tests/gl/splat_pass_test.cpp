@@ -1,6 +1,7 @@
 // What all kinds of splats have in common: repeatability, missing attributes, least sizes, colours, OpenGL's state.
 #include "tests/gl/splat_scene.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/gl/gl_state.h"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,6 @@ TEST(SplatPass, WhatIsMissingIsReplaced)
 TEST(SplatPass, GapsAreFilled)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    constexpr double pi = 3.14159265358979323846;
     for (const Camera& view : {perspective_view(), parallel_view()})
         for (const SplatMode mode :
              {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})

@@ -2,13 +2,11 @@
 
 #include <cmath>
 #include <utility>
+#include "pcm/cloud/vector.h"
 
 namespace pcm::test {
 
 namespace {
-
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vec3d sum(const Vec3d& a, double s, const Vec3d& b) { return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]}; }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -46,7 +44,7 @@ DiscOracle::DiscOracle(const Camera& view) : view_(view)
     }
     for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t r = 0; r < 3; ++r) columns_[c][r] = static_cast<double>(a[r][3 + c]);
-    for (std::size_t c = 0; c < 3; ++c) eye_ = sum(eye_, -m[12 + c], columns_[c]);
+    for (std::size_t c = 0; c < 3; ++c) eye_ = eye_ - m[12 + c] * columns_[c];
     if (orthographic_) {
         near_ = (1 + p[14]) / p[10];
         far_ = (p[14] - 1) / p[10];
@@ -63,13 +61,11 @@ DiscOracle::Ray DiscOracle::ray(double x, double y) const
     Ray ray;
     ray.depth = 0;
     if (orthographic_) {
-        ray.origin = sum(sum(eye_, (ndc[0] - p[12]) / p[0], columns_[0]), (ndc[1] - p[13]) / p[5], columns_[1]);
-        ray.direction = sum({0, 0, 0}, -1, columns_[2]);
+        ray.origin = eye_ + ((ndc[0] - p[12]) / p[0]) * columns_[0] + ((ndc[1] - p[13]) / p[5]) * columns_[1];
+        ray.direction = -1.0 * columns_[2];
     } else {
         ray.origin = eye_;
-        ray.direction =
-            sum(sum(sum({0, 0, 0}, (ndc[0] + p[8]) / p[0], columns_[0]), (ndc[1] + p[9]) / p[5], columns_[1]), -1,
-                columns_[2]);
+        ray.direction = ((ndc[0] + p[8]) / p[0]) * columns_[0] + ((ndc[1] + p[9]) / p[5]) * columns_[1] - columns_[2];
     }
     return ray;
 }
@@ -78,10 +74,10 @@ double DiscOracle::hit(const Ray& ray, const Disc& disc) const
 {
     const double slope = dot(ray.direction, disc.normal);
     if (slope == 0) return infinity;
-    const Vec3d to_centre = sum(disc.centre, -1, ray.origin);
+    const Vec3d to_centre = disc.centre - ray.origin;
     const double depth = dot(to_centre, disc.normal) / slope;
     if (!(depth >= near_ && depth <= far_)) return infinity;
-    const Vec3d offset = sum(sum({0, 0, 0}, depth, ray.direction), -1, to_centre);
+    const Vec3d offset = depth * ray.direction - to_centre;
     return dot(offset, offset) <= disc.radius * disc.radius ? depth : infinity;
 }
 
@@ -91,7 +87,7 @@ DiscHit DiscOracle::cast(const std::vector<Disc>& discs, double x, double y, dou
     const Ray middle = ray(x, y);
     std::vector<Ray> around;
     for (int k = 0; k < 8 && margin > 0; ++k) {
-        const double angle = 0.785398163397448 * k;
+        const double angle = pi / 4 * k;
         around.push_back(ray(x + margin * std::cos(angle), y + margin * std::sin(angle)));
     }
     for (std::size_t d = 0; d < discs.size(); ++d) {

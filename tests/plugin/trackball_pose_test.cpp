@@ -2,6 +2,7 @@
 #include "plugin/edit/walk/trackball_pose.h"
 
 #include <gtest/gtest.h>
+#include "pcm/cloud/vector.h"
 
 #include <vcg/math/matrix44.h>
 
@@ -31,7 +32,7 @@ Vec3d seen_by_meshlab(const vcg::Similarityf& track, float fov, const Vec3d& p)
     rot.Normalize();
     const vcg::Point3d moved(p[0] + track.tra[0], p[1] + track.tra[1], p[2] + track.tra[2]);
     const vcg::Point3d q = rot.Rotate(moved) * double(track.sca);
-    const double distance = fov <= 5 ? 8 : 1.75 / std::tan(fov * M_PI / 360);
+    const double distance = fov <= 5 ? 8 : 1.75 / std::tan(fov * pi / 360);
     return {q[0], q[1], q[2] - distance};
 }
 

@@ -1,6 +1,7 @@
 // Queries of trees against a look at every point: regions, levels, conditions, estimates, neighbours, first hits.
 
 #include "pcm/build/builder.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/generate/scene.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
@@ -240,16 +241,11 @@ protected:
         }
     }
 
-    static double square(const Vec3d& p, const Vec3d& q)
-    {
-        const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-        return (x * x + y * y) + z * z;
-    }
     std::vector<Neighbour> neighbours(const Vec3d& q, std::size_t k, const NearestOptions& options) const
     {
         std::vector<Neighbour> result;
         for (const Record& r : all_) {
-            const double d = square(r.position, q);
+            const double d = squared_distance(r.position, q);
             if ((!options.level || r.level <= *options.level) && d <= options.max_distance * options.max_distance)
                 result.push_back({r.node, r.index, d, r.position});
         }

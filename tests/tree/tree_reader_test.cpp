@@ -2,6 +2,7 @@
 
 #include "pcm/tree/tree_reader.h"
 
+#include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"

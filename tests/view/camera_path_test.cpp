@@ -2,6 +2,7 @@
 
 #include "tests/support.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <array>
@@ -13,7 +14,7 @@ namespace {
 
 using namespace pcm;
 
-constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double degree = pi / 180;
 using Vec4 = std::array<double, 4>;
 
 Vec4 times(const Matrix4d& m, const Vec4& v)

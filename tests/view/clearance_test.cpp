@@ -1,10 +1,11 @@
 // Distances to the nearest points against a look at every point, whatever of the tree is in memory.
 #include "pcm/view/clearance.h"
 
-#include "tests/clouds.h"
-#include "pcm/point_cloud.h"
-#include "tests/support.h"
 #include "pcm/build/builder.h"
+#include "pcm/cloud/vector.h"
+#include "pcm/point_cloud.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <limits>
@@ -46,8 +47,7 @@ protected:
     double exact(const Vec3d& place) const
     {
         double best = std::numeric_limits<double>::infinity();
-        for (const Vec3d& p : points_)
-            best = std::min(best, std::hypot(p[0] - place[0], p[1] - place[1], p[2] - place[2]));
+        for (const Vec3d& p : points_) best = std::min(best, length(p - place));
         return best;
     }
     // At these coordinates a double is this far from the next one.

@@ -2,6 +2,7 @@
 // on the steps.
 #include "pcm/view/first_person.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
@@ -13,10 +14,6 @@
 namespace {
 
 using namespace pcm;
-
-constexpr double pi = 3.14159265358979323846;
-
-double dot(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 void expect_near(const Vec3d& a, const Vec3d& b, double tolerance)
 {

@@ -1,4 +1,4 @@
-// Node choice against brute force over random trees, and culling and projected sizes against plain projection.
+// Node choice against brute force over random trees.
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
@@ -89,168 +89,6 @@ double error_of_drawn(const SyntheticTree& tree, const Camera& view, const std::
 
 }  // namespace
 
-TEST(Frustum, NeverDropsABoxWithAVisiblePoint)
-{
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> unit(0, 1);
-    std::size_t visible = 0;
-    std::size_t culled = 0;
-    for (int i = 0; visible < 10000; ++i) {
-        ASSERT_LT(i, 2000000);
-        const Vec3d origin = i % 3 == 0 ? Vec3d{0, 0, 0} : Vec3d{500000, 5000000, 100};
-        const Vec3d place = i % 3 == 1 ? origin : Vec3d{500000, 5000000, 100};  // far from the local origin at times
-        const double reach = std::pow(10.0, 5 * unit(random) - 2);
-        const auto near_place = [&](double spread) {
-            return Vec3d{place[0] + spread * (unit(random) - 0.5), place[1] + spread * (unit(random) - 0.5),
-                         place[2] + spread * (unit(random) - 0.5)};
-        };
-        const Camera view = random_view(random, near_place(reach), origin, reach);
-        const auto frustum = Frustum::of(view);
-        ASSERT_TRUE(frustum);
-        Vec3d point = near_place(reach);
-        auto c = clip(view, point);
-        if (i % 2 == 0 && is_visible(c)) {
-            // Move towards the border of the clip volume by bisection: the hard cases lie there.
-            Vec3d outside = near_place(20 * reach);
-            if (!is_visible(clip(view, outside))) {
-                for (int step = 0; step < 80; ++step) {
-                    Vec3d middle{};
-                    for (std::size_t a = 0; a < 3; ++a) middle[a] = point[a] + (outside[a] - point[a]) / 2;
-                    (is_visible(clip(view, middle)) ? point : outside) = middle;
-                }
-                c = clip(view, point);
-            }
-        }
-        Box3d box;
-        box.extend(point);
-        const int shape = i % 4;  // a point, a line, a flat box, a box; the point in a corner or inside
-        for (int a = 0; a < shape; ++a) {
-            const double size = reach * std::pow(10.0, -3 * unit(random));
-            box.min[a] -= unit(random) < 0.5 ? 0 : size * unit(random);
-            box.max[a] += unit(random) < 0.5 ? 0 : size * unit(random);
-        }
-        if (is_visible(c)) {
-            ++visible;
-            ASSERT_TRUE(frustum->intersects(box)) << "case " << i;
-        } else {
-            culled += !frustum->intersects(box);
-        }
-    }
-    EXPECT_GT(culled, 1000u);  // it does cull
-}
-
-TEST(Frustum, CullsWhatIsBeyondOnePlane)
-{
-    std::mt19937_64 random(2);
-    std::uniform_real_distribution<double> unit(0, 1);
-    std::size_t outside = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const Vec3d place{500000, 5000000, 100};
-        const Camera view = random_view(random, place, place, 10);
-        Box3d box;
-        for (int corner = 0; corner < 2; ++corner)
-            box.extend(Vec3d{place[0] + 40 * (unit(random) - 0.5), place[1] + 40 * (unit(random) - 0.5),
-                             place[2] + 40 * (unit(random) - 0.5)});
-        // All eight corners beyond one plane by more than the rounding at map coordinates.
-        bool beyond = false;
-        for (std::size_t axis = 0; axis < 3 && !beyond; ++axis)
-            for (const double sign : {-1.0, 1.0}) {
-                bool all = true;
-                for (int corner = 0; corner < 8; ++corner) {
-                    const auto c =
-                        clip(view, {corner & 1 ? box.max[0] : box.min[0], corner & 2 ? box.max[1] : box.min[1],
-                                    corner & 4 ? box.max[2] : box.min[2]});
-                    all = all && sign * c[axis] > c[3] + 1e-6 * (std::abs(c[axis]) + std::abs(c[3]) + 1);
-                }
-                beyond = beyond || all;
-            }
-        if (!beyond) continue;
-        ++outside;
-        EXPECT_FALSE(Frustum::of(view)->intersects(box)) << "case " << i;
-    }
-    EXPECT_GT(outside, 1000u);
-}
-
-TEST(Frustum, PixelsAreThoseOfAProjectedSegment)
-{
-    // On the axis, a segment face on at distance d; orthographic anywhere. The projection is the oracle; 1e-6: what is
-    // left of a millimetre at coordinates of 5e6 after two projections.
-    std::mt19937_64 random(3);
-    std::uniform_real_distribution<double> unit(0, 1);
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3d eye{500000, 5000000, 100};
-        const Vec3d origin = i % 2 ? eye : Vec3d{0, 0, 0};
-        const Matrix4d turn = rotation(random);
-        const double scale = std::pow(10.0, 2 * unit(random) - 1);
-        Camera view;
-        view.origin = origin;
-        view.width = 900;
-        view.height = 600;
-        view.modelview = product(
-            turn, product(scaling(scale), translation({origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]})));
-        const bool ortho = i % 4 >= 2;
-        view.projection = ortho ? orthographic(3, 2, 1e-6, 1000) : perspective(-3e-6, 3e-6, -2e-6, 2e-6, 2e-6, 1e6);
-        const double distance = 1 + 50 * unit(random);
-        const Vec3d right{turn[0], turn[4], turn[8]};
-        const Vec3d back{turn[2], turn[6], turn[10]};
-        const double length = 0.5;
-        Vec3d a{}, b{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            a[k] = eye[k] - distance * back[k];
-            b[k] = a[k] + length * right[k];
-        }
-        const auto ca = clip(view, a);
-        const auto cb = clip(view, b);
-        const double expected = (cb[0] / cb[3] - ca[0] / ca[3]) * view.width / 2;
-        Box3d box;
-        box.extend(a);
-        const auto frustum = Frustum::of(view);
-        EXPECT_EQ(frustum->orthographic(), ortho);
-        EXPECT_NEAR(frustum->pixels(length, box), expected, 1e-6 * expected);
-    }
-}
-
-TEST(Frustum, TheEyeInsideABoxGivesAFiniteSizeLimitedByTheNearPlane)
-{
-    Camera view;
-    view.modelview = identity();
-    view.projection = perspective(-1e-6, 1e-6, -1e-6, 1e-6, 1e-6, 1);
-    view.width = view.height = 1000;
-    Box3d box;
-    box.extend(Vec3d{-1, -1, -1});
-    box.extend(Vec3d{1, 1, 1});
-    const auto frustum = Frustum::of(view);
-    ASSERT_TRUE(frustum);
-    EXPECT_NEAR(frustum->pixels(1e-6, box), 500, 1e-3);  // half the viewport at the near plane
-    EXPECT_EQ(frustum->pixels(0, box), 0);
-}
-
-TEST(Frustum, RefusesViewsThatShowNothing)
-{
-    Camera view;
-    view.modelview = identity();
-    view.projection = orthographic(1, 1, -1, 1);
-    view.width = view.height = 10;
-    EXPECT_TRUE(Frustum::of(view));
-    Camera bad = view;
-    bad.width = 0;
-    EXPECT_FALSE(Frustum::of(bad));
-    bad = view;
-    bad.modelview[0] = std::nan("");
-    EXPECT_FALSE(Frustum::of(bad));
-    bad = view;
-    bad.modelview[5] = 0;  // singular
-    EXPECT_FALSE(Frustum::of(bad));
-    bad = view;
-    bad.modelview[3] = 1;  // not affine
-    EXPECT_FALSE(Frustum::of(bad));
-    bad = view;
-    bad.projection[10] = std::numeric_limits<double>::infinity();
-    EXPECT_FALSE(Frustum::of(bad));
-    std::mt19937_64 random(4);
-    EXPECT_TRUE(select_detail(random_tree(random, 10, {}).nodes, Grid{}, bad, {}).wanted.empty());
-}
-
 class SelectDetail : public testing::TestWithParam<double> {};
 
 TEST_P(SelectDetail, IsWhatBruteForceFinds)
@@ -335,6 +173,17 @@ TEST_P(SelectDetail, IsWhatBruteForceFinds)
 }
 
 INSTANTIATE_TEST_SUITE_P(Coordinates, SelectDetail, testing::Values(0.0, 5e6));
+
+TEST(SelectDetail, AViewThatShowsNothingWantsNothing)
+{
+    Camera view;
+    view.modelview = identity();
+    view.projection = orthographic(1, 1, -1, 1);
+    view.width = view.height = 10;
+    view.projection[10] = std::numeric_limits<double>::infinity();
+    std::mt19937_64 random(4);
+    EXPECT_TRUE(select_detail(random_tree(random, 10, {}).nodes, Grid{}, view, {}).wanted.empty());
+}
 
 TEST(SelectDetail, TheErrorOfAFullPictureIsZeroAndOfTheTargetBelowIt)
 {

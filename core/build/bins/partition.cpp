@@ -1,10 +1,11 @@
 #include "pcm/build/bins/partition.h"
 
 #include "pcm/bpc/chunk_codec.h"
-#include "pcm/system/error.h"
 #include "pcm/build/bins/batch_queue.h"
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/spool.h"
+#include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
 
 #include <atomic>
 #include <cmath>
@@ -173,9 +174,6 @@ private:
         StridedSample<Vec3d> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Vec3d)));
         const auto position = [](const PointBatch& batch, std::size_t i) {
             return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
-        };
-        const auto is_finite = [](const Vec3d& p) {
-            return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
         };
         std::vector<Spool::Writer> writers(threads_, Spool::Writer(spool));
         stream(

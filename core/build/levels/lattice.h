@@ -6,8 +6,9 @@
 // and what is nearer than spacing(g) to a point lies at most 4 cells away along any axis.
 #pragma once
 
-#include "pcm/cloud/geometry.h"
 #include "pcm/build/bins/cut.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/vector.h"
 
 #include <algorithm>
 #include <array>
@@ -92,18 +93,6 @@ bool morton_before(const Point<Coord>& p, const Point<Coord>& q, const AxisShift
         }
     }
     return most ? p[axis] < q[axis] : p < q;
-}
-
-// Square of the distance, the same whatever the order of p and q. Coordinate differences below 2^53 steps are exact.
-template <class Coord>
-double squared_distance(const Point<Coord>& p, const Point<Coord>& q, const Vec3d& squared_scale)
-{
-    double sum = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const double d = static_cast<double>(p[a] > q[a] ? p[a] - q[a] : q[a] - p[a]);
-        sum += d * d * squared_scale[a];
-    }
-    return sum;
 }
 
 }  // namespace pcm

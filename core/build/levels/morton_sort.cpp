@@ -1,30 +1,13 @@
 #include "pcm/build/levels/morton_sort.h"
 
+#include "pcm/cloud/morton.h"
+
 #include <algorithm>
 #include <cstring>
 #include <numeric>
 
 namespace pcm {
 namespace {
-
-constexpr int code_bits = 21;  // an axis
-
-// For seven bits, the same with two zero bits after each.
-constexpr std::array<std::uint32_t, 128> make_spread_bits()
-{
-    std::array<std::uint32_t, 128> spread{};
-    for (std::uint32_t v = 0; v < 128; ++v)
-        for (std::uint32_t bit = 0; bit < 7; ++bit) spread[v] |= (v >> bit & 1) << (3 * bit);
-    return spread;
-}
-constexpr std::array<std::uint32_t, 128> spread_bits = make_spread_bits();
-
-// For the low 21 bits of v.
-std::uint64_t spread(std::uint64_t v)
-{
-    return spread_bits[v & 127] | static_cast<std::uint64_t>(spread_bits[v >> 7 & 127]) << 21 |
-           static_cast<std::uint64_t>(spread_bits[v >> 14 & 127]) << 42;
-}
 
 struct CodeIndex {
     std::uint64_t code;
@@ -85,7 +68,7 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
     std::array<int, 3> rank{};
     for (std::size_t r = 0; r < 3; ++r) rank[axes[r]] = static_cast<int>(r);
 
-    const int dropped = std::max(0, extent - (code_bits - 1));
+    const int dropped = std::max(0, extent - (morton_axis_bits - 1));
     const int kept = extent - dropped;  // bits of an axis below the border bits
     std::vector<CodeIndex> items(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -93,7 +76,7 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
         std::uint64_t code = 0;
         for (std::size_t a = 0; a < 3; ++a) {
             const std::uint64_t c = ((static_cast<std::uint64_t>(p[a]) >> finer[a]) - base[a]) >> dropped;
-            code |= spread(c & ((std::uint64_t(1) << kept) - 1)) << a;
+            code |= spread_bits(c & ((std::uint64_t(1) << kept) - 1)) << a;
             code |= (c >> kept & 1) << (3 * kept + rank[a]);
         }
         items[i] = {code, static_cast<std::uint32_t>(i)};

@@ -1,11 +1,12 @@
 #include "pcm/io/e57/e57_reader.h"
 
-#include "pcm/system/text.h"
-#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/io/e57/e57_fields.h"
 #include "pcm/io/e57/e57_file.h"
 #include "pcm/io/e57/e57_packets.h"
 #include "pcm/io/names.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>
@@ -32,7 +33,7 @@ struct Pose {
     {
         Vec3d q = p;
         if (turns)
-            for (std::size_t a = 0; a < 3; ++a) q[a] = rows[a][0] * p[0] + rows[a][1] * p[1] + rows[a][2] * p[2];
+            for (std::size_t a = 0; a < 3; ++a) q[a] = dot(rows[a], p);
         if (moves)
             for (std::size_t a = 0; a < 3; ++a) q[a] += translation[a];
         return q;

@@ -1,5 +1,6 @@
 #include "pcm/io/pipe/transformed_reader.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/batch_shape.h"
 
 #include <algorithm>
@@ -15,8 +16,8 @@ void turn(Column& column, const std::array<Vec3d, 3>& by)
     for (std::size_t i = 0; i < column.size(); ++i, values += 3) {
         const Vec3d n{static_cast<double>(values[0]), static_cast<double>(values[1]), static_cast<double>(values[2])};
         Vec3d turned;
-        for (std::size_t a = 0; a < 3; ++a) turned[a] = by[a][0] * n[0] + by[a][1] * n[1] + by[a][2] * n[2];
-        const double before = std::hypot(n[0], n[1], n[2]), now = std::hypot(turned[0], turned[1], turned[2]);
+        for (std::size_t a = 0; a < 3; ++a) turned[a] = dot(by[a], n);
+        const double before = length(n), now = length(turned);
         if (!(now > 0)) continue;  // no direction
         for (std::size_t a = 0; a < 3; ++a) values[a] = static_cast<T>(turned[a] * (before / now));
     }
@@ -39,7 +40,7 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     double volume = 1;  // of a box with the rows' lengths
     bool finite = std::isfinite(determinant), stretches = true;
     for (std::size_t i = 0; i < 3; ++i) {
-        volume *= std::hypot(m[i][0], m[i][1], m[i][2]);
+        volume *= length(m[i]);
         finite = finite && std::isfinite(map_.pivot[i]) && std::isfinite(map_.target[i]);
         for (std::size_t j = 0; j < 3; ++j) {
             stretches = stretches && (i == j ? m[i][j] > 0 : m[i][j] == 0);

@@ -1,5 +1,6 @@
 #include "plugin/edit/walk/first_person_tool.h"
 
+#include "pcm/cloud/vector.h"
 #include "plugin/edit/walk/scene_reach.h"
 #include "plugin/edit/walk/trackball_pose.h"
 #include "plugin/host/text.h"
@@ -21,7 +22,6 @@ namespace {
 
 constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a slow frame the eye does not jump
-constexpr double pi = 3.14159265358979323846;
 constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
 
 const char* const name = "First Person Navigation";

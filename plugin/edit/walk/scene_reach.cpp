@@ -1,5 +1,6 @@
 #include "plugin/edit/walk/scene_reach.h"
 
+#include "pcm/cloud/box_distance.h"
 #include "pcm/view/clearance.h"
 #include "plugin/host/registry.h"
 
@@ -77,9 +78,7 @@ SceneReach reach_of_mesh(const MeshModel& layer, const Placement& placement, con
         const auto p = box.P(corner);
         shown.extend(placement.apply({double(p[0]), double(p[1]), double(p[2])}));
     }
-    double square = 0;
-    for (std::size_t a = 0; a < 3; ++a)
-        square += std::pow(std::clamp(place[a], shown.min[a], shown.max[a]) - place[a], 2);
+    const double square = squared_distance(shown, place);
     const double distance = std::max(std::sqrt(square), inside_share * shown.diagonal());
     return {distance, distance - std::sqrt(square)};
 }

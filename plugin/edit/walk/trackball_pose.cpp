@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include "pcm/cloud/vector.h"
 
 namespace pcm::host {
 namespace {
@@ -12,7 +13,7 @@ constexpr double half_height = 1.75, orthographic_distance = 8;
 
 double camera_distance(float fov)
 {
-    constexpr double radians = 3.14159265358979323846 / 180;
+    constexpr double radians = pi / 180;
     return is_orthographic(fov) ? orthographic_distance : half_height / std::tan(fov * radians / 2);
 }
 
