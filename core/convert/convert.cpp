@@ -3,7 +3,8 @@
 #include "pcm/build/builder.h"
 #include "pcm/convert/open_cloud.h"
 #include "pcm/convert/output_grid.h"
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
+#include "pcm/io/formats.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
@@ -22,12 +23,11 @@ namespace fs = std::filesystem;
 
 fs::path without_slash(const fs::path& path) { return path.filename().empty() ? path.parent_path() : path; }
 
-bool is_one_of(std::string_view extension, std::initializer_list<std::string_view> extensions)
+bool has(std::string_view extension, FormatTrait trait)
 {
-    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+    const Format* const format = format_of_extension(extension);
+    return format && format->has(trait);
 }
-
-bool has_grid(std::string_view extension) { return is_one_of(extension, {"las", "laz"}); }
 
 // An option that would do nothing is a mistake of the user's.
 void refuse_idle_options(const ConvertOptions& options, const fs::path& output, const std::string& extension)
@@ -35,10 +35,12 @@ void refuse_idle_options(const ConvertOptions& options, const fs::path& output, 
     const auto refuse = [&](const std::string& what) {
         throw Error(ErrorCode::invalid_argument, output, what + ", not to ." + extension);
     };
-    if ((options.write.grid || options.scale) && !has_grid(extension)) refuse("a grid goes to .las and .laz");
-    if (options.write.decimals && !is_one_of(extension, {"xyz", "txt", "asc", "csv", "pts"}))
-        refuse("decimals go to text formats");
-    if (options.write.ascii && !is_one_of(extension, {"ply", "pcd"})) refuse("ascii goes to .ply and .pcd");
+    const auto only = [&](FormatTrait trait, const std::string& what) {
+        if (!has(extension, trait)) refuse(what + extensions_with(trait));
+    };
+    if (options.write.grid || options.scale) only(needs_grid, "a grid goes to ");
+    if (options.write.decimals) only(takes_decimals, "decimals go to ");
+    if (options.write.ascii) only(takes_ascii, "ascii goes to ");
 }
 
 void refuse_bad_selection(const Selection& selection)
@@ -117,7 +119,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     ConvertReport report;
     WriteOptions write = options.write;
     auto cloud = open();
-    const bool gridded = has_grid(extension_of(output));
+    const bool gridded = has(extension_of(output), needs_grid);
     double done = 0;  // of the whole, before the points are written
     if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
         const OutputGrid chosen = choose_output_grid(*cloud, options.scale, [&](double fraction) {
@@ -166,9 +168,8 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const CloudSources sources(inputs, options.cloud);
     refuse_output(sources.paths(), output, options.overwrite);
     const bool to_tree = extension == tree_extension;
-    const std::vector<std::string> writable = writable_extensions();
-    if (!to_tree && std::find(writable.begin(), writable.end(), extension) == writable.end())
-        create_writer(output, {}, {});  // says which there are
+    const Format* const format = format_of_extension(extension);
+    if (!to_tree && !(format && format->create)) create_writer(output, {}, {});  // throws, naming the writable formats
     return to_tree ? convert_to_tree(sources, output, options)
                    : write_cloud([&] { return sources.open(); }, output, options);
 }

@@ -1,17 +1,17 @@
 // Readers turn a file into batches of points, in bounded memory.
 //
-// One file a format: las_reader, ply_reader, ... open_reader() recognises the format by content first, by extension
-// second. A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check
-// against, not sizes to allocate.
+// Each format has a folder: las/, ply/, ...; formats.h is the table of them. open_reader() recognises the format by
+// content first, by extension second. A reader belongs to one thread at a time. Headers are never trusted: promised
+// counts are bounds to check against, not sizes to allocate.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
-#include "pcm/system/error.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
 #include "pcm/cloud/point_batch.h"
-#include "pcm/system/progress.h"
 #include "pcm/io/text/text_layout.h"
+#include "pcm/system/error.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -32,7 +32,10 @@ struct FileInfo {
     std::optional<Grid> near_grid;  // of doubles that come from integers: the grid that they lie on, but for rounding
     std::optional<Box3d> promised_box;  // from the header, not checked
     std::vector<Metadata> metadata;
-    std::vector<std::string> notes;  // what a user should know: "12 faces ignored", "VLR count is wrong"
+    // What a user should know: "12 faces ignored", "VLR count is wrong". For people: no code depends on the words.
+    std::vector<std::string> notes;
+    // Of a text file of columns: the layout that it is read with, detected or as the user stated it.
+    std::optional<TextLayout> text_layout;
 };
 
 class PointReader {

@@ -1,6 +1,6 @@
 // Writers turn batches of points into a file, in bounded memory: the counterpart of reader.h.
 //
-// One file a format: las_writer, ply_writer, ... create_writer() chooses by the extension.
+// Each format has a folder: las/, ply/, ...; formats.h is the table of them. create_writer() chooses by the extension.
 #pragma once
 
 #include "pcm/io/reader.h"

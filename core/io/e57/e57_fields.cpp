@@ -1,8 +1,8 @@
 #include "pcm/io/e57/e57_fields.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <bitset>

@@ -1,7 +1,7 @@
 #include "pcm/io/e57/e57_file.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #ifdef PCM_HAVE_DECODERS
 #include "pcm/decoders/decoders.h"

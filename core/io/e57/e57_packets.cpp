@@ -1,6 +1,6 @@
 #include "pcm/io/e57/e57_packets.h"
 
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,10 @@
 #include "pcm/io/e57/e57_reader.h"
 
-#include "pcm/system/text.h"
-#include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/e57/e57_fields.h"
 #include "pcm/io/e57/e57_file.h"
 #include "pcm/io/e57/e57_packets.h"
-#include "pcm/io/names.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>
@@ -384,6 +383,9 @@ bool E57Reader::read(PointBatch& batch, std::size_t max_points)
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path) { return std::make_unique<E57Reader>(path); }
+std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<E57Reader>(path);
+}
 
 }  // namespace pcm

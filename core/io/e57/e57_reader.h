@@ -17,6 +17,6 @@ namespace pcm {
 // "e57.scan/<number from 1>/name" and ".../guid".
 //
 // Every page that is read is checked against its checksum.
-std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path);
+std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace pcm

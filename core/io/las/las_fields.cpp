@@ -1,7 +1,8 @@
 #include "pcm/io/las/las_fields.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_layout.h"
-#include "pcm/io/names.h"
+#include "pcm/io/unique_name.h"
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "pcm/io/las/las_header.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_layout.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <array>

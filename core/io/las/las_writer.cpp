@@ -1,14 +1,14 @@
 #include "pcm/io/las/las_writer.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/output_file.h"
-#include "pcm/system/text.h"
-#include "pcm/io/pipe/grid_choice.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_header.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/las/las_sink.h"
 #include "pcm/io/las/las_write_plan.h"
-#include "pcm/io/names.h"
+#include "pcm/io/pipe/grid_choice.h"
+#include "pcm/system/error.h"
+#include "pcm/system/output_file.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>

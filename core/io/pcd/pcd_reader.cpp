@@ -1,14 +1,15 @@
 #include "pcm/io/pcd/pcd_reader.h"
 
-#include "pcm/system/file.h"
-#include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/text/line_stream.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pcd/lzf_stream.h"
-#include "pcm/io/names.h"
-#include "pcm/io/number_text.h"
 #include "pcm/io/pcd/pcd_header.h"
-#include "pcm/io/scalars.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/line_stream.h"
+#include "pcm/io/records/line_words.h"
+#include "pcm/io/records/scalars.h"
+#include "pcm/io/unique_name.h"
+#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <array>
@@ -466,6 +467,9 @@ double PcdReader::fraction_read() const
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path) { return std::make_unique<PcdReader>(path); }
+std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<PcdReader>(path);
+}
 
 }  // namespace pcm

@@ -15,6 +15,6 @@ namespace pcm {
 // Files that are too short for their points are refused here, ascii and damaged compressed ones when read() gets there.
 // Memory stays below some megabytes whatever the size of the compressed block. NaN and infinities are passed on: points
 // of organised clouds where the sensor saw nothing.
-std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path);
+std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace pcm

@@ -1,7 +1,7 @@
 #include "pcm/io/ply/ply_header.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <charconv>

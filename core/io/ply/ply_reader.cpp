@@ -1,13 +1,14 @@
 #include "pcm/io/ply/ply_reader.h"
 
-#include "pcm/system/file.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/text/line_stream.h"
-#include "pcm/io/names.h"
-#include "pcm/io/number_text.h"
 #include "pcm/io/ply/ply_header.h"
-#include "pcm/io/scalars.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/line_stream.h"
+#include "pcm/io/records/line_words.h"
+#include "pcm/io/records/scalars.h"
+#include "pcm/io/unique_name.h"
+#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <array>
@@ -515,6 +516,16 @@ double PlyReader::fraction_read() const
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path) { return std::make_unique<PlyReader>(path); }
+std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<PlyReader>(path);
+}
+
+bool ply_only_points(const std::filesystem::path& path)
+{
+    const PlyHeader header = read_ply_header(File(path, File::Mode::read));
+    return std::all_of(header.elements.begin(), header.elements.end(),
+                       [](const PlyElement& element) { return element.name == "vertex" || element.count == 0; });
+}
 
 }  // namespace pcm

@@ -16,6 +16,9 @@ namespace pcm {
 //
 // Truncated binary files whose vertices have one size are refused here; others, and ascii, when read() gets there.
 // Numbers of ascii files must fit the type of their property. NaN and infinities are passed on.
-std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path);
+std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// Whether the file has no elements but vertices: no faces, no edges. Throws what open_ply() throws for its header.
+bool ply_only_points(const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -1,11 +1,11 @@
 #include "pcm/io/ply/ply_writer.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/ply/ply_header.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/record_encoder.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_file.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/names.h"
-#include "pcm/io/ply/ply_header.h"
-#include "pcm/io/record_encoder.h"
 
 #include <algorithm>
 #include <set>

@@ -1,7 +1,8 @@
 #include "pcm/io/text/text_columns.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/unique_name.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <array>
@@ -419,9 +420,7 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
                     "attributes without colour");
                 continue;
             }
-            plan.colours = *type == ScalarType::u8    ? "colours 0-255"
-                           : *type == ScalarType::u16 ? "colours 0-65535"
-                                                      : "colours 0-1";
+            plan.colour_range = *type == ScalarType::u8 ? 255 : *type == ScalarType::u16 ? 65535 : 1;
         }
         type_of_group[g] = type ? *type : type_of(groups[g].attribute, look, signed_intensity);
         for (const std::size_t c : groups[g].columns) group_of[c] = g;

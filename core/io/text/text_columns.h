@@ -35,7 +35,7 @@ std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std:
 struct TextPlan {
     std::vector<TextField> fields;
     Schema schema;
-    std::string colours;  // "colours 0-255"; empty without
+    std::optional<double> colour_range;  // largest value of a colour: 1, 255 or 65535; null without colours
     std::vector<std::string> notes;
 };
 

@@ -63,6 +63,22 @@ std::vector<std::string> parse_columns(const std::string& text)
     return columns;
 }
 
+std::string name_of_separator(char separator)
+{
+    return separator == ',' ? "commas" : separator == ';' ? "semicolons" : separator == '\t' ? "tabs" : "blanks";
+}
+
+std::string describe(const TextLayout& layout)
+{
+    std::string text;
+    for (const std::string& column : layout.columns) text += (text.empty() ? "" : " ") + column;
+    if (layout.colour_range) text += " (colours 0-" + exact(*layout.colour_range) + ")";
+    if (layout.separator) text += ", separated by " + name_of_separator(*layout.separator);
+    if (const std::size_t lines = layout.skip_lines.value_or(0))
+        text += ", " + grouped(lines) + (lines == 1 ? " line skipped" : " lines skipped");
+    return text;
+}
+
 void check_layout(const TextLayout& layout)
 {
     if (layout.separator && std::string_view(" ,;\t").find(*layout.separator) == std::string_view::npos)

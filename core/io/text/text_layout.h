@@ -36,6 +36,13 @@ struct NamedColumn {
 };
 NamedColumn named_column(const std::string& column);
 
+// "blanks", "commas", "semicolons" or "tabs".
+std::string name_of_separator(char separator);
+
+// A layout for people: "x y z r g b (colours 0-255), separated by blanks, 2 lines skipped". What is not set is left
+// out.
+std::string describe(const TextLayout& layout);
+
 // What a user has set. Throws Error(invalid_argument) for values that TextLayout does not allow.
 void check_layout(const TextLayout& layout);
 

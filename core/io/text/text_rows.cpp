@@ -1,10 +1,10 @@
 #include "pcm/io/text/text_rows.h"
 
+#include "pcm/cloud/with_type.h"
+#include "pcm/io/file_text.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/cloud/with_type.h"
-#include "pcm/io/names.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <cstring>

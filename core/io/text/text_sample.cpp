@@ -1,8 +1,8 @@
 #include "pcm/io/text/text_sample.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 #include "pcm/io/text/text_source.h"
 
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <cstring>

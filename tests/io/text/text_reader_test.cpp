@@ -1,8 +1,8 @@
 // Points as text: any layout that can be detected is detected, and every number is read exactly.
 #include "pcm/io/pipe/merged_reader.h"
-#include "pcm/io/text/ptx_reader.h"
+#include "pcm/io/ptx/ptx_reader.h"
 #include "pcm/io/text/text_source.h"
-#include "pcm/io/text/xyz_reader.h"
+#include "pcm/io/xyz/xyz_reader.h"
 
 #include "tests/io/bytes.h"
 

@@ -1,6 +1,6 @@
-#include "pcm/io/text/xyz_writer.h"
+#include "pcm/io/xyz/xyz_writer.h"
 
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/text/text_output.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
 
 #include <utility>
 
@@ -58,13 +58,6 @@ std::string quote_bytes(std::string_view bytes)
             text += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
     }
     return text + (bytes.size() > most ? "...'" : "'");
-}
-
-std::string unique_name(const Schema& schema, const std::string& name)
-{
-    std::string candidate = name;
-    for (int number = 2; schema.find(candidate); ++number) candidate = name + "_" + std::to_string(number);
-    return candidate;
 }
 
 std::string lower_case(std::string text)

@@ -1,14 +1,14 @@
-#include "pcm/io/text/xyz_reader.h"
+#include "pcm/io/text/text_reader.h"
 
-#include "pcm/system/file.h"
-#include "pcm/system/text.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/names.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/io/text/text_columns.h"
-#include "pcm/io/text/text_numbers.h"
 #include "pcm/io/text/text_rows.h"
 #include "pcm/io/text/text_sample.h"
 #include "pcm/io/text/text_source.h"
+#include "pcm/system/file.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <utility>
@@ -32,23 +32,25 @@ std::optional<std::uint64_t> count_in(std::string_view line)
 
 std::string separator_text(const TextDialect& dialect)
 {
-    const std::string point = dialect.point == ',' ? ", with decimal commas" : "";
-    switch (dialect.separator) {
-        case ',':
-            return "commas" + point;
-        case ';':
-            return "semicolons" + point;
-        case '\t':
-            return "tabs" + point;
-        default:
-            return "blanks" + point;
-    }
+    return name_of_separator(dialect.separator) + (dialect.point == ',' ? ", with decimal commas" : "");
 }
 
-class TextPointReader final : public PointReader {
+TextLayout layout_of(const std::vector<TextColumn>& columns, const TextPlan& plan, const TextSample& sample)
+{
+    TextLayout layout;
+    layout.separator = sample.dialect.separator;
+    layout.skip_lines = sample.first_row;
+    for (const TextColumn& column : columns)
+        layout.columns.push_back(printable_name(column.name) +
+                                 (column.type ? ":" + std::string(name_of(*column.type)) : ""));
+    layout.colour_range = plan.colour_range;
+    return layout;
+}
+
+class TextReader final : public PointReader {
 public:
-    TextPointReader(const std::filesystem::path& path, const ReadOptions& options, bool pts)
-        : file_(path, File::Mode::read), file_size_(file_.size()), pts_(pts)
+    TextReader(const std::filesystem::path& path, const ReadOptions& options, const TextConventions& conventions)
+        : file_(path, File::Mode::read), file_size_(file_.size()), conventions_(conventions)
     {
         const TextLayout& layout = options.text;
         check_layout(layout);
@@ -86,7 +88,7 @@ private:
 
     File file_;
     std::uint64_t file_size_;
-    bool pts_;
+    TextConventions conventions_;
     FileInfo info_;
     std::optional<TextSource> source_;
     std::optional<TextRows> rows_;
@@ -99,7 +101,7 @@ private:
     bool finished_ = false;
 };
 
-void TextPointReader::refuse_grids(const std::vector<std::string>& head) const
+void TextReader::refuse_grids(const std::vector<std::string>& head) const
 {
     for (const std::string& line : head) {
         std::string start = line.substr(0, 5);
@@ -110,7 +112,7 @@ void TextPointReader::refuse_grids(const std::vector<std::string>& head) const
     }
 }
 
-std::optional<std::vector<TextColumn>> TextPointReader::find_header(const TextSample& sample)
+std::optional<std::vector<TextColumn>> TextReader::find_header(const TextSample& sample)
 {
     for (std::size_t i = sample.head.size(); i-- > 0;)
         if (auto columns = header_columns(sample.head[i], sample.dialect)) {
@@ -124,7 +126,7 @@ std::optional<std::vector<TextColumn>> TextPointReader::find_header(const TextSa
     return std::nullopt;
 }
 
-std::vector<TextColumn> TextPointReader::columns_of(const TextLayout& layout, const TextSample& sample)
+std::vector<TextColumn> TextReader::columns_of(const TextLayout& layout, const TextSample& sample)
 {
     const std::string first = "line " + std::to_string(sample.first_row + 1);
     std::vector<TextColumn> columns;
@@ -145,28 +147,24 @@ std::vector<TextColumn> TextPointReader::columns_of(const TextLayout& layout, co
                                             " on have " + std::to_string(sample.columns));
         return *header;
     }
-    if (pts_ || extension_of(file_.path()) == "pwn") {
-        static constexpr const char* by_count[][7] = {{"x", "y", "z"},
-                                                      {"x", "y", "z", "intensity"},
-                                                      {"x", "y", "z", "r", "g", "b"},
-                                                      {"x", "y", "z", "intensity", "r", "g", "b"},
-                                                      {"x", "y", "z", "nx", "ny", "nz"}};
-        const std::size_t n = sample.columns;
-        const int which = pts_ ? (n == 3 ? 0 : n == 4 ? 1 : n == 6 ? 2 : n == 7 ? 3 : -1) : n == 6 ? 4 : -1;
-        if (!pts_ && which < 0)
-            fail(ErrorCode::unsupported,
-                 first + " has " + std::to_string(n) + " numbers, expected x y z nx ny nz in a .pwn file",
-                 "lists of points and normals one behind the other are not read");
-        if (which >= 0) {
-            for (std::size_t c = 0; c < n; ++c) columns.push_back({by_count[which][c], std::nullopt, false});
-            return columns;
-        }
+    std::string usual;
+    for (const std::string& text : conventions_.columns) {
+        const std::vector<std::string> names = parse_columns(text);
+        usual += (usual.empty() ? "" : " or ") + text;
+        if (names.size() != sample.columns) continue;
+        for (const std::string& name : names) columns.push_back({name, std::nullopt, false});
+        return columns;
     }
+    if (!conventions_.others_refused.empty())
+        fail(ErrorCode::unsupported,
+             first + " has " + std::to_string(sample.columns) + " numbers, expected " + usual + " in a ." +
+                 extension_of(file_.path()) + " file",
+             std::string(conventions_.others_refused));
     return guess_columns(sample.looks, sample.rows);
 }
 
 // In the lines before the first row that the user did not want to be skipped.
-void TextPointReader::find_count(const std::vector<std::string>& head, std::size_t skipped)
+void TextReader::find_count(const std::vector<std::string>& head, std::size_t skipped)
 {
     for (std::size_t i = skipped; i < head.size(); ++i)
         if (const auto count = count_in(head[i])) {
@@ -175,22 +173,18 @@ void TextPointReader::find_count(const std::vector<std::string>& head, std::size
         }
 }
 
-void TextPointReader::plan(const TextLayout& layout, const TextSample& sample)
+void TextReader::plan(const TextLayout& layout, const TextSample& sample)
 {
     refuse_grids(sample.head);
     const std::vector<TextColumn> columns = columns_of(layout, sample);
-    TextPlan plan = plan_columns(columns, sample.looks, layout.colour_range, pts_);
+    TextPlan plan = plan_columns(columns, sample.looks, layout.colour_range, conventions_.signed_intensity);
     find_count(sample.head, layout.skip_lines.value_or(0));
 
-    std::string names;
-    for (const TextColumn& column : columns) names += " " + printable_name(column.name);
-    std::string note = "columns" + names;
-    if (!plan.colours.empty()) note += " (" + plan.colours + ")";
-    if (header_line_) note += " as line " + std::to_string(header_line_) + " names them";
-    note += ", separated by " + separator_text(sample.dialect);
-    const std::uint64_t skipped = sample.first_row;
-    if (skipped) note += ", " + grouped(skipped) + (skipped == 1 ? " line skipped" : " lines skipped");
-    if (layout.columns.empty()) note += "; say otherwise with the columns option";
+    info_.text_layout = layout_of(columns, plan, sample);
+    std::string note = "columns " + describe(*info_.text_layout);
+    if (sample.dialect.point == ',') note += ", with decimal commas";
+    if (header_line_) note += ", named in line " + std::to_string(header_line_);
+    if (layout.columns.empty()) note += "; the columns option overrides this";
     info_.notes.push_back(note);
     info_.notes.insert(info_.notes.end(), plan.notes.begin(), plan.notes.end());
 
@@ -201,7 +195,7 @@ void TextPointReader::plan(const TextLayout& layout, const TextSample& sample)
 }
 
 // A header of columns, or a count of none, and nothing behind it: a cloud without points.
-void TextPointReader::plan_without_rows(const TextLayout& layout)
+void TextReader::plan_without_rows(const TextLayout& layout)
 {
     if (file_size_ == 0) fail(ErrorCode::bad_format, "the file is empty", "");
     TextDialect dialect;
@@ -235,14 +229,16 @@ void TextPointReader::plan_without_rows(const TextLayout& layout)
              "the separator, the lines to skip and the columns can be said, where detecting them fails");
     }
     if (columns.empty()) columns = {{"x", {}, false}, {"y", {}, false}, {"z", {}, false}};
-    const TextPlan plan = plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range, pts_);
+    const TextPlan plan = plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range,
+                                       conventions_.signed_intensity);
     start(plan, dialect, false, file_size_, head.size());
 }
 
-void TextPointReader::start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
-                            std::uint64_t line)
+void TextReader::start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
+                       std::uint64_t line)
 {
-    info_.format = pts_ ? "PTS" : "text separated by " + separator_text(dialect);
+    info_.format =
+        conventions_.format.empty() ? "text separated by " + separator_text(dialect) : std::string(conventions_.format);
     info_.points_known = false;
     info_.schema = plan.schema;
     info_.position_type = ScalarType::f64;
@@ -253,7 +249,7 @@ void TextPointReader::start(const TextPlan& plan, const TextDialect& dialect, bo
 }
 
 // A line with nothing but a count, between the points.
-bool TextPointReader::begins_list(std::uint64_t line, const std::vector<std::string_view>& fields)
+bool TextReader::begins_list(std::uint64_t line, const std::vector<std::string_view>& fields)
 {
     if (fields.size() != 1 || !promised_) return false;
     const auto count = count_in(fields[0]);
@@ -265,7 +261,7 @@ bool TextPointReader::begins_list(std::uint64_t line, const std::vector<std::str
     return true;
 }
 
-void TextPointReader::end_list(const std::string& where)
+void TextReader::end_list(const std::string& where)
 {
     if (!promised_) return;
     const std::uint64_t found = rows_->counts().rows - rows_before_list_;
@@ -276,7 +272,7 @@ void TextPointReader::end_list(const std::string& where)
         info_.notes.push_back(promise + ", " + grouped(found) + " follow: all are read");
 }
 
-void TextPointReader::finish()
+void TextReader::finish()
 {
     if (finished_) return;
     end_list("the file ends");
@@ -284,7 +280,7 @@ void TextPointReader::finish()
     for (std::string& note : rows_->counts().notes()) info_.notes.push_back(std::move(note));
 }
 
-bool TextPointReader::read(PointBatch& batch, std::size_t max_points)
+bool TextReader::read(PointBatch& batch, std::size_t max_points)
 {
     const std::uint64_t left = file_size_ - std::min(file_size_, source_->bytes_read());
     const std::size_t most = finished_ ? 0 : rows_->most_rows(left, std::min(max_points, batch_points_));
@@ -298,14 +294,10 @@ bool TextPointReader::read(PointBatch& batch, std::size_t max_points)
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_xyz(const std::filesystem::path& path, const ReadOptions& options)
+std::unique_ptr<PointReader> open_text(const std::filesystem::path& path, const ReadOptions& options,
+                                       const TextConventions& conventions)
 {
-    return std::make_unique<TextPointReader>(path, options, false);
-}
-
-std::unique_ptr<PointReader> open_pts(const std::filesystem::path& path, const ReadOptions& options)
-{
-    return std::make_unique<TextPointReader>(path, options, true);
+    return std::make_unique<TextReader>(path, options, conventions);
 }
 
 bool looks_like_points(const std::filesystem::path& path)

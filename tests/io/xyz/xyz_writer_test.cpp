@@ -1,4 +1,4 @@
-#include "pcm/io/text/xyz_writer.h"
+#include "pcm/io/xyz/xyz_writer.h"
 
 #include "tests/io/text_lines.h"
 

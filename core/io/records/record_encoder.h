@@ -1,9 +1,9 @@
 // Batches of points as records of fields, one behind the other: what the bodies of PLY and PCD files are.
 #pragma once
 
-#include "pcm/system/output_file.h"
 #include "pcm/cloud/point_batch.h"
 #include "pcm/io/writer.h"
+#include "pcm/system/output_file.h"
 
 #include <cstdint>
 #include <string>

@@ -1,8 +1,8 @@
-#include "pcm/io/record_encoder.h"
+#include "pcm/io/records/record_encoder.h"
 
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
 #include "pcm/io/text/text_output.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
-#include "pcm/io/text/pts_writer.h"
+#include "pcm/io/pts/pts_writer.h"
 
-#include "pcm/system/text.h"
 #include "pcm/io/text/text_output.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
-#include "pcm/io/carried_comments.h"
+#include "pcm/io/records/carried_comments.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/text.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <charconv>

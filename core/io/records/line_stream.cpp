@@ -1,4 +1,4 @@
-#include "pcm/io/text/line_stream.h"
+#include "pcm/io/records/line_stream.h"
 
 #include "pcm/system/error.h"
 

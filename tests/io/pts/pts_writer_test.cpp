@@ -1,4 +1,4 @@
-#include "pcm/io/text/pts_writer.h"
+#include "pcm/io/pts/pts_writer.h"
 
 #include "tests/io/text_lines.h"
 

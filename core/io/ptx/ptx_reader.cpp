@@ -1,14 +1,14 @@
-#include "pcm/io/text/ptx_reader.h"
+#include "pcm/io/ptx/ptx_reader.h"
 
-#include "pcm/system/file.h"
-#include "pcm/system/text.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/names.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/io/text/text_columns.h"
-#include "pcm/io/text/text_numbers.h"
 #include "pcm/io/text/text_rows.h"
 #include "pcm/io/text/text_sample.h"
 #include "pcm/io/text/text_source.h"
+#include "pcm/system/file.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>

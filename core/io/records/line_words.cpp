@@ -1,7 +1,7 @@
-#include "pcm/io/number_text.h"
+#include "pcm/io/records/line_words.h"
 
 #include "pcm/cloud/with_type.h"
-#include "pcm/io/text/text_numbers.h"
+#include "pcm/io/text/parse_number.h"
 
 #include <fast_float/fast_float.h>
 
