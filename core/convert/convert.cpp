@@ -29,7 +29,7 @@ bool has(std::string_view extension, FormatTrait trait)
     return format && format->has(trait);
 }
 
-// An option that would do nothing is a mistake of the user's.
+// An option that would have no effect is a user's mistake.
 void refuse_idle_options(const ConvertOptions& options, const fs::path& output, const std::string& extension)
 {
     const auto refuse = [&](const std::string& what) {
@@ -49,7 +49,7 @@ void refuse_bad_selection(const Selection& selection)
     for (std::size_t a = 0; a < 3; ++a)
         if (!(selection.box->min[a] <= selection.box->max[a]))
             throw Error(ErrorCode::invalid_argument, {},
-                        "the box holds nothing: along " + std::string(1, "xyz"[a]) + " it goes from " +
+                        "the box is empty: along " + std::string(1, "xyz"[a]) + " it goes from " +
                             exact(selection.box->min[a]) + " to " + exact(selection.box->max[a]),
                         "give the smaller corner first");
 }
@@ -64,13 +64,12 @@ void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, 
             throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too",
                         "choose another name");
     if (!overwrite)
-        throw Error(ErrorCode::exists, output, "the output is there already", "choose another name, or overwrite it");
+        throw Error(ErrorCode::exists, output, "the output exists already", "choose another name, or overwrite it");
     if (extension_of(output) != tree_extension && !fs::is_regular_file(status))
-        throw Error(ErrorCode::exists, output, "the output's name is that of something that is not a file",
-                    "choose another name");
+        throw Error(ErrorCode::exists, output, "the output exists and is not a regular file", "choose another name");
 }
 
-// Leaves the points with three finite coordinates.
+// Keeps only points with three finite coordinates.
 void drop_not_finite(PointBatch& batch)
 {
     if (batch.gridded) return;
@@ -120,7 +119,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     WriteOptions write = options.write;
     auto cloud = open();
     const bool gridded = has(extension_of(output), needs_grid);
-    double done = 0;  // of the whole, before the points are written
+    double done = 0;  // fraction of the whole work, before the points are written
     if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
         const OutputGrid chosen = choose_output_grid(*cloud, options.scale, [&](double fraction) {
             watch.report("Finding the grid of the positions", 0.4 * fraction);
@@ -142,7 +141,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
         watch.report("Writing points", done + (0.99 - done) * cloud->fraction_read());
     }
     writer->finish();
-    // Now they are complete: readers count on the way what they drop.
+    // Complete only now: readers count dropped points while they read.
     report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)

@@ -31,7 +31,7 @@ enum FormatTrait : unsigned {
 struct Format {
     // Lower case, without the dot; empty ones are unused.
     std::array<std::string_view, 4> extensions;
-    // For people, behind the extension: "point cloud (PCL)" is shown as "PCD point cloud (PCL)".
+    // For people, after the extension: "point cloud (PCL)" is shown as "PCD point cloud (PCL)".
     std::string_view label;
     // A file of this format begins with one of these. Text has none.
     std::array<std::string_view, 4> magic;

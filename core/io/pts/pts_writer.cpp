@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t count_width = 20;  // digits of the largest 64-bit number
 
-// An attribute of the cloud that PTS has columns for.
+// Finds an attribute that PTS has columns for.
 std::optional<std::size_t> find(const Schema& schema, std::string_view name, std::uint32_t components)
 {
     const auto i = schema.find(name);
@@ -67,11 +67,11 @@ private:
     const std::optional<std::size_t> intensity_, rgb_;
     TextOutput out_;
     std::uint64_t points_ = 0;
-    std::uint64_t odd_intensities_ = 0;  // that are not integers of the range
+    std::uint64_t odd_intensities_ = 0;  // not integers of the range
     double least_intensity_ = std::numeric_limits<double>::infinity();
     double largest_intensity_ = -std::numeric_limits<double>::infinity();
     std::uint64_t rounded_colours_ = 0, cut_colours_ = 0;  // points
-    std::uint16_t largest_colour_ = 0;                     // of colours in 16 bits
+    std::uint16_t largest_colour_ = 0;                     // for 16-bit colours
 };
 
 void PtsWriter::put_intensity(const Column& column, std::size_t point)
@@ -107,7 +107,7 @@ void PtsWriter::put_colour(const Column& column, std::size_t point)
             cut = cut || !inside;
             const double whole = std::isnan(value) ? 0 : std::round(std::clamp(value, 0.0, 255.0));
             colour = static_cast<std::uint32_t>(whole);
-            // A float that is the nearest to n/255 is n.
+            // A float nearest to n/255 counts as n.
             const double slack = column.type() == ScalarType::f32 ? 255 * 0x1p-24 : fraction ? 255 * 0x1p-53 : 0;
             rounded = rounded || (inside && std::abs(value - whole) > slack);
         }
@@ -124,19 +124,19 @@ std::vector<std::string> PtsWriter::notes() const
     std::string left_out;
     for (std::size_t i = 0; i < schema_.size(); ++i)
         if (i != intensity_ && i != rgb_) left_out += (left_out.empty() ? "" : ", ") + schema_[i].name;
-    if (!left_out.empty()) notes.push_back("PTS has no place for " + left_out + ": not written");
-    if (rgb_ && !intensity_) notes.push_back("PTS has intensities before colours: the intensities written are all 0");
+    if (!left_out.empty()) notes.push_back("PTS cannot store " + left_out + ": not written");
+    if (rgb_ && !intensity_) notes.push_back("PTS needs intensities before colours: all are written as 0");
     if (odd_intensities_)
         notes.push_back("intensities of PTS are integers from -2048 to 2047; " + grouped(odd_intensities_) +
-                        " are not and were written as they are (all are from " + exact(least_intensity_) + " to " +
+                        " are not and were written unchanged (the range is " + exact(least_intensity_) + " to " +
                         exact(largest_intensity_) + ")");
     if (rounded_colours_)
         notes.push_back("colours of PTS are 0..255: those of " + grouped(rounded_colours_) + " points were rounded");
     if (rounded_colours_ && largest_colour_ && largest_colour_ <= 255)
         notes.push_back("the largest colour is " + std::to_string(largest_colour_) +
-                        " of 65535, so all were written as 0 or 1: perhaps they were meant as 0..255");
+                        " of 65535, so all were written as 0 or 1: perhaps the source means 0..255");
     if (cut_colours_)
-        notes.push_back("colours of " + grouped(cut_colours_) + " points were outside their range and were cut");
+        notes.push_back("colours of " + grouped(cut_colours_) + " points were out of range and were clamped");
     return notes;
 }
 

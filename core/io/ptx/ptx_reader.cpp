@@ -19,7 +19,7 @@
 namespace pcm {
 namespace {
 
-// Files up to this size are looked through for their scans before they are read.
+// Files up to this size are searched for their scans before points are read.
 constexpr std::uint64_t look_through_bytes = std::uint64_t{128} << 20;
 constexpr std::size_t header_lines = 10;
 constexpr std::array<std::size_t, header_lines> header_fields = {1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
@@ -49,7 +49,7 @@ bool next_filled_line(TextSource& source, std::string_view& line)
     return false;
 }
 
-// The ten lines before a scan. Null at the end of the file, and with `fault` filled where something else stands there.
+// The ten lines before a scan. Null at the end of the file, and, with `fault` set, when other lines are found.
 std::optional<Scan> read_scan_header(TextSource& source, std::optional<HeaderFault>& fault)
 {
     Scan scan;
@@ -80,7 +80,8 @@ std::optional<Scan> read_scan_header(TextSource& source, std::optional<HeaderFau
     }
     if (size[0] && size[1] > UINT64_MAX / size[0]) {
         fault = {false, scan.first_line,
-                 "a scan of " + std::to_string(size[0]) + " columns and " + std::to_string(size[1]) + " rows is none"};
+                 "a scan of " + std::to_string(size[0]) + " columns and " + std::to_string(size[1]) +
+                     " rows holds no points"};
         return std::nullopt;
     }
     scan.points = size[0] * size[1];
@@ -127,7 +128,7 @@ private:
     std::uint64_t file_size_;
     TextSource source_;
     FileInfo info_;
-    std::vector<ColumnLook> looks_;  // of the columns of the first rows
+    std::vector<ColumnLook> looks_;  // for the columns of the first rows
     std::size_t sampled_fields_ = 0;
     bool has_rgb_ = false, has_intensity_ = false, has_scan_ = false;
     TextPlan plan_;
@@ -136,14 +137,14 @@ private:
 
     std::optional<Scan> scan_;
     std::size_t scan_number_ = 0;  // from 1
-    std::uint64_t left_ = 0;       // lines of the scan
+    std::uint64_t left_ = 0;       // lines left of the scan
     std::optional<TextRows> rows_;
-    std::vector<std::size_t> absent_;  // attributes that this scan's lines lack
+    std::vector<std::size_t> absent_;  // attributes that lines of this scan do not have
     std::uint64_t missing_returns_ = 0, lines_ = 0;
     bool finished_ = false;
 };
 
-// Finds the scans of a file that is not large, the first of one that is.
+// Finds all scans of a small file, the first scan of a large one.
 void PtxReader::look_through()
 {
     if (file_size_ == 0) fail(ErrorCode::bad_format, "the file is empty");
@@ -179,8 +180,8 @@ void PtxReader::look_through()
         }
         if (file_size_ > look_through_bytes) break;
     }
-    // What is wrong behind the first scan is told when reading gets there.
-    if (scans == 0) fail(fault ? *fault : HeaderFault{true, source.lines_read(), "the file holds no scan"});
+    // Errors after the first scan are reported when they are read.
+    if (scans == 0) fail(fault ? *fault : HeaderFault{true, source.lines_read(), "the file has no scan"});
     has_scan_ = has_scan_ || scans > 1;
     info_.points = std::min(promised, file_size_ / 6 + 1);
 }
@@ -193,7 +194,7 @@ void PtxReader::keep_metadata(std::size_t number, const Scan& scan)
     info_.metadata.push_back(std::move(block));
 }
 
-// One schema for all scans; sets the types by the columns that were sampled.
+// One schema for all scans, with types from the sampled columns.
 void PtxReader::plan()
 {
     std::vector<TextColumn> columns = {{"x", {}, false}, {"y", {}, false}, {"z", {}, false}};
@@ -201,7 +202,7 @@ void PtxReader::plan()
     if (has_rgb_)
         for (const char* name : {"r", "g", "b"}) columns.push_back({name, {}, false});
     std::vector<ColumnLook> looks(columns.size());
-    // The sampled lines are the longest; those of 6 fields lack intensity.
+    // The longest lines were sampled; those of 6 fields have no intensity.
     for (std::size_t c = 0; c < columns.size(); ++c) {
         const std::size_t from = sampled_fields_ == 6 && has_intensity_ && c > 3 ? c - 1 : c;
         if (from < looks_.size()) looks[c] = looks_[from];
@@ -217,7 +218,7 @@ void PtxReader::plan()
     }
 }
 
-// Fields of the next line that is not blank.
+// The fields of the next line that is not blank.
 std::size_t PtxReader::fields_here()
 {
     std::vector<std::string_view> words;
@@ -250,10 +251,10 @@ bool PtxReader::begin_scan()
             form.fields.push_back(planned ? plan_.fields[at + k] : TextField{});
             if (planned) present[plan_.fields[at + k].index] = true;
         }
-        // Of a large file only the first scan is known beforehand.
+        // In a large file only the first scan is known in advance.
         if (!planned)
             info_.notes.push_back("scan " + std::to_string(scan_number_) + ": " + name + " of " + grouped(left_) +
-                                  " points is not read, for the first scan has none");
+                                  " points is not read: the first scan has none");
     };
     if (fields == 4 || fields == 7) add("intensity", 1, has_intensity_, 3);
     if (fields == 6 || fields == 7) add("colour", 3, has_rgb_, has_intensity_ ? 4 : 3);
@@ -278,7 +279,7 @@ void PtxReader::end_early(std::uint64_t line, const std::string& found) const
                                    std::to_string(scan_->first_line));
 }
 
-// Drops the missing returns among rows first.. of the batch and transforms the others; returns how many are left.
+// Drops the missing returns from row `first` of the batch on and transforms the others; returns how many remain.
 std::size_t PtxReader::into_world(PointBatch& batch, std::size_t first, std::size_t count)
 {
     const auto& m = scan_->transform;
@@ -352,7 +353,7 @@ std::unique_ptr<PointReader> open_ptx(const std::filesystem::path& path, const R
 bool looks_like_ptx(const std::filesystem::path& path)
 {
     const File file(path, File::Mode::read);
-    // The ten lines are short: what is longer is something else.
+    // The ten lines are short; a long line is something else.
     std::array<char, 4096> start{};
     const std::size_t got = file.read_some_at(start.data(), start.size(), 0);
     std::string_view rest(start.data(), got);

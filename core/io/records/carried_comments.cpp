@@ -154,7 +154,7 @@ std::vector<std::string> carried_comments(const Carried& carried, std::vector<st
     for (const auto& [field, attribute] : carried.attributes) {
         std::string description = percent_encoded(attribute.description);
         if (description.size() > longest_text) {
-            notes.push_back("the description of attribute '" + attribute.name + "' is too long to be kept");
+            notes.push_back("the description of attribute '" + attribute.name + "' is too long and is not kept");
             description.clear();
         }
         lines.push_back("pcm attribute " + field + " " + std::string(name_of(attribute.type)) + " " +
@@ -182,7 +182,7 @@ std::vector<std::string> carried_comments(const Carried& carried, std::vector<st
 Carried read_carried_comments(const std::vector<std::string>& comments, std::vector<std::string>& notes)
 {
     Carried carried;
-    std::vector<std::size_t> promised;  // bytes of each of the metadata
+    std::vector<std::size_t> promised;  // bytes of each metadata block
     std::size_t damaged = 0;
     for (const std::string& comment : comments) {
         std::string_view rest = comment;

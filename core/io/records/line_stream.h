@@ -1,4 +1,4 @@
-// The lines of a text file that are not blank, one after the other.
+// The lines of a text file, without blank ones, in order.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -10,10 +10,10 @@
 
 namespace pcm {
 
-// One thread. Memory is that of the longest line, and refused beyond 16 MB: Error(bad_format).
+// One thread. Memory grows to the longest line; lines beyond 16 MB are refused: Error(bad_format).
 class LineStream {
 public:
-    // `lines_before` stand before the byte `start`. The file must outlive the stream.
+    // `lines_before`: the number of lines before byte `start`. The file must outlive the stream.
     LineStream(const File& file, std::uint64_t start, std::uint64_t lines_before, char line_end = '\n')
         : file_(file), next_byte_(start), line_(lines_before), line_end_(line_end)
     {
@@ -21,7 +21,7 @@ public:
 
     // False at the end of the file. The line, without its end, is valid until the next call.
     bool next(std::string_view& line);
-    std::uint64_t line_number() const { return line_; }  // of the last line given, counted from 1
+    std::uint64_t line_number() const { return line_; }  // of the last returned line, counted from 1
     std::uint64_t bytes_consumed() const { return next_byte_ - (end_ - begin_); }
 
 private:

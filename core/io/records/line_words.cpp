@@ -46,7 +46,7 @@ bool LineWords::take(std::byte* to, std::string_view& word)
     skip_separators();
     T value{};
     const char* const stop = fast_number(at_, end_, value);
-    // fast_float gives infinity for what is too large and 0 for what is too small, as is wanted.
+    // fast_float returns infinity for numbers that are too large and 0 for those too small, as documented.
     if (stop && (stop == end_ || separates(*stop))) {
         at_ = stop;
     } else {

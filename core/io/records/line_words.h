@@ -1,4 +1,4 @@
-// Numbers in lines of text, as headers promise them: a type for each.
+// The words of a line of text, read as numbers of the types that a header states.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -8,10 +8,10 @@
 
 namespace pcm {
 
-// Goes through the words of one line.
+// Reads the words of one line in order. One thread.
 class LineWords {
 public:
-    // Words stand between blanks; `or_commas`: or between commas, of which several count as one.
+    // Words are separated by blanks; with `or_commas` also by commas, where several count as one.
     explicit LineWords(std::string_view line, bool or_commas = false)
         : at_(line.data()), end_(line.data() + line.size()), or_commas_(or_commas)
     {
@@ -20,9 +20,9 @@ public:
     std::string_view next();  // empty at the end of the line
     bool at_end();
 
-    // The next word as a number of `type`, stored at `to`; or false, with `word` as it stands there, when it is none of
-    // that type or the line is at its end. Whole numbers may be written as "+7" and "7.0"; reals beyond the range of
-    // the type become infinite or zero; "nan", "inf", "1.#IND" and "1.#INF" are numbers.
+    // Stores the next word as a number of `type` at `to`. False, with the word in `word`, when it is not a number of
+    // that type, and at the end of the line. Whole numbers may be written as "+7" and "7.0"; reals beyond the range of
+    // the type become infinite or zero; "nan", "inf", "1.#IND" and "1.#INF" are accepted.
     bool next_number(ScalarType type, std::byte* to, std::string_view& word);
 
 private:

@@ -13,7 +13,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t tile_bytes = std::size_t{32} << 10;  // filled field by field while it is in the cache
+constexpr std::size_t tile_bytes = std::size_t{32} << 10;  // filled field by field; fits the first-level cache
 constexpr std::size_t longest_number = 400;                // 1e308 with all its digits, the point and the decimals
 
 template <std::size_t Bytes>
@@ -25,7 +25,7 @@ void copy(const std::byte* from, std::size_t from_stride, std::byte* to, std::si
 void copy(std::size_t bytes, const std::byte* from, std::size_t from_stride, std::byte* to, std::size_t to_stride,
           std::size_t count)
 {
-    switch (bytes) {  // sizes that the compiler makes into plain moves
+    switch (bytes) {  // constant sizes, which compile to plain moves
         case 1:
             return copy<1>(from, from_stride, to, to_stride, count);
         case 2:
@@ -80,7 +80,7 @@ RecordEncoder::RecordEncoder(const FileInfo& cloud, const WriteOptions& options,
 {
     if (decimals_ && *decimals_ > TextOutput::most_decimals)
         throw Error(ErrorCode::invalid_argument, {},
-                    std::to_string(*decimals_) + " decimals asked for, at most " +
+                    std::to_string(*decimals_) + " decimals were requested, at most " +
                         std::to_string(TextOutput::most_decimals) + " can be written");
     for (const RecordField& field : fields_) {
         const std::size_t bytes = size_of(field.type) * field.count;
@@ -108,7 +108,7 @@ void RecordEncoder::check(const PointBatch& batch, const OutputFile& file) const
         same = (batch.gridded ? batch.grid_xyz[a].size() : batch.xyz[a].size()) == batch.size;
     if (!same)
         throw Error(ErrorCode::invalid_argument, file.path(),
-                    "a batch of points has another shape than the cloud that the file was begun for");
+                    "the batch has other attributes than the cloud that the file was created for");
 }
 
 double RecordEncoder::coordinate(const PointBatch& batch, std::size_t axis, std::size_t point) const
@@ -134,7 +134,7 @@ void RecordEncoder::put_coordinates(const PointBatch& batch, std::size_t first, 
             const auto single = static_cast<float>(value);
             std::memcpy(to, &single, sizeof single);
             const double off = std::fabs(static_cast<double>(single) - value);
-            error = off > error ? off : error;  // NaN, of coordinates that are none, is no error
+            error = off > error ? off : error;  // the difference is NaN for a NaN coordinate: not an error
         }
         position_error_ = std::max(position_error_, error);
     };

@@ -1,4 +1,4 @@
-// Batches of points as records of fields, one behind the other: what the bodies of PLY and PCD files are.
+// Encodes batches of points as consecutive records of fields: the bodies of PLY and PCD files.
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
@@ -11,16 +11,16 @@
 
 namespace pcm {
 
-// One scalar of a record, or several of one attribute in a row.
+// One scalar of a record, or several consecutive ones of one attribute.
 struct RecordField {
     enum class Source { position, attribute, packed_rgb };
     Source source = Source::position;
-    // Of position: f32 or f64. Of an attribute: how the bytes are shown in text. packed_rgb: u32 or f32.
+    // Position: f32 or f64. Attribute: how the bytes are printed in text. packed_rgb: u32 or f32.
     ScalarType type = ScalarType::f64;
-    std::size_t index = 0;  // the axis; or of the attribute in the schema (of packed_rgb: u8 x 3)
-    std::size_t byte = 0;   // of the attribute's bytes of a point, the first of this scalar
+    std::size_t index = 0;  // the axis, or the attribute in the schema (for packed_rgb: u8 x 3)
+    std::size_t byte = 0;   // the scalar's first byte among the attribute's bytes of a point
     std::uint32_t count = 1;
-    std::optional<std::size_t> alpha;  // packed_rgb: the attribute, u8 x 1, that is the highest byte; else 0
+    std::optional<std::size_t> alpha;  // packed_rgb: the attribute, u8 x 1, for the highest byte; 0 without one
 
     static RecordField axis(std::size_t axis, ScalarType type) { return {Source::position, type, axis, 0, 1, {}}; }
     static RecordField scalars(std::size_t attribute, std::size_t byte, ScalarType type, std::uint32_t count = 1)
@@ -29,21 +29,21 @@ struct RecordField {
     }
 };
 
-// One thread. Little endian, or lines of text with a blank between scalars and the fewest digits that give back the
-// same number (WriteOptions.decimals for coordinates, where it is set).
+// One thread. Little endian, or lines of text: scalars are separated by blanks and have the fewest digits that read
+// back as the same number (or WriteOptions.decimals, for coordinates).
 class RecordEncoder {
 public:
     RecordEncoder(const FileInfo& cloud, const WriteOptions& options, std::vector<RecordField> fields);
 
     std::size_t record_bytes() const { return record_bytes_; }  // in binary
     std::uint64_t points() const { return points_; }            // written so far
-    double position_error() const { return position_error_; }   // of coordinates that are not written in full
+    double position_error() const { return position_error_; }   // of coordinates that were written rounded
 
-    // Throws Error(invalid_argument) for a batch of another shape than the cloud's, and what writing can throw.
+    // Throws Error(invalid_argument) for a batch whose shape is not the cloud's, and what writing can throw.
     void append(const PointBatch& batch, OutputFile& file);
 
 private:
-    struct Run {  // bytes of a record that stand together in their column as well
+    struct Run {  // bytes that are contiguous in a record and in their column
         RecordField field;
         std::size_t bytes = 0;
         std::size_t offset = 0;  // in a record

@@ -1,4 +1,4 @@
-// Scalars of records as columns of a batch: of any type, at any distance from each other, in either byte order.
+// Copies scalars of records into columns of a batch: any type, any stride, either byte order.
 #pragma once
 
 #include "pcm/cloud/with_type.h"
@@ -40,7 +40,7 @@ void copy_scalars(const std::byte* from, std::size_t stride, std::size_t count, 
     for (std::size_t i = 0; i < count; ++i) load_bytes<Bytes, Swap>(from + i * stride, to + i * to_stride);
 }
 
-// The same of so many bytes, swapped as one number.
+// The same for scalars of `bytes` bytes; with Swap, each is byte-swapped as one number.
 template <bool Swap = false>
 void copy_scalars(std::size_t bytes, const std::byte* from, std::size_t stride, std::size_t count, std::byte* to,
                   std::size_t to_stride)

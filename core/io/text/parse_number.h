@@ -1,5 +1,5 @@
-// Numbers in text, exact: reals are the nearest float or double (Eisel-Lemire, by fast_float), integers keep all 64
-// bits.
+// Parses numbers in text exactly: reals become the nearest float or double (Eisel-Lemire, by fast_float), integers keep
+// all 64 bits.
 #pragma once
 
 #include <fast_float/fast_float.h>
@@ -19,8 +19,8 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t'; }
 inline bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 inline bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
 
-// The number that begins at `at`, which moves behind it: all forms but those that parse_real() reads beside. False,
-// with `at` anywhere, where none begins. Beyond the range of T the value is infinite or zero.
+// Reads the number at `at` and moves `at` to its end: all forms except those that only parse_real() accepts. False,
+// with `at` undefined, when there is no number. Beyond the range of T the value is infinite or zero.
 template <class T>
 bool take_any_real(const char*& at, const char* end, T& value, char point)
 {
@@ -30,8 +30,8 @@ bool take_any_real(const char*& at, const char* end, T& value, char point)
     return error == std::errc() || error == std::errc::result_out_of_range;
 }
 
-// The same, faster for what most numbers in files are: some digits with a point among them. The bytes up to `end` must
-// hold one that ends the number.
+// The same, but faster for most numbers in files: some digits with a point among them. The bytes before `end` must
+// include one that ends the number.
 template <class T>
 bool take_real(const char*& at, const char* end, T& value, char point)
 {
@@ -63,8 +63,8 @@ bool take_real(const char*& at, const char* end, T& value, char point)
     return true;
 }
 
-// Digits, with a minus if T has a sign; a fraction of zeros ("255.00") may follow. False where the value does not fit
-// T.
+// Reads digits, with a minus if T is signed, and an optional fraction of zeros ("255.00"). False when the value does
+// not fit T.
 template <class T>
 bool take_integer(const char*& at, char point, T& value)
 {
@@ -87,7 +87,7 @@ bool take_integer(const char*& at, char point, T& value)
     return true;
 }
 
-// A whole word as a real; reads a plus sign too, and what Microsoft's printf writes for NaN and infinity.
+// Reads a whole word as a real; also accepts a plus sign, and NaN and infinity as Microsoft's printf writes them.
 template <class T>
 bool parse_real(std::string_view word, T& value, char point = '.')
 {
@@ -111,8 +111,8 @@ bool parse_real(std::string_view word, T& value, char point = '.')
     return false;
 }
 
-// A whole word as a number of type T; whole numbers may be written as reals ("255.0", "1e3", "+7"). False where it is
-// none or does not fit an integer type; reals beyond the range of T are infinite or zero.
+// Reads a whole word as a number of type T; whole numbers may be written as reals ("255.0", "1e3", "+7"). False when it
+// is not a number or does not fit an integer type; reals beyond the range of T are infinite or zero.
 template <class T>
 bool parse_number(std::string_view word, T& value, char point = '.')
 {
@@ -132,7 +132,7 @@ bool parse_number(std::string_view word, T& value, char point = '.')
     }
 }
 
-// Digits of a number without leading zeros, sign, point and exponent: 3 of "-0.0120".
+// The number of digits without leading zeros, sign, point and exponent: 3 for "-0.0120".
 inline std::size_t significant_digits(std::string_view word)
 {
     std::size_t digits = 0;

@@ -17,8 +17,8 @@ namespace pcm {
 namespace {
 
 constexpr const char* override_hint =
-    "if the columns are others say what they are, for example \"x y z intensity r g b\" or with types \"x y z id:u64 "
-    "intensity:f64\"; - stands for one that is not read";
+    "if these are not the columns, name them, for example \"x y z intensity r g b\" or with types \"x y z id:u64 "
+    "intensity:f64\"; a column - is skipped";
 
 std::optional<std::uint64_t> count_in(std::string_view line)
 {
@@ -94,7 +94,7 @@ private:
     std::optional<TextRows> rows_;
     std::size_t batch_points_ = 1;
     std::size_t header_line_ = 0;  // counted from 1; 0 without
-    // The list of points that is being read: what its first line promised.
+    // The current list of points, as its first line states it.
     std::optional<std::uint64_t> promised_;
     std::uint64_t promise_line_ = 0;
     std::uint64_t rows_before_list_ = 0;
@@ -108,7 +108,7 @@ void TextReader::refuse_grids(const std::vector<std::string>& head) const
         for (char& c : start) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
         if (start == "ncols")
             fail(ErrorCode::unsupported, "this is a grid of heights (ESRI ASCII raster), not a list of points",
-                 "convert it to points, x y z a line");
+                 "convert it to points, one line x y z per point");
     }
 }
 
@@ -163,7 +163,7 @@ std::vector<TextColumn> TextReader::columns_of(const TextLayout& layout, const T
     return guess_columns(sample.looks, sample.rows);
 }
 
-// In the lines before the first row that the user did not want to be skipped.
+// Looks for a number of points in the lines before the first row, except those that the user wants skipped.
 void TextReader::find_count(const std::vector<std::string>& head, std::size_t skipped)
 {
     for (std::size_t i = skipped; i < head.size(); ++i)
@@ -189,12 +189,12 @@ void TextReader::plan(const TextLayout& layout, const TextSample& sample)
     info_.notes.insert(info_.notes.end(), plan.notes.begin(), plan.notes.end());
 
     info_.points = sample.estimated_rows(file_size_);
-    // A promise is a better guess than the lengths of some lines, unless it cannot be true.
+    // A stated number is better than an estimate from some lines, unless it is impossible.
     if (promised_ && *promised_ <= file_size_ / (2 * columns.size()) + 1) info_.points = *promised_;
     start(plan, sample.dialect, header_line_ != 0, sample.first_row_byte, sample.first_row);
 }
 
-// A header of columns, or a count of none, and nothing behind it: a cloud without points.
+// A header of columns, or a count of 0, and nothing after it: a cloud without points.
 void TextReader::plan_without_rows(const TextLayout& layout)
 {
     if (file_size_ == 0) fail(ErrorCode::bad_format, "the file is empty", "");
@@ -221,12 +221,12 @@ void TextReader::plan_without_rows(const TextLayout& layout)
         if (auto header = header_columns(text, dialect)) columns = *header;
     }
     if (odd || lines.fill() || (columns.empty() && !counted)) {
-        const std::string from = layout.skip_lines ? " behind line " + std::to_string(*layout.skip_lines) : "";
+        const std::string from = layout.skip_lines ? " after line " + std::to_string(*layout.skip_lines) : "";
         fail(ErrorCode::bad_format,
              odd ? "line " + std::to_string(odd_line) + " is " + quote_bytes(*odd) +
                        ", expected lines of three numbers or more" + from
                  : "no line of three numbers or more was found" + from,
-             "the separator, the lines to skip and the columns can be said, where detecting them fails");
+             "if detection fails, state the separator, the lines to skip and the columns");
     }
     if (columns.empty()) columns = {{"x", {}, false}, {"y", {}, false}, {"z", {}, false}};
     const TextPlan plan = plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range,
@@ -248,7 +248,7 @@ void TextReader::start(const TextPlan& plan, const TextDialect& dialect, bool ha
                   [this](std::uint64_t at, const auto& fields) { return begins_list(at, fields); });
 }
 
-// A line with nothing but a count, between the points.
+// A line between the points that holds only a count.
 bool TextReader::begins_list(std::uint64_t line, const std::vector<std::string_view>& fields)
 {
     if (fields.size() != 1 || !promised_) return false;
@@ -269,7 +269,7 @@ void TextReader::end_list(const std::string& where)
         "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
     if (found < *promised_) fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
     if (found > *promised_ && info_.notes.size() < 100)
-        info_.notes.push_back(promise + ", " + grouped(found) + " follow: all are read");
+        info_.notes.push_back(promise + ", " + grouped(found) + " follow; all are read");
 }
 
 void TextReader::finish()

@@ -27,8 +27,8 @@ struct TextConventions {
 // it holds and what was expected. Where a header names the columns, lines may have more fields; they are counted in the
 // notes, which are complete when the whole file has been read.
 //
-// A line that holds one whole number promises as many rows behind it; there may be several such lists. Fewer rows are
-// Error(truncated); more are read and noted.
+// A line that holds one whole number states the number of rows after it; there may be several such lists. Fewer rows
+// are Error(truncated); more are read and noted.
 std::unique_ptr<PointReader> open_text(const std::filesystem::path& path, const ReadOptions& options,
                                        const TextConventions& conventions);
 

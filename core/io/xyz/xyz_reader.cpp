@@ -13,7 +13,7 @@ std::unique_ptr<PointReader> open_pwn(const std::filesystem::path& path, const R
 {
     TextConventions conventions;
     conventions.columns = {"x y z nx ny nz"};
-    conventions.others_refused = "lists of points and normals one behind the other are not read";
+    conventions.others_refused = "a list of points followed by a list of normals cannot be read";
     return open_text(path, options, conventions);
 }
 

@@ -9,14 +9,14 @@
 namespace pcm {
 namespace {
 
-// A name for one more column, different from all others whatever their case, that holds nothing but letters, digits and
-// signs; blanks too where the columns are quoted.
+// A name for one more column, different from all others regardless of case, of letters, digits and signs; with `quoted`
+// also blanks.
 std::string column_name(std::string_view raw, bool quoted, const std::vector<std::string>& taken)
 {
     std::string name = printable_name(raw);
     for (char& c : name)
         if (!quoted && std::string_view(" ,;\"'#").find(c) != std::string_view::npos) c = '_';
-    if (name.empty() || name == "-") name = "_";  // "-" says that a column is not to be read
+    if (name.empty() || name == "-") name = "_";  // "-" means that a column is to be skipped
     std::string candidate = name;
     const auto is_taken = [&](const std::string& other) { return lower_case(other) == lower_case(candidate); };
     for (int number = 2; std::any_of(taken.begin(), taken.end(), is_taken); ++number)

@@ -6,9 +6,9 @@
 namespace pcm {
 
 // The first line names the columns: "# x y z intensity r g b", or "x,y,z,intensity,r,g,b" in a .csv. Every attribute is
-// written: rgb as r g b, normal as nx ny nz, others of several components as name_0 name_1 ..., each with the value
-// that a user sees, raw * scale + offset. What a column's name cannot hold becomes '_' (a .csv quotes instead), and a
-// name that is another column's already gets a number. Coordinates: see TextOutput::put_position.
+// written: rgb as r g b, normal as nx ny nz, others of several components as name_0 name_1 ..., with values raw * scale
+// + offset. Characters that a column's name cannot have become '_' (a .csv quotes instead); duplicate names get a
+// number. Coordinates: see TextOutput::put_position.
 std::unique_ptr<PointWriter> create_xyz(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options);
 
