@@ -64,7 +64,8 @@ void BpcWriter::check(const PointBatch& batch) const
         same =
             batch.attributes[i].type() == schema_[i].type && batch.attributes[i].components() == schema_[i].components;
     if (!same)
-        throw Error(ErrorCode::invalid_argument, path_, "the batch has other attributes than the cloud that the file was created for");
+        throw Error(ErrorCode::invalid_argument, path_,
+                    "the batch has other attributes than the cloud that the file was created for");
 }
 
 void BpcWriter::write(const PointBatch& batch)

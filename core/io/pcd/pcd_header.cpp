@@ -137,7 +137,7 @@ void HeaderParser::take(std::string_view keyword, std::string_view rest)
     };
     if (keyword == "COLUMNS") keyword = "FIELDS";  // its name in the oldest files
     if (std::find(seen_.begin(), seen_.end(), keyword) != seen_.end())
-        fail("the header has two lines " + std::string(keyword)");
+        fail("the header has two lines " + std::string(keyword));
     if (keyword == "VERSION")
         header_.version = words.empty() ? "" : std::string(words[0]);
     else if (keyword == "FIELDS")

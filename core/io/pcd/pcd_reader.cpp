@@ -283,8 +283,7 @@ void PcdReader::check_compressed()
                                         " points of " + std::to_string(plain) + " bytes");
     if (whole > compressed_bytes_ * lzf_most_expansion)
         fail(ErrorCode::corrupt, "byte " + std::to_string(header_.bytes) + ": " + std::to_string(compressed_bytes_) +
-                                     " compressed bytes cannot expand to the stated " +
-                                     std::to_string(whole)");
+                                     " compressed bytes cannot expand to the stated " + std::to_string(whole));
     if (left() - sizes.size() > compressed_bytes_)
         info_.notes.push_back(std::to_string(left() - sizes.size() - compressed_bytes_) +
                               " bytes after the compressed block are ignored");

@@ -32,6 +32,16 @@ int lowest_bit_of(double v)
     return exponent - 53 + zeros;
 }
 
+// The smallest of 1, 2 and 5 times 10^k that is not below `least_step`.
+double round_step(double least_step)
+{
+    const double power =
+        std::pow(10.0, std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
+    for (const double times : {1.0, 2.0, 5.0, 10.0})
+        if (power * times >= least_step) return power * times;
+    return power;
+}
+
 }  // namespace
 
 GridChoice::GridChoice()
@@ -135,13 +145,7 @@ GridProposal GridChoice::propose() const
                 }));
             continue;
         }
-        const double least_step = half_span / (most - 2);
-        double step = std::pow(10.0, std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
-        for (const double times : {1.0, 2.0, 5.0, 10.0})
-            if (step * times >= least_step) {
-                step *= times;
-                break;
-            }
+        const double step = round_step(half_span / (most - 2));
         scale = step;
         offset = std::nearbyint((axis.min / 2 + axis.max / 2) / step) * step;
         const double farthest = std::max(std::abs(axis.min), std::abs(axis.max));
