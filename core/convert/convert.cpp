@@ -3,7 +3,8 @@
 #include "pcm/build/builder.h"
 #include "pcm/convert/open_cloud.h"
 #include "pcm/convert/output_grid.h"
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
+#include "pcm/io/formats.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
@@ -22,23 +23,24 @@ namespace fs = std::filesystem;
 
 fs::path without_slash(const fs::path& path) { return path.filename().empty() ? path.parent_path() : path; }
 
-bool is_one_of(std::string_view extension, std::initializer_list<std::string_view> extensions)
+bool has(std::string_view extension, FormatTrait trait)
 {
-    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+    const Format* const format = format_of_extension(extension);
+    return format && format->has(trait);
 }
 
-bool has_grid(std::string_view extension) { return is_one_of(extension, {"las", "laz"}); }
-
-// An option that would do nothing is a mistake of the user's.
+// An option that would have no effect is a user's mistake.
 void refuse_idle_options(const ConvertOptions& options, const fs::path& output, const std::string& extension)
 {
     const auto refuse = [&](const std::string& what) {
         throw Error(ErrorCode::invalid_argument, output, what + ", not to ." + extension);
     };
-    if ((options.write.grid || options.scale) && !has_grid(extension)) refuse("a grid goes to .las and .laz");
-    if (options.write.decimals && !is_one_of(extension, {"xyz", "txt", "asc", "csv", "pts"}))
-        refuse("decimals go to text formats");
-    if (options.write.ascii && !is_one_of(extension, {"ply", "pcd"})) refuse("ascii goes to .ply and .pcd");
+    const auto only = [&](FormatTrait trait, const std::string& what) {
+        if (!has(extension, trait)) refuse(what + extensions_with(trait));
+    };
+    if (options.write.grid || options.scale) only(needs_grid, "a grid goes to ");
+    if (options.write.decimals) only(takes_decimals, "decimals go to ");
+    if (options.write.ascii) only(takes_ascii, "ascii goes to ");
 }
 
 void refuse_bad_selection(const Selection& selection)
@@ -47,7 +49,7 @@ void refuse_bad_selection(const Selection& selection)
     for (std::size_t a = 0; a < 3; ++a)
         if (!(selection.box->min[a] <= selection.box->max[a]))
             throw Error(ErrorCode::invalid_argument, {},
-                        "the box holds nothing: along " + std::string(1, "xyz"[a]) + " it goes from " +
+                        "the box is empty: along " + std::string(1, "xyz"[a]) + " it goes from " +
                             exact(selection.box->min[a]) + " to " + exact(selection.box->max[a]),
                         "give the smaller corner first");
 }
@@ -62,13 +64,12 @@ void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, 
             throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too",
                         "choose another name");
     if (!overwrite)
-        throw Error(ErrorCode::exists, output, "the output is there already", "choose another name, or overwrite it");
+        throw Error(ErrorCode::exists, output, "the output exists already", "choose another name, or overwrite it");
     if (extension_of(output) != tree_extension && !fs::is_regular_file(status))
-        throw Error(ErrorCode::exists, output, "the output's name is that of something that is not a file",
-                    "choose another name");
+        throw Error(ErrorCode::exists, output, "the output exists and is not a regular file", "choose another name");
 }
 
-// Leaves the points with three finite coordinates.
+// Keeps only points with three finite coordinates.
 void drop_not_finite(PointBatch& batch)
 {
     if (batch.gridded) return;
@@ -117,8 +118,8 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     ConvertReport report;
     WriteOptions write = options.write;
     auto cloud = open();
-    const bool gridded = has_grid(extension_of(output));
-    double done = 0;  // of the whole, before the points are written
+    const bool gridded = has(extension_of(output), needs_grid);
+    double done = 0;  // fraction of the whole work, before the points are written
     if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
         const OutputGrid chosen = choose_output_grid(*cloud, options.scale, [&](double fraction) {
             watch.report("Finding the grid of the positions", 0.4 * fraction);
@@ -140,7 +141,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
         watch.report("Writing points", done + (0.99 - done) * cloud->fraction_read());
     }
     writer->finish();
-    // Now they are complete: readers count on the way what they drop.
+    // Complete only now: readers count dropped points while they read.
     report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
@@ -166,9 +167,8 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const CloudSources sources(inputs, options.cloud);
     refuse_output(sources.paths(), output, options.overwrite);
     const bool to_tree = extension == tree_extension;
-    const std::vector<std::string> writable = writable_extensions();
-    if (!to_tree && std::find(writable.begin(), writable.end(), extension) == writable.end())
-        create_writer(output, {}, {});  // says which there are
+    const Format* const format = format_of_extension(extension);
+    if (!to_tree && !(format && format->create)) create_writer(output, {}, {});  // throws, naming the writable formats
     return to_tree ? convert_to_tree(sources, output, options)
                    : write_cloud([&] { return sources.open(); }, output, options);
 }

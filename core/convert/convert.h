@@ -1,10 +1,10 @@
-// Any cloud in, any format out: what `pcmlab convert` and the export of MeshLab call.
+// Reads clouds of any format and writes one of any format: `pcmlab convert` and the export in MeshLab.
 #pragma once
 
-#include "pcm/system/progress.h"
-#include "pcm/io/reader.h"
 #include "pcm/cloud/selection.h"
+#include "pcm/io/reader.h"
 #include "pcm/io/writer.h"
+#include "pcm/system/progress.h"
 #include "pcm/tree/chunk_size.h"
 
 #include <cstdint>
@@ -19,49 +19,50 @@ namespace pcm {
 
 struct CloudOptions {
     std::optional<std::uint16_t> level;       // of trees: the cloud at this level; the whole cloud when absent
-    std::optional<std::uint64_t> max_points;  // of one tree: its deepest level with at most so many points
+    std::optional<std::uint64_t> max_points;  // of one tree: its deepest level with at most this many points
     Selection selection;
     ReadOptions read{0, {}};
 };
 
-// Files, trees, and folders of files as one cloud, of it what the options select. Trees are read only where the box is.
-// Throws what readers, Tree::open and Selector throw, and Error(invalid_argument) for levels of what is not a tree.
+// The selected points of files, trees and folders of files, as one cloud. Trees are read only where the box is.
+// Throws what readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no
+// tree.
 std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
                                         const CloudOptions& options = {});
 
 struct ConvertOptions {
     CloudOptions cloud;
     WriteOptions write{{}, {}, false, 0};
-    // LAS and LAZ, beside write.grid: a grid of this step with an offset that suits the cloud.
+    // LAS and LAZ, instead of write.grid: a grid of this step with an offset chosen for the cloud.
     std::optional<Vec3d> scale;
     // Trees.
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;
     std::uint32_t chunk_points = default_chunk_points;
-    unsigned threads = 0;  // of a build; 0: one a processor
+    unsigned threads = 0;  // of a build; 0: one per processor
 
-    bool overwrite = false;  // replace the output if it is there; never an input
+    bool overwrite = false;  // replace an existing output; never an input
     ProgressFunction progress;
 };
 
 struct ConvertReport {
     Outcome outcome;                   // points selected and written; error: largest position error, source units
-    std::uint64_t points_skipped = 0;  // selected, but without a finite position where the format needs one
+    std::uint64_t points_skipped = 0;  // selected, but dropped: the format needs finite positions
     std::uint64_t bytes = 0;           // of the output
     std::optional<Grid> grid;          // chosen for a cloud of doubles
     std::vector<std::string> notes;    // of the readers and the writer
 };
 
-// The output's extension says the format: "pct" builds a tree, others are written by create_writer(). For LAS and LAZ
-// out of doubles the input is read twice, first to find a grid on which all positions are exact, if there is one. The
-// output appears under its name when it is whole; on an error or a cancel nothing is left of it. Throws Error(exists)
-// when the output is there and is not to be overwritten, Error(invalid_argument) when it is one of the inputs or an
-// option has no meaning for its format, Error(unsupported) for an unknown extension, Error(cancelled), and what
-// readers, writers and build_tree throw.
+// The output's extension chooses the format: "pct" builds a tree, others are written by create_writer(). When doubles
+// are written as LAS or LAZ, the input is read twice, first to find a grid on which all positions are exact, if one
+// exists. The output appears atomically under its name; an error or a cancel leaves nothing behind. Throws
+// Error(exists) when the output exists and is not to be overwritten, Error(invalid_argument) when it is one of the
+// inputs or an option has no meaning for its format, Error(unsupported) for an unknown extension, Error(cancelled), and
+// what readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 
-// The same of any cloud into a file: `open` gives it from its beginning, each time it is called, with what is selected
-// of it. A file that has the name is replaced. Of the options those of `cloud` and of trees have no meaning here.
+// Writes any cloud to a file: each call of `open` returns a reader at the beginning of the (already selected) cloud. An
+// existing file is replaced. The options `cloud` and those of trees have no meaning here.
 ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open,
                           const std::filesystem::path& output, const ConvertOptions& options = {});
 

@@ -45,7 +45,8 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
             continue;
         }
         if (options.level || options.max_points)
-            throw Error(ErrorCode::invalid_argument, input, "levels are those of point cloud trees, and this is none",
+            throw Error(ErrorCode::invalid_argument, input,
+                        "only point cloud trees have levels, and this is not a tree",
                         "build a tree of it first with 'pcmlab build'");
         for (fs::path& file : expand_inputs({input})) {
             paths_.push_back(std::move(file));
@@ -54,17 +55,18 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
     }
     if (paths_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
     if (options.level && options.max_points)
-        throw Error(ErrorCode::invalid_argument, {}, "a level and a number of points were given; only one can choose");
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a level and a number of points were given; only one of them can choose the level");
     if (options.max_points && paths_.size() > 1)
         throw Error(ErrorCode::invalid_argument, {},
-                    "a number of points chooses a level of one tree; there are more inputs");
+                    "a number of points chooses the level of a single tree; several inputs were given");
 }
 
 std::unique_ptr<PointReader> CloudSources::open() const
 {
     const Selection& selection = options_.selection;
     if (paths_.size() == 1 && is_tree_[0]) return open_tree(paths_[0], options_, selection);
-    Selection box;  // of trees only what box and region touch is read
+    Selection box;  // trees are read only where they touch the box and the region
     box.box = selection.box;
     box.region = selection.region;
     std::vector<MergedReader::Source> sources;

@@ -1,4 +1,4 @@
-// The inputs of a conversion, which may be read more than once.
+// The inputs of a conversion. They can be read more than once.
 #pragma once
 
 #include "pcm/convert/convert.h"
@@ -15,7 +15,7 @@ class CloudSources {
 public:
     CloudSources(const std::vector<std::filesystem::path>& inputs, const CloudOptions& options);
 
-    // From the beginning, each time.
+    // A new reader at the beginning of the cloud.
     std::unique_ptr<PointReader> open() const;
     // Files and trees: folders of files are expanded.
     const std::vector<std::filesystem::path>& paths() const { return paths_; }

@@ -13,7 +13,7 @@
 namespace pcm {
 namespace {
 
-// PLY carries a grid as metadata beside its doubles.
+// The cloud's own grid, the one its doubles are near, or the one that PLY and PCD carry as metadata.
 std::optional<Grid> source_grid(const FileInfo& info)
 {
     if (info.grid) return info.grid;
@@ -36,7 +36,7 @@ std::optional<Grid> source_grid(const FileInfo& info)
     return std::nullopt;
 }
 
-// Whether every coordinate has a place of 32 bits on a grid, and how far it is from there.
+// Whether all coordinates fit 32 bits on a grid, and the largest rounding error there.
 class OnGrid {
 public:
     explicit OnGrid(const Grid& grid) : grid_(grid) {}
@@ -56,7 +56,7 @@ private:
     double error_ = 0;
 };
 
-// A round number of steps near the middle of the coordinates.
+// A grid whose offset is a round number of steps near the middle of the coordinates.
 Grid around(const Box3d& box, const Vec3d& scale)
 {
     Grid grid;
@@ -118,9 +118,9 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
         error = on_candidate->error();
     }
     if (error > 0)
-        result.notes.push_back("no grid of 32 bits holds these positions exactly; they are rounded to steps of " +
+        result.notes.push_back("no 32-bit grid holds these positions exactly; they are rounded to steps of " +
                                brief(result.grid.scale[0]) + ", " + brief(result.grid.scale[1]) + ", " +
-                               brief(result.grid.scale[2]) + " and up to " + brief(error) + " from where they were");
+                               brief(result.grid.scale[2]) + ", with an error of up to " + brief(error));
     return result;
 }
 

@@ -13,13 +13,13 @@ namespace pcm {
 
 struct OutputGrid {
     Grid grid;
-    std::uint64_t points_read = 0;   // 0: the points were not needed
-    std::vector<std::string> notes;  // when positions are not exact on it
+    std::uint64_t points_read = 0;   // 0: they were not needed
+    std::vector<std::string> notes;  // for positions that are not exact on it
 };
 
-// With `scale`: that step, from the offset of the cloud's own grid (or the one it is near) when all points fit 32 bits
-// from there, else from a round number near the middle. Without: the grid that the cloud's doubles are near, when all
-// are exact on it; else what GridChoice proposes. `progress` gets the fraction of the points read and may throw.
+// With `scale`, a grid of that step. Its offset is that of the cloud's own grid (or of FileInfo::near_grid) when all
+// points then fit 32 bits, else a round number near the middle. Without `scale`: FileInfo::near_grid when all points
+// are exact on it, else what GridChoice proposes. `progress` gets the fraction of the points read and may throw.
 OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& scale,
                               const std::function<void(double)>& progress);
 

@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// The key of a VLR, with its description behind it or without.
+// The key of a VLR, with or without a description at its end.
 bool is_geo_directory(std::string_view key)
 {
     constexpr std::string_view name = "/LASF_Projection/34735";
@@ -15,7 +15,7 @@ bool is_geo_directory(std::string_view key)
     return at != std::string_view::npos && (at + name.size() == key.size() || key[at + name.size()] == '/');
 }
 
-// Ids of GeoTIFF 1.1 (OGC 19-008r4) that LAS files use; others are shown by number.
+// Ids of GeoTIFF 1.1 (OGC 19-008r4) that LAS files use; others are printed as numbers.
 constexpr std::pair<unsigned, std::string_view> geo_keys[] = {
     {1024, "GTModelType"},      {1025, "GTRasterType"},      {1026, "GTCitation"},        {2048, "GeographicType"},
     {2049, "GeogCitation"},     {2050, "GeogGeodeticDatum"}, {2051, "GeogPrimeMeridian"}, {2052, "GeogLinearUnits"},
@@ -24,8 +24,8 @@ constexpr std::pair<unsigned, std::string_view> geo_keys[] = {
     {4097, "VerticalCitation"}, {4098, "VerticalDatum"},     {4099, "VerticalUnits"},
 };
 
-// Four numbers of 16 bits, the last one the count of keys; then four for each: id, place of its value (0: here), count,
-// value.
+// Four 16-bit numbers, the last of which is the number of keys; then four per key: id, place of its value (0: here),
+// count, value.
 std::string geo_directory(const std::vector<std::byte>& value)
 {
     const auto number = [&](std::size_t i) {

@@ -1,17 +1,17 @@
 // Readers turn a file into batches of points, in bounded memory.
 //
-// One file a format: las_reader, ply_reader, ... open_reader() recognises the format by content first, by extension
-// second. A reader belongs to one thread at a time. Headers are never trusted: promised counts are bounds to check
-// against, not sizes to allocate.
+// Each format has a folder: las/, ply/, ...; formats.h is the table of them. open_reader() recognises the format by
+// content first, by extension second. A reader belongs to one thread at a time. Headers are never trusted: promised
+// counts are bounds to check against, not sizes to allocate.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
-#include "pcm/system/error.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
 #include "pcm/cloud/point_batch.h"
-#include "pcm/system/progress.h"
 #include "pcm/io/text/text_layout.h"
+#include "pcm/system/error.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -24,31 +24,34 @@ namespace pcm {
 
 struct FileInfo {
     std::string format;                          // "LAS 1.2, point format 3", "PLY binary little endian"
-    std::uint64_t points = 0;                    // as the file promises; the reader checks it
+    std::uint64_t points = 0;                    // as the file states; the reader checks it
     bool points_known = true;                    // false: the file does not say, `points` is an estimate from its size
-    Schema schema;                               // attributes beside the position, in source order and type
-    ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, f32 or f64 else
+    Schema schema;                               // attributes other than the position, in source order and type
+    ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, otherwise f32 or f64
     std::optional<Grid> grid;                    // present when positions are integers on a grid
-    std::optional<Grid> near_grid;  // of doubles that come from integers: the grid that they lie on, but for rounding
+    std::optional<Grid> near_grid;      // of doubles that were computed from integers: their grid, up to rounding
     std::optional<Box3d> promised_box;  // from the header, not checked
     std::vector<Metadata> metadata;
-    std::vector<std::string> notes;  // what a user should know: "12 faces ignored", "VLR count is wrong"
+    // What a user should know: "12 faces ignored", "VLR count is wrong". For people: no code depends on the words.
+    std::vector<std::string> notes;
+    // Of a text file of columns: the layout that it is read with, detected or as the user stated it.
+    std::optional<TextLayout> text_layout;
 };
 
 class PointReader {
 public:
     virtual ~PointReader() = default;
 
-    // Notes and metadata may become more while points are read: what is only found on the way, counts of what was
-    // dropped.
+    // Notes and metadata may grow while points are read: they then include what only reading finds, and how many points
+    // were dropped.
     virtual const FileInfo& info() const = 0;
 
     // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
-    // Throws Error(truncated | bad_format | io), naming the byte or line, when the file breaks its promises.
+    // Throws Error(truncated | bad_format | io), naming the byte or line, when the file is not as its header states.
     virtual bool read(PointBatch& batch, std::size_t max_points) = 0;
 
-    // Whether seek() is cheap; true for uncompressed binary formats with records of one size. Such files say how many
-    // points they hold.
+    // Whether seek() is cheap; true for uncompressed binary formats with records of a fixed size. Such files state
+    // their number of points.
     virtual bool seekable() const { return false; }
     // The next read() starts at point `index`, counted from 0 in file order. Only when seekable().
     virtual void seek(std::uint64_t index);
@@ -60,8 +63,8 @@ public:
 inline constexpr std::size_t default_batch_points = 65536;
 
 struct ReadOptions {
-    unsigned threads = 1;  // most threads to decode with, where a format can (LAZ); 0: one a processor
-    TextLayout text;       // of text files; what is not set is detected
+    unsigned threads = 1;  // maximum number of decoding threads, where a format has them (LAZ); 0: one per processor
+    TextLayout text;       // of text files; unset members are detected
 };
 
 // Throws Error(not_found | permission | bad_format | truncated | unsupported).
@@ -70,8 +73,8 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();
 
-// Files as they are; folders stand for the readable files directly inside, in name order; of .txt .csv and .asc those
-// that hold points. Throws Error(not_found) for a missing path and for a folder without any readable file.
+// Files stay as they are. A folder is replaced by the readable files directly in it, in name order; a .txt, .csv or
+// .asc only if it holds points. Throws Error(not_found) for a missing path and for a folder without any readable file.
 std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace pcm

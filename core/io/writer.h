@@ -1,6 +1,6 @@
 // Writers turn batches of points into a file, in bounded memory: the counterpart of reader.h.
 //
-// One file a format: las_writer, ply_writer, ... create_writer() chooses by the extension.
+// Each format has a folder: las/, ply/, ...; formats.h is the table of them. create_writer() chooses by the extension.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -15,13 +15,13 @@
 namespace pcm {
 
 struct WriteOptions {
-    // LAS and LAZ: the grid to write on. When absent that of the source, where it has one. A source of doubles needs
-    // one (choose_grid() finds the coarsest on which all of its points are exact).
+    // LAS and LAZ: the grid to write on; the source's own when absent. A source of doubles needs one: choose_grid()
+    // finds the coarsest grid on which all of its points are exact.
     std::optional<Grid> grid;
-    // Text: digits after the point of a coordinate. When absent the fewest that give back the same double.
+    // Text: decimals of a coordinate. When absent, the fewest that read back as the same double.
     std::optional<unsigned> decimals;
     bool ascii = false;    // PLY and PCD: text instead of binary
-    unsigned threads = 1;  // most threads to encode with, where a format can; 0: one a processor
+    unsigned threads = 1;  // maximum number of encoding threads, where a format has them; 0: one per processor
 };
 
 // One thread. The file appears under its name only when finish() returns; until then the destructor leaves nothing
@@ -30,20 +30,20 @@ class PointWriter {
 public:
     virtual ~PointWriter() = default;
 
-    // A batch of the shape that the writer was created for. Throws Error(no_space | io | invalid_argument); after that
+    // A batch of the shape given to create_writer(). Throws Error(no_space | io | invalid_argument); after that
     // the writer can only be destroyed.
     virtual void write(const PointBatch& batch) = 0;
-    // Writes what is known only at the end, syncs, renames. Nothing may be written afterwards.
+    // Completes the header, syncs, renames. Nothing may be written afterwards.
     virtual void finish() = 0;
 
-    // Largest difference of a written position from its source on any axis, source units; 0 when all digits were kept.
+    // Largest difference between a written and a source coordinate, in source units; 0 when all digits were kept.
     virtual double position_error() const { return 0; }
-    // What a user should know: attributes that the format has no place for, values that did not fit.
+    // What a user should know: attributes that the format cannot store, values that did not fit.
     virtual std::vector<std::string> notes() const { return {}; }
 };
 
 // `cloud` is the info() of the reader that the batches will come from: schema, position type, grid (batches are gridded
-// exactly when it is present) and metadata. Its number of points and its box are taken for hints.
+// exactly when it is present) and metadata. Its number of points and its box are only hints.
 // Throws Error(unsupported) for an extension that no writer has, Error(invalid_argument) for a cloud that the format
 // cannot hold, and what opening a file can throw.
 std::unique_ptr<PointWriter> create_writer(const std::filesystem::path& path, const FileInfo& cloud,

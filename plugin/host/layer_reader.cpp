@@ -1,8 +1,8 @@
 #include "plugin/host/layer_reader.h"
 
 #include "pcm/cloud/with_type.h"
-#include "pcm/io/names.h"
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/unique_name.h"
 #include "pcm/system/error.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/vertex_attributes.h"

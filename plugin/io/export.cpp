@@ -1,14 +1,14 @@
 #include "plugin/io/export.h"
 
-#include "pcm/system/error.h"
 #include "pcm/convert/convert.h"
+#include "pcm/io/formats.h"
+#include "pcm/system/error.h"
+#include "pcm/tree/tree_reader.h"
 #include "plugin/host/layer_reader.h"
 #include "plugin/host/registry.h"
 #include "pcm/io/pipe/selected_reader.h"
 #include "plugin/host/selection_text.h"
 #include "plugin/host/text.h"
-#include "plugin/io/formats.h"
-#include "pcm/tree/tree_reader.h"
 
 #include <wrap/io_trimesh/io_mask.h>
 
@@ -92,10 +92,11 @@ bool is_ours_to_write(const MeshModel& layer)
 
 void add_export_settings(RichParameterList& parameters, const std::string& extension, const MeshModel& layer)
 {
-    if (extension == "ply" || extension == "pcd")
+    const Format* const format = format_of_extension(extension);
+    if (format && format->has(takes_ascii))
         parameters.addParam(RichBool(binary, true, "Binary encoding",
                                      "Binary, which is smaller and faster, or plain text. Default on."));
-    if (has_text_layout(extension) || extension == "pts")
+    if (format && format->has(takes_decimals))
         parameters.addParam(
             RichInt(decimals, -1, "Decimals",
                     "Digits after the point of a coordinate. -1, the default: as many as it takes to read "

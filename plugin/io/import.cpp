@@ -1,10 +1,10 @@
 #include "plugin/io/import.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/tree/tree.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/points_layer.h"
-#include "pcm/io/names.h"
 #include "plugin/io/tree_beside.h"
-#include "pcm/tree/tree.h"
 
 namespace pcm::host {
 

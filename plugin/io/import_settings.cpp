@@ -1,9 +1,9 @@
 #include "plugin/io/import_settings.h"
 
-#include "pcm/system/error.h"
-#include "plugin/io/formats.h"
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
+#include "pcm/io/formats.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/error.h"
 
 #include <meshlab/glarea.h>
 
@@ -79,7 +79,8 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
 {
     const RichParameterList* globals = current_globals();
     if (!globals) return;
-    const bool is_text = has_text_layout(extension_of(file));
+    const Format* const format = format_of_extension(extension_of(file));
+    const bool is_text = format && format->has(asks_layout);
     const RichParameter* asked = find(*globals, ask);
     const int when = asked ? asked->value().getEnum() : text_files;
     if (when == never || (when == text_files && !is_text)) return;
@@ -88,10 +89,8 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
         QString found;
         try {
             const auto reader = open_reader(file);
-            for (const std::string& note : reader->info().notes)  // "columns x y z, separated by blanks; ..."
-                if (note.rfind("columns ", 0) == 0)
-                    found =
-                        " [found: " + QString::fromStdString(note.substr(8)).section(';', 0, 0).toHtmlEscaped() + "]";
+            if (const auto& layout = reader->info().text_layout)
+                found = " [found: " + QString::fromStdString(describe(*layout)).toHtmlEscaped() + "]";
         } catch (const Error&) {
             // Then opening it says why; perhaps the user knows the layout.
         }

@@ -1,5 +1,6 @@
 #include "plugin/io/io_plugin.h"
 
+#include "pcm/io/formats.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/shading.h"
@@ -56,7 +57,7 @@ void PointCloudIo::initPreOpenParameter(const QString& format, const QString& fi
 {
     const std::filesystem::path path = absolute_path(file_name);
     if (format.compare(tree_extension, Qt::CaseInsensitive) == 0) return;
-    if (is_cloud(path))
+    if (is_point_cloud(path))
         add_file_settings(parameters, path);
     else if (auto* stock = stock_importer(format, this))
         stock->initPreOpenParameter(format, file_name, parameters);
@@ -77,7 +78,7 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
     try {
         Operation::refuse_second();
         clear_layer(layer);
-        if (!is_cloud(path))
+        if (!is_point_cloud(path))
             if (auto* stock = stock_importer(format, this))
                 return hand_over_open(*stock, format, file_name, layer, mask, parameters, callback, parent);
         const ImportSettings settings = read_import_settings(parameters);

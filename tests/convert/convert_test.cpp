@@ -2,13 +2,13 @@
 
 #include "pcm/convert/convert.h"
 
+#include "pcm/build/builder.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/tree_reader.h"
+#include "pcm/tree/verify.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
 #include "tests/support.h"
-#include "pcm/build/builder.h"
-#include "pcm/tree/tree_reader.h"
-#include "pcm/tree/verify.h"
 
 #include <unistd.h>
 

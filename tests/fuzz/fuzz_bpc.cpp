@@ -67,7 +67,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
 {
     std::vector<std::uint8_t> sealed(bytes, bytes + size);
     seal_all(sealed);
-    pcm::fuzz::read_all([](const std::filesystem::path& path) { return pcm::open_bpc(path); }, sealed.data(),
-                        sealed.size());
+    pcm::fuzz::read_all(pcm::open_bpc, sealed.data(), sealed.size());
     return 0;
 }

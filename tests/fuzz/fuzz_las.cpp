@@ -3,6 +3,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
-    pcm::fuzz::read_all([](const std::filesystem::path& path) { return pcm::open_las(path); }, bytes, size);
+    pcm::fuzz::read_all(pcm::open_las, bytes, size);
     return 0;
 }

@@ -1,8 +1,8 @@
-#include "pcm/io/text/xyz_reader.h"
+#include "pcm/io/pts/pts_reader.h"
 #include "tests/fuzz/reader_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
-    pcm::fuzz::read_all([](const std::filesystem::path& path) { return pcm::open_pts(path); }, bytes, size);
+    pcm::fuzz::read_all(pcm::open_pts, bytes, size);
     return 0;
 }

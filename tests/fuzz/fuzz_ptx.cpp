@@ -1,8 +1,8 @@
-#include "pcm/io/text/ptx_reader.h"
+#include "pcm/io/ptx/ptx_reader.h"
 #include "tests/fuzz/reader_input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
-    pcm::fuzz::read_all([](const std::filesystem::path& path) { return pcm::open_ptx(path); }, bytes, size);
+    pcm::fuzz::read_all(pcm::open_ptx, bytes, size);
     return 0;
 }

@@ -150,7 +150,8 @@ def write_e57(folder):
 
 
 BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_seeds, "ptx": ptx_seeds, "pcd": pcd_seeds}
-CONVERTED = {"laz": "laz", "bpc": "bpc", "pcd": "pcd", "ply": "ply", "xyz": "xyz", "pts": "pts"}  # folder: extension
+# Every target of a format is named like its extension; pcmlab writes the seeds of those that it writes.
+CONVERTED = sorted({source.stem[len("fuzz_"):] for source in pathlib.Path(__file__).parent.glob("fuzz_*.cpp")} - {"index", "chunk"})
 
 
 def write_trees(pcm, scene, folder):
@@ -181,11 +182,11 @@ def main():
     scene = folder / "las" / "scene.las"
     subprocess.run([pcm, "generate", scene, "--points", "200", "--no-truth", "-q"], check=True)
     write_trees(pcm, scene, folder)
-    for name, extension in CONVERTED.items():
-        (folder / name).mkdir(exist_ok=True)
+    for extension in CONVERTED:
+        (folder / extension).mkdir(exist_ok=True)
         for source in (scene, folder / "las" / "format7.las", folder / "las" / "extra.las", folder / "las" / "format3.las"):
             # A format that a source does not fit into, or that is not built in, has the other seeds.
-            subprocess.run([pcm, "convert", source, folder / name / f"{source.stem}_converted.{extension}"],
+            subprocess.run([pcm, "convert", source, folder / extension / f"{source.stem}_converted.{extension}"],
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

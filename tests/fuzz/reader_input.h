@@ -14,15 +14,15 @@
 namespace pcm::fuzz {
 
 // Any pcm::Error is an answer; any other exception, and points that are not as many as promised, are a find.
-inline void read_all(std::unique_ptr<PointReader> (*open)(const std::filesystem::path&), const std::uint8_t* bytes,
-                     std::size_t size)
+inline void read_all(std::unique_ptr<PointReader> (*open)(const std::filesystem::path&, const ReadOptions&),
+                     const std::uint8_t* bytes, std::size_t size, const ReadOptions& options = {})
 {
     static const int descriptor = memfd_create("input", MFD_CLOEXEC);
     if (descriptor < 0 || ftruncate(descriptor, 0) != 0 ||
         pwrite(descriptor, bytes, size, 0) != static_cast<ssize_t>(size))
         std::abort();
     try {
-        const auto reader = open("/proc/self/fd/" + std::to_string(descriptor));
+        const auto reader = open("/proc/self/fd/" + std::to_string(descriptor), options);
         PointBatch batch;
         std::uint64_t points = 0;
         while (reader->read(batch, 1000)) points += batch.size;

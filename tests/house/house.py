@@ -14,7 +14,9 @@ LIST_BEGINS = "```arrows"
 
 # Files over 500 lines and functions over 60, each with the reason why it is not divided.
 LONG_FILES: dict[str, str] = {}
-LONG_FUNCTIONS: dict[str, str] = {}
+LONG_FUNCTIONS: dict[str, str] = {
+    "core/io/text/text_rows.cpp:template <bool Blanks>": "most of the time of reading text: one loop, its parts inlined",
+}
 FILE_LINES = 500
 FUNCTION_LINES = 60
 
@@ -105,7 +107,7 @@ def check_arrows(tree):
 
 
 # Formats whose folder builds on another's: theirs is text too.
-SHARED_FOLDERS = {"text", "pipe"}
+SHARED_FOLDERS = {"text", "records", "pipe"}
 
 
 def check_formats(tree):

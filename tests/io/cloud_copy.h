@@ -1,8 +1,8 @@
 // What the tests of writers share: random clouds, clouds compared, files copied through the library.
 #pragma once
 
-#include "tests/io/bytes.h"
 #include "pcm/io/writer.h"
+#include "tests/io/bytes.h"
 
 #include <limits>
 

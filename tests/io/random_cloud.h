@@ -1,8 +1,8 @@
 // Clouds of random shape for tests of writers: any schema, positions of any kind, values of any bits.
 #pragma once
 
-#include "tests/io/bytes.h"
 #include "pcm/io/writer.h"
+#include "tests/io/bytes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // What the tests of text writers share: clouds of awkward values, and the file taken apart without the library.
 #pragma once
 
-#include "tests/io/bytes.h"
 #include "pcm/io/writer.h"
+#include "tests/io/bytes.h"
 
 #include <cmath>
 #include <limits>

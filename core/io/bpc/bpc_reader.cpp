@@ -15,7 +15,7 @@
 namespace pcm {
 namespace {
 
-// Of all chunks that are decoded ahead.
+// Limit for all chunks that are decoded ahead.
 constexpr std::uint64_t most_ahead_bytes = std::uint64_t{64} << 20;
 
 class BpcReader final : public PointReader {
@@ -57,11 +57,11 @@ private:
     FileInfo info_;
     std::size_t batch_points_ = 1;
     std::uint64_t next_ = 0;
-    // The chunk that next_ lies in or the one before it, once something was read.
+    // The chunk of point next_, or the one before it; none before the first read.
     bool loaded_ = false;
     ChunkPlace place_, place_after_;
     DecodedChunk decoded_;
-    // The chunks that follow it, being decoded; their destructors wait.
+    // The following chunks, being decoded; their destructors wait.
     std::size_t most_ahead_ = 0;
     std::deque<Ahead> ahead_;
 };
@@ -71,7 +71,7 @@ void BpcReader::load()
 {
     if (loaded_ && next_ >= place_.first_point && next_ < place_after_.first_point) return;
     const ChunkPlace place = loaded_ && next_ == place_after_.first_point ? place_after_ : file_.find(next_);
-    decoded_ = {};  // its memory first
+    decoded_ = {};  // frees its memory first
     loaded_ = false;
     if (!ahead_.empty() && ahead_.front().place.number != place.number) ahead_.clear();
     if (ahead_.empty()) {
@@ -99,7 +99,7 @@ void BpcReader::read_ahead()
                               std::async(std::launch::async, [this, place] { return file_.read(place, columns_); })});
         }
     } catch (const Error&) {
-        // It is met again, and thrown, when the points before it have been read.
+        // Decoding it again throws, after the points before it have been read.
     }
 }
 

@@ -1,7 +1,7 @@
-// Reads BPC: the clouds that bpc_writer.h writes, and any sequence of chunks, such as a tree's data files.
+// Reads BPC: clouds written by bpc_writer.h, and any sequence of chunks, such as a tree's data files.
 //
-// Gridded where all chunks lie on one grid and fit 32 bits; else doubles, the same bits as were written. With more than
-// one thread the next chunks are decoded while the caller works on one.
+// Gridded where all chunks have the same grid and fit 32 bits; else doubles, bit for bit as written. With more than one
+// thread, the next chunks are decoded while the caller works on the current one.
 #pragma once
 
 #include "pcm/io/reader.h"

@@ -52,8 +52,8 @@ private:
     unsigned threads_;
     std::filesystem::path path_;
     BpcFileWriter file_;
-    PointBatch pending_;                                        // chunk_points_ long
-    std::size_t filled_ = 0;                                    // of them
+    PointBatch pending_;                                        // of chunk_points_ points
+    std::size_t filled_ = 0;                                    // points in it
     std::deque<std::future<std::vector<std::byte>>> encoding_;  // chunks in order, with more than one thread
 };
 
@@ -64,7 +64,8 @@ void BpcWriter::check(const PointBatch& batch) const
         same =
             batch.attributes[i].type() == schema_[i].type && batch.attributes[i].components() == schema_[i].components;
     if (!same)
-        throw Error(ErrorCode::invalid_argument, path_, "a batch of another shape than the cloud that the file is for");
+        throw Error(ErrorCode::invalid_argument, path_,
+                    "the batch has other attributes than the cloud that the file was created for");
 }
 
 void BpcWriter::write(const PointBatch& batch)
@@ -129,7 +130,7 @@ void BpcWriter::finish()
 std::unique_ptr<PointWriter> create_bpc(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options)
 {
-    // A chunk that is encoded takes some 20 MB.
+    // Encoding a chunk takes some 20 MB.
     return std::make_unique<BpcWriter>(path, cloud, std::min(thread_count(options.threads), 8u));
 }
 

@@ -1,8 +1,8 @@
 #include "pcm/io/e57/e57_fields.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <bitset>
@@ -26,7 +26,7 @@ std::string snake_case(std::string_view name)
     return text;
 }
 
-// What the values of an attribute are, as far as they are known.
+// What is known so far about the values of an attribute.
 struct Kind {
     enum class Number { integer, f32, f64 } number = Number::f64;
     std::int64_t min = 0, max = 0;  // of integers
@@ -37,7 +37,7 @@ Kind kind_of(const E57Field& field)
 {
     if (field.kind == E57Field::Kind::f32) return {Kind::Number::f32};
     if (field.kind == E57Field::Kind::f64) return {Kind::Number::f64};
-    // The bits of a value can hold more than the declared maximum.
+    // The bits of a value may hold more than the declared maximum.
     constexpr std::int64_t highest = std::numeric_limits<std::int64_t>::max();
     const unsigned bits = field.bits();
     const std::uint64_t span = bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
@@ -70,10 +70,10 @@ ScalarType type_of(const Kind& kind)
                                             : ScalarType::i64;
 }
 
-// How the colours of a scan are numbers.
+// How the colours of a scan are encoded.
 struct Colours {
     enum class Number { u8, u16, f32, f64 } number = Number::u8;
-    double largest = 255;  // what is white
+    double largest = 255;  // the value of white
 };
 
 Colours colours_of(const E57Scan& scan, const Trio& rgb)
@@ -98,7 +98,7 @@ Colours colours_of(const E57Scan& scan, const Trio& rgb)
     return {single ? Number::f32 : Number::f64, largest};
 }
 
-// Of the attribute that a field becomes.
+// The name of the attribute for a field.
 std::string name_of(const E57Field& field)
 {
     if (field.space.empty()) {
@@ -123,7 +123,7 @@ public:
     E57Plan plan();
 
 private:
-    struct Member {  // a field of a scan that belongs to an attribute
+    struct Member {  // one scan's field of an attribute
         std::size_t scan, field;
         std::uint32_t component;
     };
@@ -147,9 +147,9 @@ private:
     E57Plan plan_;
     std::vector<Merged> merged_;
     std::map<std::string, std::size_t> merged_of_;       // by name
-    std::map<std::string, int> component_numbers_;       // of the scan at hand: where to look on for a free name
+    std::map<std::string, int> component_numbers_;       // of the current scan: the next number to try for a free name
     std::vector<std::pair<std::size_t, Trio>> colours_;  // scan and fields
-    std::size_t rgb_place_ = 0;                          // in the order of the attributes
+    std::size_t rgb_place_ = 0;                          // position among the attributes
 };
 
 std::optional<Trio> Planner::trio(const E57Scan& scan, const std::array<const char*, 3>& names, bool extension)
@@ -181,8 +181,8 @@ void Planner::find_positions(std::size_t index)
 
 void Planner::add_member(const std::string& name, std::uint32_t components, const Member& member)
 {
-    // A name that is there already with another number of components, or twice in one scan, gets a number. Where the
-    // last search in this scan ended is kept, for a file may have thousands of fields of one name.
+    // A name that exists with another number of components, or twice in one scan, gets a number. The last number tried
+    // in this scan is kept, because a file may have thousands of fields of one name.
     int& number = component_numbers_[name + '/' + std::to_string(member.component)];
     for (;; ++number) {
         const std::string candidate = number == 0 ? name : name + "_" + std::to_string(number + 1);
@@ -196,7 +196,7 @@ void Planner::add_member(const std::string& name, std::uint32_t components, cons
             return;
         }
         Merged& merged = merged_[same->second];
-        bool taken = false;  // members stand in the order of their scans
+        bool taken = false;  // members are in the order of their scans
         for (auto m = merged.members.rbegin(); m != merged.members.rend() && m->scan == member.scan; ++m)
             taken = taken || m->component == member.component;
         if (merged.components == components && !taken) {
@@ -216,7 +216,7 @@ void Planner::add_fields(std::size_t index)
         if (fields)
             for (const std::size_t i : *fields) done[i] = true;
     };
-    // Spherical coordinates beside cartesian ones are attributes.
+    // Where there are cartesian coordinates, spherical ones are attributes.
     take(plan.cartesian ? plan.cartesian : plan.spherical);
     if (plan.cartesian_state) done[*plan.cartesian_state] = true;
     if (plan.spherical_state && !plan.cartesian) done[*plan.spherical_state] = true;
@@ -234,7 +234,7 @@ void Planner::add_fields(std::size_t index)
         if (done[i]) continue;
         std::string name = name_of(scan.fields[i]);
         if (name == attribute_name::rgb || name == attribute_name::normal || name == "scan")
-            name += "_scalar";  // these names mean something else here
+            name += "_scalar";  // these names have another meaning here
         add_member(name, 1, {index, i, 0});
     }
 }
@@ -281,15 +281,15 @@ void Planner::make_colours()
     for (const auto& [scan, fields] : colours_) {
         const Number other = colours_of(scans_[scan], fields).number;
         differ = differ || other != colours_of(scans_[colours_[0].first], colours_[0].second).number;
-        // 16 bits are more than a float keeps apart after a division.
+        // After a division a float could not distinguish all 16-bit values.
         number = (number == Number::u16 && other == Number::f32) || (number == Number::f32 && other == Number::u16)
                      ? Number::f64
                      : std::max(number, other);
     }
     if (differ)
         plan_.notes.push_back(number == Number::u16
-                                  ? "the scans have colours of 8 and of 16 bits: all were made 16"
-                                  : "the scans have colours of different number types: all were made 0..1");
+                                  ? "the scans have 8-bit and 16-bit colours: all were converted to 16 bits"
+                                  : "the scans have colours of different types: all were converted to 0..1");
     std::vector<double> odd;
     for (const auto& [scan, fields] : colours_) {
         const Colours colours = colours_of(scans_[scan], fields);
@@ -305,7 +305,7 @@ void Planner::make_colours()
         const bool divided = number == Number::f32 || number == Number::f64;
         if (divided && colours.largest != 1 && std::find(odd.begin(), odd.end(), colours.largest) == odd.end()) {
             odd.push_back(colours.largest);
-            plan_.notes.push_back("colours up to " + exact(colours.largest) + " were divided by it");
+            plan_.notes.push_back("colours were divided by their maximum, " + exact(colours.largest));
         }
     }
     const ScalarType type = number == Number::u8    ? ScalarType::u8
@@ -338,7 +338,7 @@ E57Plan Planner::plan()
     for (std::size_t a = 0; a < plan_.schema.size(); ++a)
         if (scans_with[a] < read)
             plan_.notes.push_back(grouped(read - scans_with[a]) + " of " + grouped(read) + " scans have no '" +
-                                  plan_.schema[a].name + "': 0 there");
+                                  plan_.schema[a].name + "': it is 0 for their points");
     if (scans_.size() > 1) {
         plan_.scan_number = plan_.schema.size();
         add_attribute({"scan", ScalarType::u32, 1, 1, 0, "number of the scan in the file, from 1"});

@@ -1,7 +1,7 @@
 #include "pcm/io/e57/e57_file.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #ifdef PCM_HAVE_DECODERS
 #include "pcm/decoders/decoders.h"
@@ -16,11 +16,11 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t header_bytes = 48;
-// The XML section is made a tree in memory: what a node and an attribute of it take is multiplied by these.
+// The XML section becomes a tree in memory: these bound its nodes and attributes.
 constexpr std::uint64_t most_xml_bytes = std::uint64_t{32} << 20;
 constexpr std::size_t most_tags = 300000;        // '<'
 constexpr std::size_t most_attributes = 300000;  // '='
-// Names are compared with each other: the time for these grows with their square.
+// The parser compares names with each other: its time grows with the square of this.
 constexpr std::size_t most_attributes_of_a_tag = 1000;
 constexpr std::size_t most_namespaces = 200;
 
@@ -37,7 +37,7 @@ T load(const std::byte* from)
     return value;
 }
 
-// The header, checked; returns the XML section.
+// Checks the header; returns the XML section.
 std::string read_xml(E57Pages& pages)
 {
     std::array<std::byte, header_bytes> header;
@@ -53,7 +53,7 @@ std::string read_xml(E57Pages& pages)
     const auto length = load<std::uint64_t>(&header[16]);
     if (length > pages.physical_size())
         fail(pages, ErrorCode::truncated,
-             "the header says that the file has " + std::to_string(length) + " bytes, it has " +
+             "the header states a length of " + std::to_string(length) + " bytes, the file has " +
                  std::to_string(pages.physical_size()));
     const auto page = load<std::uint64_t>(&header[40]);
     if (page != E57Pages::page_bytes)
@@ -74,7 +74,7 @@ std::string read_xml(E57Pages& pages)
     return xml;
 }
 
-// What would take the parser much memory or time is refused before it begins.
+// Refuses, before the parser starts, what would take it too much memory or time.
 void check_size_of(const std::string& xml, const E57Pages& pages)
 {
     const auto refuse = [&](const std::string& found, std::size_t most) {
@@ -181,8 +181,8 @@ E57Description describe_e57(E57Pages& pages)
     for (std::size_t i = 0; i < scans; ++i) description.scans.push_back(scan_of(from.get(), i));
     return description;
 #else
-    fail(pages, ErrorCode::unsupported, "this is an E57 file, and E57 was left out when this program was built",
-         "build it again where cargo is (Debian 12: package cargo-web)");
+    fail(pages, ErrorCode::unsupported, "this is an E57 file, which this build does not support",
+         "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again");
 #endif
 }
 

@@ -1,6 +1,6 @@
 #include "pcm/io/e57/e57_packets.h"
 
-#include "pcm/io/names.h"
+#include "pcm/io/file_text.h"
 
 #include <algorithm>
 #include <array>
@@ -11,9 +11,9 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t section_header_bytes = 32;
-// Values of 64 bits may begin at the last bit of a byte.
+// 64-bit values may begin at the last bit of a byte.
 constexpr std::size_t bytes_behind = 16;
-// Writers keep the streams of a packet level; streams that run ahead of the others have to be held in memory.
+// Writers balance the streams of a packet; a stream that is ahead of the others has to be kept in memory.
 constexpr std::size_t most_waiting_bytes = std::size_t{64} << 20;
 
 template <class T>
@@ -66,7 +66,8 @@ E57Packets::E57Packets(E57Pages& pages, const E57Scan& scan, std::string called)
                                        std::to_string(pages.logical_size() - begin) + " bytes of content from there");
     end_ = begin + length;
 
-    // A field of one value takes no bytes; points that take none at all are believed as far as the file goes.
+    // A field with a single possible value takes no bytes; points without any bytes are accepted up to the size of the
+    // file.
     const std::uint64_t left = end_ - std::min(end_, next_packet_);
     const std::uint64_t room = bits ? left * 8 / bits : pages.physical_size();
     if (scan.records > room)
@@ -111,7 +112,7 @@ void E57Packets::read_packet()
                                         " bytes, expected a multiple of 4 that the section holds");
     const std::uint64_t begin = next_packet_;
     next_packet_ += length;
-    if (type != 1) return;  // an index, or nothing
+    if (type != 1) return;  // an index packet or an empty one
 
     if (length < 6 + 2 * streams_.size())
         fail(ErrorCode::bad_format, place + "a packet of " + std::to_string(length) + " bytes is too short for " +
@@ -129,7 +130,7 @@ void E57Packets::read_packet()
         if (sizes[i] > next_packet_ - at)
             fail(ErrorCode::bad_format,
                  place + "the byte streams are longer than their packet of " + std::to_string(length) + " bytes");
-        // What is behind the last value of a field is not kept.
+        // Bytes after the last value of a field are discarded.
         if (bits_[i]) append(streams_[i], sizes[i], at);
         at += sizes[i];
         waiting += streams_[i].used;
@@ -158,7 +159,7 @@ void E57Packets::integers(std::size_t field, std::int64_t* to)
         std::fill_n(to, prepared_, min);
         return;
     }
-    // Only here can a value leave the 64 bits that numbers have.
+    // Only this sum can exceed 64 bits.
     const auto room =
         static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) - static_cast<std::uint64_t>(min);
     for (std::size_t i = 0; i < prepared_; ++i) {
@@ -167,14 +168,14 @@ void E57Packets::integers(std::size_t field, std::int64_t* to)
             fail(ErrorCode::bad_format, "point " + std::to_string(points_ - prepared_ + i) + ": the field '" +
                                             printable_name(scan_.fields[field].name) + "' is " + std::to_string(raw) +
                                             " above its minimum of " + std::to_string(min) +
-                                            ", which is no number of 64 bits");
+                                            ", which does not fit 64 bits");
         to[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(min) + raw);
     }
 }
 
 void E57Packets::floats(std::size_t field, double* to)
 {
-    // Streams of floats have whole bytes: every value before was one.
+    // Float streams consist of whole bytes, so the value starts at a byte.
     const std::byte* from = streams_[field].bytes.data() + streams_[field].bit / 8;
     if (scan_.fields[field].kind == E57Field::Kind::f32)
         for (std::size_t i = 0; i < prepared_; ++i) to[i] = static_cast<double>(load<float>(from + 4 * i));

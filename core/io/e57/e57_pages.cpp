@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t pages_in_buffer = 64;
 
-// tables[k][b]: what a byte b does to the checksum when k more bytes follow, so that eight bytes are taken at a time.
+// tables[k][b]: the effect of byte b on the checksum when k more bytes follow; eight bytes are processed at a time.
 using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
 
 constexpr CrcTables make_crc_tables()
@@ -60,7 +60,7 @@ E57Pages::E57Pages(const std::filesystem::path& path) : file_(path, File::Mode::
     pages_ = size / page_bytes;
     if (size == 0 || size % page_bytes)
         throw Error(ErrorCode::truncated, path,
-                    "the file has " + std::to_string(size) + " bytes; an E57 file has whole pages of 1024 bytes");
+                    "the file has " + std::to_string(size) + " bytes; an E57 file is a multiple of 1024 bytes");
 }
 
 std::uint64_t E57Pages::to_logical(std::uint64_t physical) const
@@ -90,7 +90,7 @@ const std::byte* E57Pages::content_of(std::uint64_t page)
             throw Error(ErrorCode::corrupt, file_.path(),
                         "page " + std::to_string(page) + ", from byte " + std::to_string(page * page_bytes) +
                             ": the checksum is " + hexadecimal(stored) + ", the content has " + hexadecimal(computed),
-                        "the file was damaged; get it again from where it came");
+                        "the file is damaged: copy it again from its source");
         checked_[i] = true;
     }
     return content;

@@ -4,7 +4,6 @@
 #include "pcm/io/e57/e57_fields.h"
 #include "pcm/io/e57/e57_file.h"
 #include "pcm/io/e57/e57_packets.h"
-#include "pcm/io/names.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/text.h"
 
@@ -17,7 +16,7 @@
 namespace pcm {
 namespace {
 
-// Few enough that the numbers of all fields stay in the cache, many enough that a packet is worth it.
+// Few enough that the numbers of all fields stay in the cache, many enough to amortise the work per packet.
 constexpr std::size_t piece_points = 4096;
 constexpr std::size_t most_fields = 1000;
 constexpr std::size_t most_metadata_bytes = std::size_t{4} << 20;
@@ -52,7 +51,7 @@ public:
     }
 
 private:
-    // The raw numbers of one field for the points at hand.
+    // The raw numbers of one field for the current points.
     struct Numbers {
         std::vector<std::int64_t> integers;
         std::vector<double> floats;
@@ -63,7 +62,7 @@ private:
     Pose pose_of(std::size_t scan) const;
     void check_promises();
     void begin_scan();
-    // Reads up to `most` records; the valid ones go to the batch from `first` on. Returns how many they were.
+    // Reads up to `most` records; stores the valid ones in the batch from `first` on. Returns their number.
     std::size_t read_piece(PointBatch& batch, std::size_t first, std::size_t most);
     double value(std::size_t field, std::size_t point) const;
     void find_valid(std::size_t count);
@@ -77,14 +76,14 @@ private:
     std::uint64_t records_ = 0, records_read_ = 0;
     std::size_t batch_points_;
 
-    std::size_t scan_ = 0;  // at hand
+    std::size_t scan_ = 0;  // the current one
     std::uint64_t scan_read_ = 0;
     std::optional<E57Packets> packets_;
-    std::vector<std::size_t> missing_;  // attributes that it has nothing for
+    std::vector<std::size_t> missing_;  // attributes without a field in it
     std::vector<Pose> poses_;           // of all scans
     std::vector<Numbers> numbers_;
-    std::vector<std::uint32_t> valid_;     // which of the points at hand have positions
-    std::vector<std::uint8_t> spherical_;  // whether theirs are the spherical ones
+    std::vector<std::uint32_t> valid_;     // indices of the current points with a position
+    std::vector<std::uint8_t> spherical_;  // for each of these, whether the position is spherical
     std::uint64_t dropped_ = 0, clamped_ = 0;
     bool noted_ = false;
 };
@@ -131,7 +130,7 @@ void E57Reader::describe()
     }
     if (null_rotations)
         info_.notes.push_back("the quaternion of " + grouped(null_rotations) +
-                              (null_rotations == 1 ? " scan" : " scans") + " is 0 0 0 0: taken for no rotation");
+                              (null_rotations == 1 ? " scan" : " scans") + " is 0 0 0 0: read as no rotation");
     info_.points = records_;
     info_.position_type = all_f32 && records_ ? ScalarType::f32 : ScalarType::f64;
     if (all_boxes && records_) info_.promised_box = box;
@@ -181,10 +180,10 @@ Pose E57Reader::pose_of(std::size_t index) const
     pose.translation = scan.translation;
     pose.moves = scan.translation != Vec3d{0, 0, 0};
 
-    // Divided by the largest first: squares of tiny and huge numbers are none.
+    // Divided by the largest first: squares of tiny and huge numbers would underflow or overflow.
     double largest = 0;
     for (const double number : scan.rotation) largest = std::max(largest, std::abs(number));
-    if (largest == 0) return pose;  // 0 0 0 0 is no rotation; describe() tells
+    if (largest == 0) return pose;  // 0 0 0 0 is read as no rotation; describe() notes it
     std::array<double, 4> q = scan.rotation;
     double squares = 0;
     for (double& number : q) {
@@ -200,7 +199,7 @@ Pose E57Reader::pose_of(std::size_t index) const
     return pose;
 }
 
-// Of all scans before the first of them is read: each must have room in the file, and no two the same.
+// Checks all scans before the first is read: together they must fit in the file, so no two may share their points.
 void E57Reader::check_promises()
 {
     double bytes = 0;
@@ -358,10 +357,10 @@ void E57Reader::note_what_was_dropped()
     noted_ = true;
     if (dropped_)
         info_.notes.push_back(grouped(dropped_) + " of " + grouped(records_) +
-                              " points dropped: the file says that they have no valid position");
+                              " points dropped: the file marks their positions as invalid");
     if (clamped_)
         info_.notes.push_back(grouped(clamped_) +
-                              " colour values were outside the range that the file gives and were cut");
+                              " colour values were outside the file's stated range and were clamped");
 }
 
 bool E57Reader::read(PointBatch& batch, std::size_t max_points)
@@ -385,6 +384,9 @@ bool E57Reader::read(PointBatch& batch, std::size_t max_points)
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path) { return std::make_unique<E57Reader>(path); }
+std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<E57Reader>(path);
+}
 
 }  // namespace pcm

@@ -1,7 +1,8 @@
 #include "pcm/io/las/las_fields.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_layout.h"
-#include "pcm/io/names.h"
+#include "pcm/io/unique_name.h"
 
 #include <array>
 #include <cmath>
@@ -77,10 +78,10 @@ struct Descriptor {
     ScalarType type = ScalarType::u8;
     std::uint32_t components = 0;
     std::array<double, 3> scale{1, 1, 1}, offset{0, 0, 0};
-    bool plain = false;  // bytes that no type describes
+    bool plain = false;  // bytes without a described type
 
     std::size_t bytes() const { return size_of(type) * components; }
-    // An attribute has one scale and offset for all of its components.
+    // An attribute has a single scale and offset for all components.
     bool alike() const
     {
         for (std::size_t c = 1; !plain && c < components; ++c)
@@ -148,7 +149,7 @@ std::optional<Descriptor> ExtraBytesPlan::parse(const std::byte* from)
         if (options & extra::has_offset) d.offset[c] = load<double>(from + extra::offset + 8 * c);
         if (!std::isfinite(d.scale[c]) || d.scale[c] == 0 || !std::isfinite(d.offset[c])) {
             add_note(notes_, "the scale or offset of the extra bytes '" + d.name +
-                                 "' is not a number to compute with; ignored");
+                                 "' is NaN or infinite, or the scale is 0; ignored");
             d.scale[c] = 1;
             d.offset[c] = 0;
         }
@@ -156,7 +157,7 @@ std::optional<Descriptor> ExtraBytesPlan::parse(const std::byte* from)
     return d;
 }
 
-// How many descriptors from `first` on are the components of one attribute; 1 when they are not.
+// How many descriptors from `first` on are components of one attribute; 1 when they are separate.
 std::size_t ExtraBytesPlan::group_at(const std::vector<Descriptor>& list, std::size_t first) const
 {
     const Descriptor& d = list[first];
@@ -175,7 +176,7 @@ std::size_t ExtraBytesPlan::group_at(const std::vector<Descriptor>& list, std::s
     return count > 3 ? count : 1;
 }
 
-// Empty, or what is wrong.
+// Empty, or what is wrong with the VLR.
 std::string ExtraBytesPlan::plan_described(const std::vector<std::byte>& bytes)
 {
     if (bytes.size() % extra::descriptor_bytes != 0)
@@ -227,7 +228,7 @@ bool ExtraBytesPlan::take_the_place_of_a_field(const Attribute& attribute, std::
 {
     if (attribute.description != exact_description) return false;
     const auto place = before_.schema.find(attribute.name);
-    // Once: the field is one of the format still.
+    // Only once: the format's own field remains in the list.
     if (!place || result_.fields[*place].offset >= base_) return false;
     Schema schema;
     for (std::size_t i = 0; i < result_.schema.size(); ++i) {

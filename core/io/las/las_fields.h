@@ -1,4 +1,4 @@
-// Where the attributes of a point lie in a LAS record: the fields of the point formats and the extra bytes behind them.
+// Where the attributes of a point are in a LAS record: the fields of the point formats and the extra bytes after them.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -10,7 +10,7 @@
 
 namespace pcm::las {
 
-// Whole bytes of a record, or some bits of one byte.
+// Whole bytes of a record, or bits of one byte.
 struct Field {
     std::size_t offset = 0;
     std::size_t bytes = 0;  // of all components
@@ -18,28 +18,28 @@ struct Field {
     unsigned mask = 0;  // not 0: one byte, (byte >> shift) & mask
 };
 
-// One field for each attribute of the schema, in its order.
+// One field per attribute of the schema, in its order.
 struct Fields {
     Schema schema;
     std::vector<Field> fields;
 };
 
-// Those of the specification, by its names in lower case: see las_reader.h.
+// The fields of the specification, with its names in lower case: see las_reader.h.
 Fields fields_of_format(unsigned format);
-// With the extra bytes as their VLR describes them, which may lie about the record: then they are one attribute of
-// plain bytes, and a note says why.
+// The same, with the extra bytes as their VLR describes them. Where the VLR contradicts the record, they are one
+// attribute of plain bytes, and a note says why.
 Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::vector<std::string>& notes);
 
-// An attribute of more than three components has a descriptor for each, "name[0]", "name[1]", ...: no data type has so
-// many.
+// An attribute of more than three components has one descriptor per component, "name[0]", "name[1]", ...: no data type
+// has that many.
 std::string component_name(const std::string& name, std::size_t component);
-// The description of extra bytes that hold what the field of the same name in the point format cannot: they are read in
-// its place.
+// The description of extra bytes with values that the field of the same name cannot hold: they are read instead of the
+// field. Written to files: do not change.
 inline constexpr const char* exact_description = "exact; the field has it rounded";
 
-// Values of `count` records that lie `stride` bytes apart: out of their field, one after the other, ...
+// Copies values of `count` records, `stride` bytes apart, from their field to consecutive values, ...
 void gather(const Field& field, const std::byte* records, std::size_t stride, std::size_t count, std::byte* to);
-// ... and into it. Bits that were set before stay set: records begin as zeros.
+// ... and back. Bits are only set, never cleared: records must be zeros before.
 void scatter(const Field& field, const std::byte* values, std::size_t count, std::byte* records, std::size_t stride);
 
 }  // namespace pcm::las

@@ -1,7 +1,7 @@
 #include "pcm/io/las/las_header.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_layout.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ namespace {
 
 namespace at = header;
 
-// Metadata travels in memory; waveforms, which can be many gigabytes in one EVLR, do not.
+// Metadata is kept in memory; waveforms, which can be many gigabytes in one EVLR, are not.
 constexpr std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
 constexpr std::size_t max_notes = 100;
 
@@ -89,7 +89,7 @@ void HeaderReader::check_sizes(const std::byte* bytes, std::size_t got)
     h_.header_size = load<std::uint16_t>(bytes + at::header_size);
     const std::size_t least_header = h_.version_minor >= 4 ? at::size_1_4 : at::size_1_0;
     if (h_.header_size < least_header)
-        fail(ErrorCode::bad_format, "the header says it has " + std::to_string(h_.header_size) + " bytes; LAS 1." +
+        fail(ErrorCode::bad_format, "the header states a size of " + std::to_string(h_.header_size) + " bytes; LAS 1." +
                                         std::to_string(h_.version_minor) + " has at least " +
                                         std::to_string(least_header));
     if (h_.header_size > file_size_ || (h_.version_minor >= 4 && got < at::size_1_4))
@@ -98,17 +98,17 @@ void HeaderReader::check_sizes(const std::byte* bytes, std::size_t got)
 
     h_.point_offset = load<std::uint32_t>(bytes + at::point_offset);
     if (h_.point_offset < h_.header_size)
-        fail(ErrorCode::bad_format, "the points are said to begin at byte " + std::to_string(h_.point_offset) +
+        fail(ErrorCode::bad_format, "the header places the points at byte " + std::to_string(h_.point_offset) +
                                         ", inside the header of " + std::to_string(h_.header_size) + " bytes");
     if (h_.point_offset > file_size_)
-        fail(ErrorCode::truncated, "the points are said to begin at byte " + std::to_string(h_.point_offset) +
+        fail(ErrorCode::truncated, "the header places the points at byte " + std::to_string(h_.point_offset) +
                                        ", the file ends at byte " + std::to_string(file_size_));
 
     h_.record_length = load<std::uint16_t>(bytes + at::record_length);
     if (h_.record_length < record_bytes[h_.format])
-        fail(ErrorCode::bad_format, "the header says " + std::to_string(h_.record_length) +
-                                        " bytes a point; point format " + std::to_string(h_.format) + " has at least " +
-                                        std::to_string(record_bytes[h_.format]));
+        fail(ErrorCode::bad_format, "the header states " + std::to_string(h_.record_length) +
+                                        " bytes per point; point format " + std::to_string(h_.format) +
+                                        " has at least " + std::to_string(record_bytes[h_.format]));
 }
 
 void HeaderReader::read_counts(const std::byte* bytes)
@@ -119,7 +119,7 @@ void HeaderReader::read_counts(const std::byte* bytes)
     const auto count = load<std::uint64_t>(bytes + at::point_count_64);
     if (count && h_.points && count != h_.points)
         add_note(notes_, "the header has two point counts, " + std::to_string(h_.points) + " and " +
-                             std::to_string(count) + "; the second, of LAS 1.4, is taken");
+                             std::to_string(count) + "; the second, of LAS 1.4, is used");
     if (count) h_.points = count;
     h_.evlr_start = load<std::uint64_t>(bytes + at::evlr_start);
     h_.evlr_count = load<std::uint32_t>(bytes + at::evlr_count);
@@ -134,7 +134,7 @@ void HeaderReader::check_bytes_hold_the_points()
                                        std::to_string(h_.record_length) + " bytes from byte " +
                                        std::to_string(h_.point_offset) + "; the file ends at byte " +
                                        std::to_string(file_size_) + " and holds " + std::to_string(complete));
-    // Since 1.3 waveforms and EVLRs may follow the points.
+    // Since LAS 1.3 waveforms and EVLRs may follow the points.
     const std::uint64_t left = available - h_.points * h_.record_length;
     if (left && h_.version_minor < 3)
         add_note(notes_, std::to_string(left) + " bytes after the last point are ignored");
@@ -171,11 +171,11 @@ public:
     std::vector<Vlr> read()
     {
         read_list(header_.header_size, header_.vlr_count, header_.point_offset, false);
-        // Where the points of LAZ end only its chunks tell.
+        // In LAZ only the chunks know where the points end.
         const std::uint64_t points_end =
             header_.point_offset + (header_.compressed ? 0 : header_.points * header_.record_length);
         if (header_.evlr_count && header_.evlr_start < points_end)
-            add_note(notes_, "the extended VLRs are said to begin at byte " + std::to_string(header_.evlr_start) +
+            add_note(notes_, "the header places the extended VLRs at byte " + std::to_string(header_.evlr_start) +
                                  ", before the end of the points at byte " + std::to_string(points_end) +
                                  "; they are ignored");
         else
@@ -191,7 +191,7 @@ private:
             const auto give_up = [&] {
                 add_note(notes_, (extended ? "extended VLR " : "VLR ") + std::to_string(i + 1) + " of " +
                                      std::to_string(count) + " at byte " + std::to_string(position) +
-                                     " runs over the " + (extended ? "end of the file" : "start of the points") +
+                                     " extends beyond the " + (extended ? "end of the file" : "start of the points") +
                                      " at byte " + std::to_string(end) + "; it and the rest are ignored");
             };
             if (position > end || end - position < head_bytes) return give_up();
@@ -211,7 +211,7 @@ private:
 
     void keep(Vlr vlr, std::uint64_t offset, std::uint64_t length)
     {
-        // Of an entry: a file of nothing but empty records must not fill the memory.
+        // Memory of an entry: a file of nothing but empty records must not fill the memory.
         constexpr std::uint64_t overhead = 192;
         const bool needed = vlr.user_id == laszip_user_id && !vlr.extended;
         if (!needed && (max_metadata_bytes - bytes_ < overhead || length > max_metadata_bytes - bytes_ - overhead)) {
@@ -224,7 +224,7 @@ private:
         vlr.offset = offset;
         vlr.value.resize(static_cast<std::size_t>(length));
         file_.read_at(vlr.value.data(), vlr.value.size(), offset);
-        // One laszip VLR describes the points; more would be as many ways around the limit.
+        // Only the first laszip VLR counts; further ones must not get around the limit.
         const auto same = [](const Vlr& v) { return v.user_id == laszip_user_id && !v.extended; };
         if (!needed || std::none_of(vlrs_.begin(), vlrs_.end(), same)) vlrs_.push_back(std::move(vlr));
     }

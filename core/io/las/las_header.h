@@ -1,8 +1,8 @@
-// The header of LAS and LAZ files, and the variable length records between it and the points and behind them.
+// The header of LAS and LAZ files, and the variable length records before and after the points.
 #pragma once
 
-#include "pcm/system/file.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace pcm::las {
 struct Header {
     std::vector<std::byte> raw;  // all of its bytes
     unsigned version_minor = 0;
-    unsigned format = 0;      // of the points, without the bits that mark LAZ
+    unsigned format = 0;      // point format, without the bits that mark LAZ
     bool compressed = false;  // LAZ
     std::size_t header_size = 0;
     std::uint64_t point_offset = 0;
@@ -25,10 +25,10 @@ struct Header {
     std::uint64_t evlr_start = 0;
     std::uint64_t evlr_count = 0;
     Grid grid;
-    std::optional<Box3d> box;  // where it is finite and not empty
+    std::optional<Box3d> box;  // if finite and not empty
 };
 
-// Checked in itself and against the size of the file: of an uncompressed file that all points are there. Throws
+// Checks the header for consistency and against the size of the file: an uncompressed file must hold all points. Throws
 // Error(bad_format | truncated | unsupported).
 Header read_header(const File& file, std::uint64_t file_size, std::vector<std::string>& notes);
 
@@ -38,11 +38,11 @@ struct Vlr {
     std::string description;
     bool extended = false;
     std::vector<std::byte> value;
-    std::uint64_t offset = 0;  // of the value in the file that it comes from
+    std::uint64_t offset = 0;  // of the value in its file
 };
 
-// VLRs, then EVLRs, in file order. Damaged ones end the list and are noted; what is beyond 64 MB together is noted and
-// left out, but never the laszip VLR.
+// VLRs, then EVLRs, in file order. A damaged one ends the list and is noted. VLRs beyond 64 MB in total are noted and
+// left out, except the laszip VLR.
 std::vector<Vlr> read_vlrs(const File& file, std::uint64_t file_size, const Header& header,
                            std::vector<std::string>& notes);
 
@@ -52,7 +52,7 @@ Metadata to_metadata(const Vlr& vlr);
 std::optional<Vlr> from_metadata(const Metadata& block);  // nothing for other keys
 inline constexpr const char* header_key = "las.header";   // Header::raw
 
-// No more than a hundred: damaged files must not fill memory with what is wrong with them.
+// At most a hundred: damaged files must not fill the memory with notes.
 void add_note(std::vector<std::string>& notes, std::string text);
 
 }  // namespace pcm::las

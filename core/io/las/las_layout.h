@@ -86,11 +86,11 @@ inline constexpr std::size_t description = 160;  // char[32]
 inline constexpr unsigned has_scale = 0x08, has_offset = 0x10;
 }  // namespace extra
 
-// Bytes of a record without extra bytes, by point format.
+// Bytes of a record without extra bytes, for each point format.
 inline constexpr std::array<std::size_t, 11> record_bytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 inline constexpr unsigned format_count = 11;
 
-// What the point formats are made of.
+// Properties of the point formats.
 constexpr bool is_extended(unsigned format) { return format >= 6; }  // 4-bit returns, 8-bit classes, LAS 1.4
 constexpr bool has_gps_time(unsigned format) { return format != 0 && format != 2; }
 constexpr bool has_rgb(unsigned format)

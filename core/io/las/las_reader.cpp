@@ -1,11 +1,11 @@
 #include "pcm/io/las/las_reader.h"
 
-#include "pcm/system/file.h"
-#include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/las/las_fields.h"
 #include "pcm/io/las/las_header.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/las/las_records.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <string>
@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-// Records taken apart at a time, field by field: they stay in the first-level cache between the fields.
+// Records decoded at a time, field by field: they stay in the first-level cache between the fields.
 constexpr std::size_t block_bytes = 16384;
 
 bool is_laszip(const las::Vlr& vlr) { return vlr.user_id == las::laszip_user_id && vlr.id == las::laszip_record_id; }
@@ -39,7 +39,7 @@ public:
         info_.grid = header_.grid;
         info_.promised_box = header_.box;
         info_.metadata.push_back({las::header_key, header_.raw});
-        // How the points are packed is not about them.
+        // How points are compressed is not metadata of the cloud.
         for (const las::Vlr& vlr : vlrs)
             if (!is_laszip(vlr)) info_.metadata.push_back(las::to_metadata(vlr));
         batch_points_ = points_that_fit_a_batch(info_.schema);
@@ -97,7 +97,7 @@ void LasReader::seek(std::uint64_t index)
     if (!seekable()) return PointReader::seek(index);
     if (index > info_.points)
         throw Error(ErrorCode::invalid_argument, file_.path(),
-                    "point " + std::to_string(index) + " asked for, the file has " + std::to_string(info_.points));
+                    "point " + std::to_string(index) + " was requested, the file has " + std::to_string(info_.points));
     next_ = index;
     records_->seek(index);
 }

@@ -12,7 +12,7 @@ public:
 
     RecordRoom room(std::size_t most) override
     {
-        // Put together field by field, they stay in the first-level cache between the fields.
+        // Encoded field by field: records stay in the first-level cache between the fields.
         const std::size_t count = std::clamp<std::size_t>(16384 / record_length_, 1, most);
         std::byte* const records = out_.extend(count * record_length_);
         std::memset(records, 0, count * record_length_);

@@ -1,4 +1,4 @@
-// Where the writer's LAS records go: into the file as they are, or compressed into the chunks of LAZ.
+// The destination of the writer's LAS records: the file itself, or the chunks of LAZ, compressed.
 #pragma once
 
 #include "pcm/system/output_file.h"
@@ -15,25 +15,25 @@ struct RecordRoom {
     std::size_t count = 0;
 };
 
-// One thread. Records follow what is in the file when the sink is made.
+// One thread. Records are appended to the file as it is when the sink is created.
 class RecordSink {
 public:
     virtual ~RecordSink() = default;
     // Room for the next 1 to `most` (> 0) records, to be filled before the next call.
     virtual RecordRoom room(std::size_t most) = 0;
-    // Everything is in the file. Only once.
+    // Writes the remaining records to the file. To be called once.
     virtual void finish() = 0;
 };
 
-// All need `out` as long as they live.
+// `out` must outlive the sinks.
 std::unique_ptr<RecordSink> plain_sink(OutputFile& out, std::size_t record_length);
-// Compresses on up to `threads` threads (0: one a processor); the bytes are the same for any number. `laszip_vlr` is
-// the payload of the VLR that stands in the file.
+// Compresses on up to `threads` threads (0: one per processor); the bytes are the same for any number. `laszip_vlr` is
+// the payload of the VLR in the file.
 std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length, std::vector<std::byte> laszip_vlr,
                                      unsigned threads);
 
-// The payload of the laszip VLR for a point format. Throws Error(unsupported) where LAZ was left out of this build and
-// for more extra bytes than can be compressed in bounded memory.
+// The payload of the laszip VLR for a point format. Throws Error(unsupported) where this build has no LAZ and for more
+// extra bytes than can be compressed in bounded memory.
 std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsigned format, std::size_t record_length);
 
 }  // namespace pcm::las

@@ -1,8 +1,8 @@
 #include "pcm/io/las/las_write_plan.h"
 
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
 #include "pcm/io/las/las_layout.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ bool is_signed(ScalarType type)
     return type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32 || type == ScalarType::i64;
 }
 
-// Whether every value of `from` is one of `to`.
+// Whether type `to` can represent every value of type `from`.
 bool widens(ScalarType from, ScalarType to)
 {
     if (from == to) return true;
@@ -37,7 +37,7 @@ bool widens(ScalarType from, ScalarType to)
     return size_of(from) < size_of(to);
 }
 
-// How an attribute goes into the field of its name, exactly; nothing when it cannot.
+// How an attribute is stored exactly in the field of its name; null when the field cannot hold it.
 std::optional<Conversion> exact_conversion(const Attribute& attribute, const Attribute& field, unsigned mask)
 {
     if (attribute.components != field.components) return std::nullopt;
@@ -77,14 +77,14 @@ unsigned choose_format(const FileInfo& cloud)
     bool best_is_whole = false;
     for (unsigned format = 0; format < format_count; ++format) {
         const Fields native = fields_of_format(format);
-        // A cloud that came from LAS has all fields of its format, and then they hold what it has.
+        // A cloud from LAS has all fields of its format, and they can hold its values.
         const bool whole = has_all_of(cloud.schema, native.schema);
         std::size_t carried = 0, named = 0;
         for (const Attribute& attribute : cloud.schema) {
             const auto i = native.schema.find(attribute.name);
             named += i.has_value();
             if (!i || !exact_conversion(attribute, native.schema[*i], native.fields[*i].mask)) continue;
-            // Classes of 8 bits are common, and the old formats have 5.
+            // 8-bit classes are common; the old formats have 5 bits.
             if (attribute.name == attribute_name::classification && native.fields[*i].mask && !whole) continue;
             ++carried;
         }
@@ -102,7 +102,7 @@ unsigned choose_format(const FileInfo& cloud)
     return best;
 }
 
-// The first `most` bytes, without half a UTF-8 character at the end.
+// The first `most` bytes, without an incomplete UTF-8 character at the end.
 std::string cut_text(const std::string& text, std::size_t most)
 {
     if (text.size() <= most) return text;
@@ -128,7 +128,7 @@ public:
 
     WritePlan plan()
     {
-        // Bytes that no descriptor describes come last: the reader finds them there again.
+        // Undescribed bytes come last, where the reader expects them.
         std::optional<std::size_t> undescribed;
         for (std::size_t i = 0; i < cloud_.schema.size(); ++i) {
             const Attribute& attribute = cloud_.schema[i];
@@ -145,7 +145,7 @@ public:
         plan_.has_returns = cloud_.schema.find("return_number") || cloud_.schema.find("number_of_returns");
         if (plan_.record_length > most_record_bytes)
             throw Error(ErrorCode::invalid_argument, path_,
-                        "a point would take " + std::to_string(plan_.record_length) + " bytes; LAS has room for 65535",
+                        "a point would take " + std::to_string(plan_.record_length) + " bytes; LAS allows 65535",
                         "write fewer attributes");
         return std::move(plan_);
     }
@@ -184,7 +184,7 @@ private:
                 plan_.notes.push_back("colours of 8 bits are written with 16, times 257: 255 is 65535");
             return;
         }
-        // Other software looks into the field; we read the exact values in its place.
+        // Other software reads the field; our reader takes the exact values.
         const std::string what = "'" + attribute.name + "' is " + std::string(name_of(attribute.type)) +
                                  (attribute.components > 1 ? " x " + std::to_string(attribute.components) : "");
         if (attribute.components == field.components) {
@@ -210,12 +210,12 @@ private:
         const bool plain = is_plain_bytes(attribute) && attribute.components > 3 && attribute.components <= 255;
         const bool one_descriptor = attribute.components <= 3 || plain;
         const bool exact = description == exact_description;
-        // The longest suffix of a component counts.
+        // With room for the longest suffix of a component.
         const std::size_t suffix = one_descriptor ? 0 : component_name("", attribute.components - 1).size();
         const std::string short_name = exact ? name : free_name(name, most_name_bytes - suffix);
         if (short_name != name)
-            plan_.notes.push_back("'" + name + "' is called '" + short_name +
-                                  "': names have at most 32 bytes and appear once");
+            plan_.notes.push_back("'" + name + "' is written as '" + short_name +
+                                  "': names have at most 32 bytes and must be unique");
         for (std::uint32_t c = 0; c < (one_descriptor ? 1u : attribute.components); ++c)
             add_descriptor(attribute, one_descriptor ? short_name : component_name(short_name, c), text,
                            one_descriptor ? attribute.components : 1, plain);
@@ -257,8 +257,7 @@ private:
         plan_.extra_bytes_vlr.insert(plan_.extra_bytes_vlr.end(), from, from + extra::descriptor_bytes);
     }
 
-    // That of the file the cloud came from, when it says the same: it may also tell the value for "no data" and the
-    // range.
+    // The source file's descriptor if it describes the same: it may also hold the "no data" value and the range.
     const std::byte* source_descriptor(const std::byte* d, const Attribute& attribute) const
     {
         constexpr unsigned about_the_type = extra::has_scale | extra::has_offset;
@@ -297,7 +296,7 @@ void put_rounded(const WriteColumn& column, const Column& values, std::size_t fi
                  std::byte* scratch)
 {
     const std::uint32_t components = values.components();
-    // Colours of floats are 0 to 1.
+    // Float colours are 0 to 1.
     const double factor = colours ? 65535.0 : 1.0 / column.scale;
     const double low = static_cast<double>(std::numeric_limits<To>::lowest());
     const double high = column.field.mask ? column.field.mask : static_cast<double>(std::numeric_limits<To>::max());

@@ -1,14 +1,14 @@
 #include "pcm/io/las/las_writer.h"
 
-#include "pcm/system/error.h"
-#include "pcm/system/output_file.h"
-#include "pcm/system/text.h"
-#include "pcm/io/pipe/grid_choice.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/las/las_header.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/las/las_sink.h"
 #include "pcm/io/las/las_write_plan.h"
-#include "pcm/io/names.h"
+#include "pcm/io/pipe/grid_choice.h"
+#include "pcm/system/error.h"
+#include "pcm/system/output_file.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>
@@ -30,12 +30,12 @@ bool is(const las::Vlr& vlr, std::string_view user_id, std::uint16_t id)
     return vlr.user_id == user_id && vlr.id == id;
 }
 
-// A grid that LAS can state.
+// A grid that a LAS header can hold.
 Grid checked_grid(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
 {
     if (!options.grid && !cloud.grid)
         throw Error(ErrorCode::invalid_argument, path,
-                    "LAS keeps positions as 32-bit integers, and this cloud has no grid for them",
+                    "LAS stores positions as 32-bit integers, and this cloud has no grid for them",
                     "give the step of the coordinates, for example 0.001");
     const Grid grid = options.grid ? *options.grid : *cloud.grid;
     for (std::size_t a = 0; a < 3; ++a)
@@ -93,7 +93,7 @@ private:
     las::WritePlan plan_;
     std::vector<std::byte> laszip_vlr_;
     std::vector<std::string> notes_;
-    std::vector<std::uint64_t> cut_;  // values, by column
+    std::vector<std::uint64_t> cut_;  // number of values, by column
     OutputFile out_;
     std::vector<las::Vlr> vlrs_, evlrs_;
     std::vector<std::byte> header_;
@@ -125,7 +125,7 @@ void LasWriter::choose_vlrs()
         auto vlr = las::from_metadata(block);
         if (!vlr) continue;
         if (vlr->user_id == las::laszip_user_id) continue;
-        if (is(*vlr, las::spec_user_id, las::extra_bytes_record_id)) {  // ours takes its place
+        if (is(*vlr, las::spec_user_id, las::extra_bytes_record_id)) {  // replaced by ours
             if (!described && !plan_.extra_bytes_vlr.empty()) add(extra_bytes_vlr(vlr->description));
             described = true;
             continue;
@@ -178,11 +178,11 @@ void LasWriter::check(const PointBatch& batch) const
                batch.attributes[i].components() == cloud_.schema[i].components;
     if (!same)
         throw Error(ErrorCode::invalid_argument, out_.path(),
-                    "a batch of other attributes than the writer was created for");
+                    "the batch has other attributes than the writer was created for");
     if (finished_) throw Error(ErrorCode::invalid_argument, out_.path(), "points written after finish()");
 }
 
-// Into rounded_, on our grid.
+// Fills rounded_ with the positions on grid_.
 void LasWriter::round_positions(const PointBatch& batch)
 {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -272,14 +272,13 @@ std::vector<std::string> LasWriter::notes() const
         if (cut_[c])
             all.push_back(grouped(cut_[c]) + " values of '" + cloud_.schema[plan_.columns[c].attribute].name +
                           "' need more bits than point format " + std::to_string(plan_.format) +
-                          " has for them; they are cut to " + std::to_string(plan_.columns[c].field.mask));
+                          " has for them; they are clamped to " + std::to_string(plan_.columns[c].field.mask));
     if (not_finite_)
-        all.push_back(grouped(not_finite_) +
-                      " points without a finite position are left out: LAS has no place for them");
+        all.push_back(grouped(not_finite_) + " points without a finite position are left out: LAS cannot store them");
     return all;
 }
 
-// What a new file says about where it comes from.
+// What the header states about the origin of the file.
 void LasWriter::copy_from_source(const std::vector<std::byte>& source)
 {
     std::byte* const to = header_.data();
@@ -287,7 +286,7 @@ void LasWriter::copy_from_source(const std::vector<std::byte>& source)
     const auto minor = las::load<std::uint8_t>(&source[at::version_minor]);
     if (minor >= 1) copy(at::file_source_id, 2);
     unsigned encoding = minor >= 2 ? las::load<std::uint16_t>(&source[at::global_encoding]) : 0;
-    // The waveforms that these bits place are not copied.
+    // These bits say where waveforms are; they are not copied.
     encoding &= ~(las::encoding::waveforms_inside | las::encoding::waveforms_beside);
     las::store(to + at::global_encoding, static_cast<std::uint16_t>(encoding));
     copy(at::guid, 16);
@@ -306,7 +305,7 @@ void LasWriter::fill_header(std::uint64_t evlr_start)
     // A fixed date: the same points give the same bytes on any day.
     las::store(to + at::creation_day, std::uint16_t{1});
     las::store(to + at::creation_year, std::uint16_t{2025});
-    // Formats from 6 on state coordinate systems as WKT, or none.
+    // Point formats 6 and above state coordinate systems as WKT, or none.
     if (las::is_extended(plan_.format)) las::store(to + at::global_encoding, std::uint16_t{las::encoding::wkt});
     const auto source = std::find_if(cloud_.metadata.begin(), cloud_.metadata.end(), [](const Metadata& block) {
         return block.key == las::header_key && block.value.size() >= at::size_1_0;
@@ -319,7 +318,7 @@ void LasWriter::fill_header(std::uint64_t evlr_start)
     las::store(to + at::vlr_count, static_cast<std::uint32_t>(vlrs_.size()));
     las::store(to + at::point_format, static_cast<std::uint8_t>(plan_.format | (compressed_ ? 0x80u : 0u)));
     las::store(to + at::record_length, static_cast<std::uint16_t>(plan_.record_length));
-    // The 32-bit counts are for readers of older versions, and 0 where those cannot read the points anyway.
+    // The 32-bit counts serve readers of older versions; they are 0 where those cannot read the points anyway.
     if (!las::is_extended(plan_.format) && points_ <= std::numeric_limits<std::uint32_t>::max()) {
         las::store(to + at::point_count_32, static_cast<std::uint32_t>(points_));
         for (std::size_t r = 0; r < 5; ++r)

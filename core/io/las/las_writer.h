@@ -5,24 +5,24 @@
 
 namespace pcm {
 
-// What open_las() reads is written so that it reads the same again: positions, attributes with their types and names,
-// grid, VLRs and EVLRs, and of the header the file source id, GPS time type, GUID, system identifier, generating
-// software and date. The point format is that of the source where the cloud still has its fields; else the one that has
-// fields for the most attributes, the smallest of those. Every other attribute becomes extra bytes. Where a field has
-// the name of an attribute but not its type (float intensity, float colours), the attribute is extra bytes and the
-// field has it rounded, for other software; numbers of a smaller type go into the field as they are, and colours of 8
-// bits times 257. Points without returns are return 1 of 1. Of attributes of a few bits (return_number, ...) values
-// that need more are cut to the largest, counted in notes().
+// A cloud from open_las() is written so that it reads back the same: positions, attributes with their types and names,
+// grid, VLRs and EVLRs, and the header's file source id, GPS time type, GUID, system identifier, generating software
+// and date. The point format is that of the source if the cloud still has its fields; otherwise the one with fields for
+// the most attributes, and the smallest among those. Every other attribute becomes extra bytes. Where a field has the
+// name of an attribute but another type (float intensity, float colours), the attribute becomes extra bytes, and the
+// field holds it rounded, for other software. Numbers of a smaller type are stored in the field unchanged, 8-bit
+// colours times 257. Points without returns are return 1 of 1. In fields of a few bits (return_number, ...) values that
+// need more are clamped to the largest and counted in notes().
 //
-// Positions: on options.grid, else on the cloud's; integers of the same grid are copied, other numbers rounded to the
-// nearest (position_error()). Points with a NaN or infinite coordinate are left out and counted in notes(). Throws
-// Error(invalid_argument) for a cloud without a grid when none is given, and from write() for a coordinate that does
-// not fit 32 bits on the grid.
+// Positions are on options.grid, else on the cloud's grid: integers of the same grid are copied, other numbers are
+// rounded to the nearest (position_error()). Points with a NaN or infinite coordinate are left out and counted in
+// notes(). Throws Error(invalid_argument) for a cloud without a grid when none is given, and from write() for a
+// coordinate that does not fit 32 bits on the grid.
 //
-// Not copied, which notes() say: the index of a cloud optimised file (user id copc) and of LAStools, waveforms. The
-// same points give the same bytes on any day, with any number of threads. Extensions: "laz" is compressed, which needs
-// the decoders (core/decoders) in the build, in chunks of 50000 points on options.threads threads; anything else is
-// LAS.
+// Not copied, and named in notes(): the octree of a cloud optimised file (user id copc), the index of LAStools,
+// waveforms. The same points give the same bytes on any day and with any number of threads. The extension "laz" is
+// compressed in chunks of 50000 points on options.threads threads, which needs the decoders (core/decoders) in the
+// build; any other extension is LAS.
 std::unique_ptr<PointWriter> create_las(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options = {});
 

@@ -1,5 +1,5 @@
-// The payload of the laszip VLR (user id "laszip encoded", record id 22204): how the records of a LAZ file are
-// compressed. From LASzip's published format; laszip items are the groups of fields that are compressed together.
+// The payload of the laszip VLR (user id "laszip encoded", record id 22204), which describes how the records of a LAZ
+// file are compressed. From LASzip's published format; a laszip item is a group of fields that is compressed together.
 #pragma once
 
 #include "pcm/io/las/las_layout.h"
@@ -14,7 +14,7 @@ enum class Compressor : std::uint16_t {
     none = 0,
     pointwise = 1,          // one chunk, without a chunk table
     pointwise_chunked = 2,  // chunks and a table of them
-    layered_chunked = 3,    // the same, every field in a layer of its own: point formats 6 to 10
+    layered_chunked = 3,    // the same, with each field in its own layer: point formats 6 to 10
 };
 
 enum ItemType : std::uint16_t {
@@ -68,12 +68,12 @@ inline std::vector<Item> items_of(unsigned format, std::size_t extra_bytes)
     items.push_back({point10, 20, 2});
     if (las::has_gps_time(format)) items.push_back({gps_time, 8, 2});
     if (las::has_rgb(format)) items.push_back({rgb12, 6, 2});
-    if (las::has_waves(format)) items.push_back({wave_packet13, 29, 1});  // there is no other version of it
+    if (las::has_waves(format)) items.push_back({wave_packet13, 29, 1});  // its only version
     if (extra) items.push_back({byte, extra, 2});
     return items;
 }
 
-// The models of the arithmetic coder that extra bytes take: one of 256 symbols for each, four in layers.
+// Models of the arithmetic coder for extra bytes: one of 256 symbols per byte, four in layers.
 inline std::size_t coder_bytes(unsigned format, std::size_t extra_bytes)
 {
     constexpr std::size_t model = 2800, fields = std::size_t{4} << 20;

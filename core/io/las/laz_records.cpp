@@ -27,7 +27,7 @@ std::unique_ptr<RecordSource> laz_records(const File& file, std::uint64_t, const
     throw Error(
         ErrorCode::unsupported, file.path(),
         "this is LAZ (compressed LAS 1." + std::to_string(header.version_minor) + ", point format " +
-            std::to_string(header.format) + "), which this build leaves out",
+            std::to_string(header.format) + "), which this build does not support",
         "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or convert the file to "
         "LAS first, for example with laszip or PDAL");
 }
@@ -41,7 +41,7 @@ namespace at = laz::vlr;
 constexpr std::size_t message_bytes = 512;
 constexpr std::size_t stream_buffer_bytes = std::size_t{1} << 20;
 constexpr std::size_t most_chunks = std::size_t{1} << 21;
-// Of a file that is decoded by several threads.
+// For a file that is decoded by several threads.
 constexpr std::uint64_t most_ahead_bytes = std::uint64_t{112} << 20;
 constexpr std::uint64_t chunk_table_pointer_bytes = 8;
 
@@ -50,17 +50,17 @@ struct CloseDecoder {
 };
 using Decoder = std::unique_ptr<pcm_laz_decoder, CloseDecoder>;
 
-// How the points of a file are divided into chunks.
+// How the points of a file are split into chunks.
 struct Chunks {
     const File* file = nullptr;
     std::vector<std::byte> vlr;
     std::size_t record_length = 0;
     std::uint64_t points = 0;
     laz::Compressor compressor = laz::Compressor::none;
-    std::uint32_t chunk_points = 0;    // laz::variable_chunks: the table tells
+    std::uint32_t chunk_points = 0;    // laz::variable_chunks: as the table states
     std::uint64_t begin = 0, end = 0;  // bytes of all chunks
 
-    // Of every chunk, and one behind the last; empty without a chunk table.
+    // For every chunk, and one past the end; empty without a chunk table.
     std::vector<std::uint64_t> starts;
     std::vector<std::uint64_t> first_points;
 
@@ -73,11 +73,11 @@ struct Chunks {
     {
         throw Error(ErrorCode::corrupt, file->path(),
                     "LAZ chunk " + std::to_string(chunk + 1) + " at byte " + std::to_string(from_byte) +
-                        ", which begins with point " + std::to_string(first_point) + ", cannot be decoded: " + what,
+                        ", which starts with point " + std::to_string(first_point) + ", cannot be decoded: " + what,
                     "the file is damaged: copy it again from its source");
     }
 
-    // `points`: what the chunk should hold; 0: the chunk tells, and they are set.
+    // `points`: what the chunk should hold; when 0, it is set to what the chunk states.
     Decoder open(std::uint64_t chunk, std::uint64_t from_byte, std::uint64_t to_byte, std::uint64_t first_point,
                  std::uint64_t& chunk_count) const
     {
@@ -88,11 +88,11 @@ struct Chunks {
         if (pcm_laz_decoder_record_bytes(decoder.get()) != record_length)
             fail(chunk, from_byte, first_point, "its records have another length");
         if (layered()) {
-            const std::uint64_t said = pcm_laz_decoder_chunk_points(decoder.get());
-            if (chunk_count == 0) chunk_count = said;
-            if (said != chunk_count || said == 0)
+            const std::uint64_t stated = pcm_laz_decoder_chunk_points(decoder.get());
+            if (chunk_count == 0) chunk_count = stated;
+            if (stated != chunk_count || stated == 0)
                 fail(chunk, from_byte, first_point,
-                     "it says it has " + std::to_string(said) + " points, " + std::to_string(chunk_count) +
+                     "it states " + std::to_string(stated) + " points, " + std::to_string(chunk_count) +
                          " were expected");
         }
         return decoder;
@@ -107,7 +107,7 @@ struct Chunks {
     }
 };
 
-// Chunk after chunk, a piece at a time: chunks of any size.
+// Decodes chunk by chunk in pieces: chunks of any size.
 class LazStream final : public RecordSource {
 public:
     explicit LazStream(Chunks chunks) : chunks_(std::move(chunks)) { from_byte_ = chunks_.begin; }
@@ -157,7 +157,7 @@ private:
     std::uint64_t chunk_ = 0, from_byte_ = 0, chunk_count_ = 0, in_chunk_ = 0;
 };
 
-// Whole chunks, decoded ahead by several threads. The threads start with the first read.
+// Decodes whole chunks ahead on several threads. The threads start with the first read.
 class LazCrew final : public RecordSource {
 public:
     LazCrew(Chunks chunks, unsigned threads) : chunks_(std::move(chunks)), thread_count_(threads), slots_(threads + 1)
@@ -180,7 +180,7 @@ public:
         Slot& slot = slots_[consumed_ % slots_.size()];
         {
             std::unique_lock lock(mutex_);
-            if (slot.ready && given_ == slot.count) {  // the caller is done with it
+            if (slot.ready && given_ == slot.count) {  // the caller has used all of it
                 slot.ready = false;
                 ++consumed_;
                 given_ = 0;
@@ -246,10 +246,10 @@ private:
 
     Chunks chunks_;
     unsigned thread_count_;
-    std::size_t given_ = 0;  // records of the slot that the caller reads
+    std::size_t given_ = 0;  // records already returned of the current slot
     std::mutex mutex_;
     std::condition_variable wake_;
-    // Under mutex_. Chunk i is in slot i % slots: started_ - consumed_ never exceeds their number.
+    // Guarded by mutex_. Chunk i is in slot i % slots: started_ - consumed_ never exceeds the number of slots.
     std::vector<Slot> slots_;
     std::size_t started_ = 0, consumed_ = 0;
     bool stopped_ = false;
@@ -299,7 +299,7 @@ private:
     Chunks chunks_;
 };
 
-// Where in the file, as messages begin.
+// The place in the file, for the beginning of a message.
 std::string byte_of(const Vlr& vlr, std::size_t in_value)
 {
     return "byte " + std::to_string(vlr.offset + in_value) + ": ";
@@ -311,9 +311,9 @@ void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
         return v.user_id == laszip_user_id && v.id == laszip_record_id && !v.extended;
     });
     if (vlr == vlrs.end())
-        fail(ErrorCode::bad_format, "the header says that the points are compressed (LAZ), but there is no VLR '" +
+        fail(ErrorCode::bad_format, "the header marks the points as compressed (LAZ), but there is no VLR '" +
                                         std::string(laszip_user_id) + "' " + std::to_string(laszip_record_id) +
-                                        " that says how");
+                                        " that describes the compression");
     const std::size_t size = vlr->value.size();
     const std::size_t count = size >= at::items ? load<std::uint16_t>(&vlr->value[at::item_count]) : 0;
     if (size < at::items + count * at::item_bytes)
@@ -374,7 +374,7 @@ void LazOpener::find_chunks()
 {
     chunks_.begin += chunk_table_pointer_bytes;
     if (chunks_.begin > file_size_)
-        fail(ErrorCode::truncated, "the points are said to begin at byte " + std::to_string(header_.point_offset) +
+        fail(ErrorCode::truncated, "the header places the points at byte " + std::to_string(header_.point_offset) +
                                        ", the file ends at byte " + std::to_string(file_size_));
     const std::uint64_t position = table_position();
     std::string wrong = position ? read_table(position) : "missing";
@@ -384,11 +384,11 @@ void LazOpener::find_chunks()
     if (position && position < chunks_.end) chunks_.end = position;
     if (chunks_.chunk_points == laz::variable_chunks && !chunks_.layered())
         fail(ErrorCode::corrupt,
-             "the chunk table is " + wrong + "; without it chunks of variable size cannot be told apart");
+             "the chunk table is " + wrong + "; without it chunks of variable size cannot be found");
     add_note(notes_, "the chunk table is " + wrong + "; the chunks are read in order without it");
 }
 
-// 0 when the writer left none.
+// 0 when the file has none.
 std::uint64_t LazOpener::table_position() const
 {
     std::array<std::byte, 8> bytes;
@@ -404,12 +404,12 @@ std::uint64_t LazOpener::table_position() const
     if (position < static_cast<std::int64_t>(chunks_.begin)) return 0;
     const auto start = static_cast<std::uint64_t>(position);
     if (start > file_size_ || file_size_ - start < 8)
-        fail(ErrorCode::truncated, "the chunk table is said to begin at byte " + std::to_string(start) +
+        fail(ErrorCode::truncated, "the header places the chunk table at byte " + std::to_string(start) +
                                        ", the file ends at byte " + std::to_string(file_size_));
     return start;
 }
 
-// Empty, or what is wrong with it.
+// Empty, or what is wrong with the table.
 std::string LazOpener::read_table(std::uint64_t position)
 {
     std::array<std::byte, 8> head;
@@ -419,7 +419,7 @@ std::string LazOpener::read_table(std::uint64_t position)
     const bool variable = chunks_.chunk_points == laz::variable_chunks;
     if (load<std::uint32_t>(head.data()) != 0)
         return "of the unknown version " + std::to_string(load<std::uint32_t>(head.data()));
-    // Every chunk begins with a point as it is.
+    // Every chunk begins with an uncompressed point.
     if (count > data_bytes / header_.record_length + 1)
         return "damaged (" + std::to_string(count) + " chunks in " + std::to_string(data_bytes) + " bytes)";
     if (count > most_chunks)
@@ -437,7 +437,7 @@ std::string LazOpener::read_table(std::uint64_t position)
         const std::uint64_t left = header_.points - chunks_.first_points.back();
         const std::uint64_t here = variable ? points[i] : chunks_.chunk_points;
         const std::uint64_t end = chunks_.starts.back() + bytes[i];
-        if (end > position) return "damaged (chunk " + std::to_string(i + 1) + " runs over the table)";
+        if (end > position) return "damaged (chunk " + std::to_string(i + 1) + " overlaps the table)";
         if (here == 0) {
             if (bytes[i]) return "damaged (chunk " + std::to_string(i + 1) + " has bytes, but no points)";
             continue;

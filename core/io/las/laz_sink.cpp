@@ -23,12 +23,12 @@ namespace pcm::las {
 
 std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t, std::vector<std::byte>, unsigned)
 {
-    throw Error(ErrorCode::unsupported, out.path(), "this build leaves LAZ out");
+    throw Error(ErrorCode::unsupported, out.path(), "this build does not support LAZ");
 }
 
 std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsigned, std::size_t)
 {
-    throw Error(ErrorCode::unsupported, path, "this build leaves LAZ out",
+    throw Error(ErrorCode::unsupported, path, "this build does not support LAZ",
                 "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or write LAS");
 }
 
@@ -102,7 +102,7 @@ public:
 private:
     struct Slot {
         std::vector<std::byte> records;
-        std::size_t size = 0;  // bytes of the records that are to be compressed
+        std::size_t size = 0;  // bytes of the records to compress
         Bytes compressed;
         std::string error;
         bool done = false;
@@ -138,7 +138,7 @@ private:
             ++submitted_;
         }
         wake_.notify_all();
-        // One more thread for every chunk, up to all: small files need few.
+        // Starts one more thread per chunk, up to the maximum: small files need few.
         if (threads_.size() < thread_count_) threads_.emplace_back([this] { work(); });
     }
 
@@ -193,7 +193,7 @@ private:
     std::size_t chunk_points_;
     unsigned thread_count_;
     std::uint64_t table_pointer_at_ = 0;
-    std::size_t filled_ = 0;                  // records of the chunk that is being filled
+    std::size_t filled_ = 0;                  // records in the chunk that is being filled
     std::vector<std::uint64_t> chunk_bytes_;  // of the written ones
     std::uint64_t written_ = 0;
     std::mutex mutex_;
@@ -215,7 +215,8 @@ std::uint32_t chunk_points_of(std::size_t record_length)
 std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length, std::vector<std::byte> laszip_vlr,
                                      unsigned threads)
 {
-    // A chunk, compressed hardly smaller at worst, and the coder's models, for each thread and one more to fill.
+    // A chunk, its compressed bytes (at worst about as many) and the coder's models, for each thread and one more
+    // chunk.
     const std::size_t items = load<std::uint16_t>(&laszip_vlr[at::item_count]);
     const std::byte* last = &laszip_vlr[at::items + (items - 1) * at::item_bytes];
     const auto type = load<std::uint16_t>(last);

@@ -14,7 +14,7 @@ constexpr std::size_t longest_copy = 264;
 constexpr std::size_t longest_instruction = 33;
 constexpr std::size_t in_bytes = std::size_t{16} << 10;
 constexpr std::size_t out_bytes = farthest_back + (std::size_t{24} << 10);
-constexpr std::size_t slack = 32;  // both buffers are so much larger, for copies of a fixed size
+constexpr std::size_t slack = 32;  // extra size of both buffers, for copies of a fixed size
 
 }  // namespace
 
@@ -23,7 +23,7 @@ void LzfStream::fail(const char* what) const
     throw Error(ErrorCode::corrupt, file_->path(), "byte " + std::to_string(position()) + ": " + what);
 }
 
-// Keeps what is unread, so that an instruction and its literals are in memory as a whole.
+// Keeps the unread bytes, so that an instruction and its literals are in memory together.
 void LzfStream::refill()
 {
     in_.resize(in_bytes + slack);
@@ -36,7 +36,7 @@ void LzfStream::refill()
     next_byte_ += more;
 }
 
-// Replaces the bytes given by new ones, behind the last 8192 of them.
+// Replaces returned bytes, except the last 8192, by new ones.
 void LzfStream::decode_some()
 {
     out_.resize(out_bytes + slack);
@@ -54,7 +54,7 @@ void LzfStream::decode_some()
     if (at == kept) fail("the compressed data end before the points do");
 }
 
-// Goes on until the output is full or the next instruction may not be in memory as a whole.
+// Decodes until the output is full or the next instruction may not be completely in memory.
 std::size_t LzfStream::decode_from_buffer(std::byte* out, std::size_t at)
 {
     const std::byte* const in = in_.data();
@@ -78,7 +78,7 @@ std::size_t LzfStream::decode_from_buffer(std::byte* out, std::size_t at)
         if (end - i < used) fail_here("the compressed data end within a reference");
         if (used == 3) length += static_cast<std::size_t>(in[i + 1]);
         const std::size_t back = ((control & 31) << 8) + static_cast<std::size_t>(in[i + used - 1]) + 1;
-        if (back > at) fail_here("the compressed data refer to what lies before their beginning");
+        if (back > at) fail_here("the compressed data refer to bytes before their beginning");
         std::byte* const to = out + at;
         if (back >= 16)
             for (std::size_t k = 0; k < length; k += 16) std::memcpy(to + k, to + k - back, 16);
@@ -87,7 +87,8 @@ std::size_t LzfStream::decode_from_buffer(std::byte* out, std::size_t at)
         else if (back == 1)
             std::memset(to, static_cast<int>(to[-1]), length);
         else
-            for (std::size_t k = at; k < at + length; ++k) out[k] = out[k - back];  // a copy of its own beginning
+            for (std::size_t k = at; k < at + length; ++k)
+                out[k] = out[k - back];  // overlapping copy: it repeats its own beginning
         at += length;
         i += used;
     }

@@ -1,7 +1,7 @@
 #include "pcm/io/pcd/pcd_header.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <charconv>
@@ -84,7 +84,7 @@ std::string_view HeaderParser::next_line()
     const std::string_view rest = text_.substr(static_cast<std::size_t>(header_.bytes));
     const std::size_t length = rest.find('\n');
     if (length == std::string_view::npos) {
-        // The last line of a file without points may lack its end.
+        // The last line of a file without points may have no line end.
         if (rest.empty() || text_.size() == longest_pcd_header)
             fail("no 'DATA' in the first " + std::to_string(text_.size()) + " bytes; a PCD header ends with this line");
         header_.bytes += rest.size();
@@ -99,7 +99,7 @@ std::uint64_t HeaderParser::number(std::string_view word, std::string_view keywo
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (word.empty() || error != std::errc() || end != word.data() + word.size())
-        fail("found " + quote_bytes(word) + " behind " + std::string(keyword) + ", expected a whole number");
+        fail("found " + quote_bytes(word) + " after " + std::string(keyword) + ", expected a whole number");
     return value;
 }
 
@@ -131,13 +131,13 @@ void HeaderParser::take(std::string_view keyword, std::string_view rest)
     const std::vector<std::string_view> words = words_of(rest);
     const auto one = [&] {
         if (words.size() != 1)
-            fail("found " + std::to_string(words.size()) + " words behind " + std::string(keyword) +
+            fail("found " + std::to_string(words.size()) + " words after " + std::string(keyword) +
                  ", expected one number");
         return number(words[0], keyword);
     };
-    if (keyword == "COLUMNS") keyword = "FIELDS";  // as the oldest files say
+    if (keyword == "COLUMNS") keyword = "FIELDS";  // its name in the oldest files
     if (std::find(seen_.begin(), seen_.end(), keyword) != seen_.end())
-        fail("the header says " + std::string(keyword) + " twice");
+        fail("the header has two lines " + std::string(keyword));
     if (keyword == "VERSION")
         header_.version = words.empty() ? "" : std::string(words[0]);
     else if (keyword == "FIELDS")
@@ -166,11 +166,11 @@ void HeaderParser::take(std::string_view keyword, std::string_view rest)
 
 void HeaderParser::make_fields()
 {
-    if (names_.empty()) fail("the header names no FIELDS");
-    // Version .5 knew only single precision; what the header does not say is what it was then.
+    if (names_.empty()) fail("the header has no FIELDS");
+    // Version .5 had only single precision: the default for missing lines.
     const auto check = [&](std::size_t count, const char* keyword) {
         if (count && count != names_.size())
-            fail("found " + std::to_string(count) + " words behind " + keyword + ", expected one for each of the " +
+            fail("found " + std::to_string(count) + " words after " + keyword + ", expected one for each of the " +
                  std::to_string(names_.size()) + " FIELDS");
         return count != 0;
     };
@@ -203,7 +203,7 @@ void HeaderParser::make_fields()
 
 void HeaderParser::count_points()
 {
-    if (!points_ && !width_) fail("the header says neither POINTS nor WIDTH");
+    if (!points_ && !width_) fail("the header has neither POINTS nor WIDTH");
     header_.height = height_.value_or(1);
     header_.width = width_.value_or(points_.value_or(0));
     const bool overflows = header_.height && header_.width > UINT64_MAX / header_.height;
@@ -212,8 +212,8 @@ void HeaderParser::count_points()
     header_.points = points_.value_or(product);
     if (overflows || product != header_.points) {
         header_.notes.push_back("WIDTH " + std::to_string(header_.width) + " and HEIGHT " +
-                                std::to_string(header_.height) + " do not make the " + std::to_string(header_.points) +
-                                " POINTS that are read");
+                                std::to_string(header_.height) + " do not match the " + std::to_string(header_.points) +
+                                " POINTS, which are read");
         header_.width = header_.points;
         header_.height = 1;
     }
@@ -242,7 +242,7 @@ PcdHeader HeaderParser::parse()
     count_points();
     static constexpr std::string_view versions[] = {"", ".5", ".6", ".7", "0.5", "0.6", "0.7"};
     if (std::find(std::begin(versions), std::end(versions), header_.version) == std::end(versions))
-        header_.notes.push_back("version " + quote_bytes(header_.version) + " is read as if it were .7");
+        header_.notes.push_back("version " + quote_bytes(header_.version) + " is read as .7");
     if (unknown_lines_)
         header_.notes.push_back(std::to_string(unknown_lines_) +
                                 " lines of the header with unknown keywords are ignored");
@@ -267,7 +267,7 @@ std::uint64_t PcdHeader::numbers() const
 
 PcdHeader read_pcd_header(const File& file)
 {
-    // Most headers are some hundred bytes; only where their last line is not among the first bytes is more read.
+    // Most headers have some hundred bytes; more is read only when their last line is not among the first bytes.
     std::string text;
     for (std::size_t bytes = 4096; bytes <= longest_pcd_header; bytes *= 16) {
         text.resize(bytes);

@@ -1,14 +1,15 @@
 #include "pcm/io/pcd/pcd_reader.h"
 
-#include "pcm/system/file.h"
-#include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/text/line_stream.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pcd/lzf_stream.h"
-#include "pcm/io/names.h"
-#include "pcm/io/number_text.h"
 #include "pcm/io/pcd/pcd_header.h"
-#include "pcm/io/scalars.h"
+#include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/line_stream.h"
+#include "pcm/io/records/line_words.h"
+#include "pcm/io/records/scalars.h"
+#include "pcm/io/unique_name.h"
+#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <array>
@@ -21,21 +22,21 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t tile_bytes = std::size_t{256} << 10;  // read at once, and taken apart while in the cache
+constexpr std::size_t tile_bytes = std::size_t{256} << 10;  // read at once and decoded while in the cache
 constexpr auto no_field = static_cast<std::size_t>(-1);
 
-// Where a field goes.
+// The destination of a field.
 struct Target {
     enum class Kind { none, axis, scalars, packed_colour } kind = Kind::none;
-    std::size_t index = 0;             // of the axis or the attribute
-    std::size_t byte = 0;              // of the attribute's bytes of a point, the first
+    std::size_t index = 0;             // the axis or the attribute
+    std::size_t byte = 0;              // first byte among the attribute's bytes of a point
     std::optional<std::size_t> alpha;  // packed_colour: this attribute's
     ScalarType type = ScalarType::f32;
     std::size_t bytes = 0;   // of a point
     std::size_t offset = 0;  // in a record
 };
 
-// `count` values of a field, `stride` bytes apart, become columns of the batch from point `first` on.
+// Copies `count` values of a field, `stride` bytes apart, to columns of the batch from point `first` on.
 void unpack(const Target& target, const std::byte* from, std::size_t stride, std::size_t count, PointBatch& batch,
             std::size_t first)
 {
@@ -106,16 +107,16 @@ private:
     std::uint64_t file_size_;
     PcdHeader header_;
     FileInfo info_;
-    std::vector<Target> targets_;  // of all fields
+    std::vector<Target> targets_;  // one per field
     std::size_t record_bytes_ = 0;
     std::size_t batch_points_ = 1;
     std::uint64_t compressed_bytes_ = 0;
-    bool padding_compressed_ = false;  // whether the columns of "_" are there
+    bool padding_compressed_ = false;  // whether the compressed block has columns for "_"
 
     std::uint64_t next_ = 0;
     bool started_ = false;
     std::optional<LineStream> lines_;
-    std::vector<LzfStream> columns_;  // of the fields that have a target
+    std::vector<LzfStream> columns_;  // of the fields with a target
     std::vector<std::byte> buffer_;
 };
 
@@ -150,7 +151,7 @@ void PcdReader::plan_axes()
     info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
 }
 
-// Makes the three fields one attribute when they are there, once, single and of one type.
+// Joins the three fields to one attribute if each exists once, with COUNT 1, and all have the same type.
 void PcdReader::plan_group(const std::array<const char*, 3>& members, std::string_view name)
 {
     if (info_.schema.find(name)) return;
@@ -187,12 +188,12 @@ void PcdReader::plan_field(std::size_t i)
     }
     std::string attribute = pcd_attribute_name(field.name);
     if ((attribute == attribute_name::rgb || attribute == attribute_name::normal) && field.count != 3)
-        attribute += "_scalar";  // these names promise three components to everybody
+        attribute += "_scalar";  // these names mean three components
     target.kind = Target::Kind::scalars;
     target.index = add_attribute({attribute, field.type, field.count, 1, 0, {}});
 }
 
-// What a comment says of an attribute, where it is so.
+// Applies a comment about an attribute, if the fields agree with it.
 void PcdReader::restore(const CarriedAttribute& carried)
 {
     const Attribute& attribute = carried.attribute;
@@ -205,7 +206,7 @@ void PcdReader::restore(const CarriedAttribute& carried)
     if (!index || info_.schema[*index].type != attribute.type ||
         info_.schema[*index].components != attribute.components || (means_three && attribute.components != 3)) {
         info_.notes.push_back("a comment about the attribute '" + attribute.name +
-                              "' is ignored: no field is what it says");
+                              "' is ignored: no field agrees with it");
         return;
     }
     Schema schema;
@@ -269,7 +270,7 @@ void PcdReader::check_compressed()
         fail(ErrorCode::truncated, "the compressed block at byte " + std::to_string(header_.bytes) + " has " +
                                        std::to_string(compressed_bytes_) + " bytes; the file has " +
                                        std::to_string(left() - sizes.size()) + " from there on");
-    // PCL leaves padding out of compressed files and may still name it in the header.
+    // PCL omits padding from compressed files but may name it in the header.
     std::uint64_t plain = 0;
     for (const PcdField& field : header_.fields) plain += field.is_padding() ? 0 : field.bytes();
     const auto is = [&](std::uint64_t record) {
@@ -282,25 +283,24 @@ void PcdReader::check_compressed()
                                         " points of " + std::to_string(plain) + " bytes");
     if (whole > compressed_bytes_ * lzf_most_expansion)
         fail(ErrorCode::corrupt, "byte " + std::to_string(header_.bytes) + ": " + std::to_string(compressed_bytes_) +
-                                     " compressed bytes cannot become the " + std::to_string(whole) +
-                                     " that are promised");
+                                     " compressed bytes cannot expand to the stated " + std::to_string(whole));
     if (left() - sizes.size() > compressed_bytes_)
         info_.notes.push_back(std::to_string(left() - sizes.size() - compressed_bytes_) +
-                              " bytes behind the compressed block are ignored");
+                              " bytes after the compressed block are ignored");
 }
 
 void PcdReader::check_bytes_hold_the_points()
 {
     if (header_.encoding == PcdHeader::Encoding::compressed) return check_compressed();
     const bool ascii = header_.encoding == PcdHeader::Encoding::ascii;
-    // In ascii a number takes a digit and what stands behind it, but for the last one of the file.
+    // In ascii a number takes a digit and a separator; the last one of the file may have none.
     const std::uint64_t least = ascii ? 2 * header_.numbers() : record_bytes_;
     if (header_.points > (left() + (ascii ? 1 : 0)) / least)
         fail(ErrorCode::truncated, "the header promises " + std::to_string(header_.points) + " points of at least " +
                                        std::to_string(least) + " bytes; from byte " + std::to_string(header_.bytes) +
                                        " to the end of the file there are " + std::to_string(left()));
     if (const std::uint64_t more = left() - header_.points * least; !ascii && more)
-        info_.notes.push_back(std::to_string(more) + " bytes behind the last point are ignored");
+        info_.notes.push_back(std::to_string(more) + " bytes after the last point are ignored");
 }
 
 void PcdReader::describe()
@@ -315,8 +315,8 @@ void PcdReader::describe()
     info_.metadata.push_back({"pcd.viewpoint", {bytes, bytes + header_.viewpoint.size()}});
 }
 
-// Finds where in the compressed block each column begins, by going through it once: which also proves it sound before
-// any point is given out.
+// Finds the start of each column in the compressed block by decoding it once. This also proves it sound before any
+// point is returned.
 void PcdReader::start()
 {
     started_ = true;
@@ -331,12 +331,12 @@ void PcdReader::start()
     }
     if (!stream.at_end())
         fail(ErrorCode::corrupt, "byte " + std::to_string(begin) + ": the " + std::to_string(compressed_bytes_) +
-                                     " compressed bytes hold more than the points that were promised");
+                                     " compressed bytes hold more than the stated number of points");
 }
 
-// A packed colour is bits, whatever its type. Text of such a real is either the number that has these bits or, in files
-// of early programs, the bits as a whole number: a colour without alpha has bits of a real below 1e-37, never of 1 or
-// more.
+// A packed colour is a bit pattern, whatever its type. As text, such a real is either the number with these bits or, in
+// files of early programs, the bits as a whole number. The two cannot be confused: a colour without alpha has the bits
+// of a real below 1e-37, never of 1 or more.
 std::uint32_t PcdReader::colour_of(LineWords& words, const PcdField& field, std::string_view& word) const
 {
     std::array<std::byte, 8> raw{};
@@ -389,7 +389,7 @@ void PcdReader::read_line(std::byte* record)
     }
     if (const std::string_view more = words.next(); !more.empty())
         fail_line(ErrorCode::bad_format,
-                  "found " + quote_bytes(more) + " behind the last field, expected the end of the line");
+                  "found " + quote_bytes(more) + " after the last field, expected the end of the line");
 }
 
 void PcdReader::read_records(PointBatch& batch, std::size_t count)
@@ -454,7 +454,7 @@ void PcdReader::seek(std::uint64_t index)
     if (!seekable()) return PointReader::seek(index);
     if (index > info_.points)
         fail(ErrorCode::invalid_argument,
-             "point " + std::to_string(index) + " asked for, the file has " + std::to_string(info_.points));
+             "point " + std::to_string(index) + " was requested, the file has " + std::to_string(info_.points));
     next_ = index;
 }
 
@@ -466,6 +466,9 @@ double PcdReader::fraction_read() const
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path) { return std::make_unique<PcdReader>(path); }
+std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<PcdReader>(path);
+}
 
 }  // namespace pcm

@@ -5,16 +5,16 @@
 
 namespace pcm {
 
-// Positions are doubles, exactly as stored (position_type tells whether they were f32), wherever x y z stand in a
-// record. A packed colour, one value of 4 bytes, is "rgb" u8 x 3, of a field "rgba" with "alpha" u8; red green blue
-// (also r g b) become "rgb" x 3 and normal_x/y/z (also nx ny nz) "normal" x 3 where the three have one type. Every
-// other field is an attribute in its own type, name and number of components; "_" is padding. Comments of pcd_writer
-// give back scale and offset of attributes, odd names and metadata. VIEWPOINT is metadata "pcd.viewpoint", its words as
-// they stand there: like PCL itself, this does not move the points by it.
+// Positions are doubles, exactly as stored (position_type says whether they were f32), wherever x y z are in a record.
+// A packed colour, one value of 4 bytes, becomes "rgb" u8 x 3; a field "rgba" also gives "alpha" u8. red green blue
+// (also r g b) become "rgb" x 3 and normal_x/y/z (also nx ny nz) "normal" x 3, if the three have the same type. Every
+// other field is an attribute with its own type, name and number of components; "_" is padding. Comments of pcd_writer
+// restore scale and offset of attributes, unusual names and metadata. VIEWPOINT is metadata "pcd.viewpoint", with its
+// words unchanged: like PCL, this reader does not transform the points by it.
 //
-// Files that are too short for their points are refused here, ascii and damaged compressed ones when read() gets there.
-// Memory stays below some megabytes whatever the size of the compressed block. NaN and infinities are passed on: points
-// of organised clouds where the sensor saw nothing.
-std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path);
+// Files that are too short for their points are refused here; for ascii and damaged compressed ones, read() throws.
+// Memory is a few megabytes whatever the size of the compressed block. NaN and infinities are kept: in organised clouds
+// they mark points without a measurement.
+std::unique_ptr<PointReader> open_pcd(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace pcm

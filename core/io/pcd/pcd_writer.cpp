@@ -1,11 +1,11 @@
 #include "pcm/io/pcd/pcd_writer.h"
 
-#include "pcm/system/output_file.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/names.h"
-#include "pcm/io/number_text.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pcd/pcd_header.h"
-#include "pcm/io/record_encoder.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/line_words.h"
+#include "pcm/io/records/record_encoder.h"
+#include "pcm/system/output_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ char kind_of(ScalarType type)
     }
 }
 
-// Names that pcd_reader takes for more than a name.
+// Names with a special meaning for pcd_reader.
 bool has_a_meaning(const std::string& lower_name)
 {
     static constexpr std::string_view names[] = {"x",        "y",        "z",        "rgb", "rgba",  "red", "green",
@@ -59,8 +59,8 @@ public:
         }
         if (position == ScalarType::f64)
             notes.push_back(
-                "positions are in double precision (F 8), of which PCL's own point types read nothing: they "
-                "take F 4");
+                "positions are in double precision (F 8), which PCL's own point types do not read: they need "
+                "F 4");
         for (std::size_t i = 0; i < cloud.schema.size(); ++i) i += add(cloud.schema, i, ascii);
     }
 
@@ -75,7 +75,7 @@ private:
         return attribute.scale == 1 && attribute.offset == 0 && attribute.description.empty();
     }
 
-    // Returns how many of the attributes behind it went with it.
+    // Returns how many of the following attributes were included.
     std::size_t add(const Schema& schema, std::size_t index, bool ascii)
     {
         const Attribute& attribute = schema[index];
@@ -92,7 +92,7 @@ private:
                     alpha.name == "alpha" && alpha.type == ScalarType::u8 && alpha.components == 1 && is_plain(alpha);
                 if (more) packed.alpha = index + 1;
             }
-            // As PCL writes it: bits in the clothes of a real, but for text, which reals would not survive.
+            // As PCL writes it: the bits stored as a float; in text as an integer, because floats would lose bits.
             names = {more ? "rgba" : "rgb"};
             fields.push_back({names[0], more || ascii ? 'U' : 'F', 4, 1});
             records.push_back(packed);
@@ -132,7 +132,7 @@ private:
     std::set<std::string> used_;  // lower case
 };
 
-// What the source said of its viewpoint, as long as it is one: a translation and a quaternion.
+// The source's viewpoint if it is valid: a translation and a quaternion.
 std::string viewpoint_of(std::vector<Metadata>& metadata)
 {
     const auto found = std::find_if(metadata.begin(), metadata.end(),
@@ -181,7 +181,7 @@ public:
     std::vector<std::string> notes() const override { return plan_.notes; }
 
 private:
-    // Of one length whatever the number of points.
+    // Its length does not depend on the number of points.
     std::string header() const
     {
         const std::string count = std::to_string(records_.points());

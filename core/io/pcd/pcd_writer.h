@@ -5,14 +5,14 @@
 
 namespace pcm {
 
-// x y z are F 4 where the source's positions are single precision, so bit for bit, else F 8: of a source on a grid the
-// coordinates that the grid stands for; its scale and offset are kept as metadata "pcm.grid", as in PLY. PCL's own
-// point types want F 4, which is said in notes(): map coordinates would lose half a metre there.
+// x y z are F 4 for sources in single precision, bit for bit, otherwise F 8. Gridded positions are written as their
+// coordinates; scale and offset are kept as metadata "pcm.grid", as in PLY. PCL's own point types need F 4, which
+// notes() say: with map coordinates these would lose half a metre.
 //
-// "rgb" of u8 x 3 is PCL's packed field `rgb` (`rgba` when "alpha" follows it), of another type red green blue;
-// "normal" is normal_x normal_y normal_z; any other attribute is a field of its type with its components as COUNT.
-// Names that a header cannot hold, scale and offset, and metadata are carried in comments, which pcd_reader turns back
-// into what they were.
+// "rgb" of u8 x 3 is PCL's packed field `rgb` (`rgba` when "alpha" follows it); of another type it is red green blue.
+// "normal" is normal_x normal_y normal_z. Any other attribute is a field of its type with its components as COUNT.
+// Names that a header cannot hold, scale and offset, and metadata are stored in comments, from which pcd_reader
+// restores them.
 std::unique_ptr<PointWriter> create_pcd(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options);
 

@@ -1,4 +1,4 @@
-// How readers prepare the batch that a caller hands them again and again.
+// How readers prepare a batch that callers pass to them repeatedly.
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-// Files may have records of tens of kilobytes; a batch stays below this many bytes however many points are asked for.
+// Records may have tens of kilobytes; a batch stays below this many bytes however many points are requested.
 inline constexpr std::size_t max_batch_bytes = std::size_t{64} << 20;
 
 inline std::size_t points_that_fit_a_batch(const Schema& schema)
@@ -17,7 +17,7 @@ inline std::size_t points_that_fit_a_batch(const Schema& schema)
     return std::max<std::size_t>(1, max_batch_bytes / (position_bytes + schema.point_bytes()));
 }
 
-// As PointBatch::reset, but keeps the memory of a batch that has the right shape already.
+// As PointBatch::reset, but keeps the memory of a batch that already has the right shape.
 inline void shape_batch(PointBatch& batch, const Schema& schema, bool gridded, std::size_t points)
 {
     bool same = batch.gridded == gridded && batch.attributes.size() == schema.size();

@@ -13,7 +13,7 @@ namespace {
 constexpr int coarsest_decimal = -3, finest_decimal = 12;
 constexpr double least = std::numeric_limits<std::int32_t>::min(), most = std::numeric_limits<std::int32_t>::max();
 
-// The double nearest to 10^-k: written by the compiler's reading of decimal numbers, not by arithmetic.
+// The double nearest to 10^-k: literals, because computed powers would be rounded.
 double decimal_step(int k)
 {
     static constexpr double steps[] = {1e3,  1e2,  1e1,  1e0,  1e-1, 1e-2,  1e-3,  1e-4,
@@ -30,6 +30,16 @@ int lowest_bit_of(double v)
     int zeros = 0;
     for (; !(bits & 1); bits >>= 1) ++zeros;
     return exponent - 53 + zeros;
+}
+
+// The smallest of 1, 2 and 5 times 10^k that is not below `least_step`.
+double round_step(double least_step)
+{
+    const double power =
+        std::pow(10.0, std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
+    for (const double times : {1.0, 2.0, 5.0, 10.0})
+        if (power * times >= least_step) return power * times;
+    return power;
 }
 
 }  // namespace
@@ -80,7 +90,7 @@ void GridChoice::watch(Axis& axis, double v)
 void GridChoice::watch(const PointBatch& batch)
 {
     if (batch.gridded)
-        throw Error(ErrorCode::invalid_argument, {}, "the positions are on a grid already; doubles were expected");
+        throw Error(ErrorCode::invalid_argument, {}, "the positions already have a grid; doubles were expected");
     for (std::size_t i = 0; i < batch.size; ++i) {
         if (!std::isfinite(batch.xyz[0][i]) || !std::isfinite(batch.xyz[1][i]) || !std::isfinite(batch.xyz[2][i])) {
             ++not_finite_;
@@ -115,7 +125,7 @@ GridProposal GridChoice::propose() const
             take(*exact);
             continue;
         }
-        // Halves, for the span of two finite numbers may not be one.
+        // Halves, because the difference of two finite numbers may be infinite.
         const double half_span = axis.max / 2 - axis.min / 2;
         const double binary = std::ldexp(1.0, axis.lowest_bit);
         if (binary > 0 && half_span / binary <= most - 1) {
@@ -135,13 +145,7 @@ GridProposal GridChoice::propose() const
                 }));
             continue;
         }
-        const double least_step = half_span / (most - 2);
-        double step = std::pow(10.0, std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
-        for (const double times : {1.0, 2.0, 5.0, 10.0})
-            if (step * times >= least_step) {
-                step *= times;
-                break;
-            }
+        const double step = round_step(half_span / (most - 2));
         scale = step;
         offset = std::nearbyint((axis.min / 2 + axis.max / 2) / step) * step;
         const double farthest = std::max(std::abs(axis.min), std::abs(axis.max));
@@ -155,13 +159,13 @@ GridProposal GridChoice::propose() const
 GridProposal choose_grid(PointReader& reader, const ProgressFunction& progress)
 {
     if (reader.info().grid)
-        throw Error(ErrorCode::invalid_argument, {}, "the positions are on a grid already; doubles were expected");
+        throw Error(ErrorCode::invalid_argument, {}, "the positions already have a grid; doubles were expected");
     GridChoice choice;
     PointBatch batch;
     while (reader.read(batch, default_batch_points)) {
         choice.watch(batch);
         ProgressUpdate update;
-        update.stage = "Looking at the coordinates";
+        update.stage = "Examining the coordinates";
         update.fraction = reader.fraction_read();
         if (progress && !progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
     }

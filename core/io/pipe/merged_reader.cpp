@@ -1,8 +1,8 @@
 #include "pcm/io/pipe/merged_reader.h"
 
+#include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/io/pipe/batch_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t max_notes = 40;
-constexpr std::size_t named_files = 3;  // of those that a note concerns
+constexpr std::size_t named_files = 3;  // per note; further files are only counted
 constexpr std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
 
 std::string file_name(const fs::path& path)
@@ -26,7 +26,7 @@ std::string file_name(const fs::path& path)
     return name.string();
 }
 
-// A description does not make another attribute of it.
+// Attributes that differ only in their description are the same.
 bool same_kind(const Attribute& a, const Attribute& b)
 {
     return a.type == b.type && a.components == b.components && a.scale == b.scale && a.offset == b.offset;
@@ -39,7 +39,7 @@ double size_in_bytes(const fs::path& path)
     return error || bytes == 0 ? 1.0 : static_cast<double>(bytes);
 }
 
-// Whole steps between two grids of one scale, and small enough that a double tells the positions of both apart.
+// Whether two grids of equal scale differ by whole steps, few enough that doubles keep their positions distinct.
 bool steps_apart(const Grid& a, const Grid& b)
 {
     if (a.scale != b.scale) return false;
@@ -55,7 +55,7 @@ bool steps_apart(const Grid& a, const Grid& b)
 
 }  // namespace
 
-// Equal notes of many files are one note.
+// Notes of many files: equal ones are merged.
 class MergedReader::Notes {
 public:
     explicit Notes(std::size_t files) : files_(files) {}
@@ -66,7 +66,7 @@ public:
         if (is_new) {
             if (notes_.size() == max_notes) {
                 index_.erase(known);
-                ++untold_;
+                ++unnamed_;
                 return;
             }
             notes_.push_back({text, {}, 0});
@@ -90,7 +90,7 @@ public:
         std::vector<std::string> all;
         for (const Note& note : notes_)
             all.push_back(files_ == 1 ? note.text : list_of(note.names, note.count) + ": " + note.text);
-        if (untold_) all.push_back(grouped(untold_) + " more notes about files are not repeated here");
+        if (unnamed_) all.push_back(grouped(unnamed_) + " more notes about files are not repeated here");
         all.insert(all.end(), general_.begin(), general_.end());
         return all;
     }
@@ -104,7 +104,7 @@ private:
     std::size_t files_;
     std::vector<Note> notes_;
     std::map<std::string, std::size_t> index_;
-    std::uint64_t untold_ = 0;
+    std::uint64_t unnamed_ = 0;
     std::vector<std::string> general_;
 };
 
@@ -177,7 +177,8 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
             slot = info_.schema.find(attribute.name);
         }
         if (attribute.name != name)
-            notes.add("attribute '" + name + "' is not as in the files before and is kept as '" + attribute.name + "'",
+            notes.add("attribute '" + name + "' differs from that of the previous files and is kept as '" +
+                          attribute.name + "'",
                       path);
         if (!slot) {
             slot = info_.schema.size();
@@ -192,12 +193,12 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
 void MergedReader::take_metadata(const FileInfo& info, Notes& notes)
 {
     for (const Metadata& block : info.metadata) {
-        if (metadata_bytes_ == max_metadata_bytes) return;  // said already
+        if (metadata_bytes_ == max_metadata_bytes) return;  // noted already
         if (std::find(info_.metadata.begin(), info_.metadata.end(), block) != info_.metadata.end()) continue;
         constexpr std::uint64_t overhead = 128;
         const std::uint64_t bytes = block.value.size() + block.key.size() + overhead;
         if (bytes > max_metadata_bytes - metadata_bytes_) {
-            notes.add("metadata beyond " + bytes_text(max_metadata_bytes) + " of all files together are not kept");
+            notes.add("metadata beyond " + bytes_text(max_metadata_bytes) + " for all files together are not kept");
             metadata_bytes_ = max_metadata_bytes;
             return;
         }
@@ -223,7 +224,7 @@ void MergedReader::settle_positions(const std::vector<ScalarType>& types)
     info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
 }
 
-// What a reader has found out about a file while reading it.
+// Notes and metadata that a reader added while it read a file.
 void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::path& path)
 {
     Notes late(sources_.size());
@@ -244,7 +245,7 @@ void MergedReader::describe_missing(Notes& notes)
             if (!has[k]) shape.missing.push_back(k);
         shape.same = shape.missing.empty() && std::is_sorted(shape.places.begin(), shape.places.end());
     }
-    // Attributes that the same files lack are one note.
+    // Attributes missing from the same files are one note.
     std::map<std::vector<bool>, std::vector<std::size_t>> lacked_by;
     for (std::size_t k = 0; k < info_.schema.size(); ++k) {
         std::vector<bool> shapes(shapes_.size());

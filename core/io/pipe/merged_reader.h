@@ -1,4 +1,4 @@
-// Several files read as one cloud, one behind the other.
+// Several files read as one cloud, in order.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -14,27 +14,27 @@ namespace pcm {
 
 // What the merged cloud is:
 //
-// Attributes are merged by name: the cloud has those of every file, and where a file lacks one its points have zero.
-// Kinds of one name that differ in type, components, scale or offset are kept apart: the first has the name, others are
-// called NAME_TYPE, or NAME_TYPE_2, ... where that is taken. Positions pass through bit for bit: as integers where all
-// files lie on one grid, else as doubles; info().near_grid is then the first file's grid, when the others have its
-// scale and offsets whole steps away. Metadata are the union without repeats. notes() say what differs, however many
-// files there are in a few lines.
+// Attributes are merged by name: the cloud has those of every file, and points of a file without an attribute have
+// zero. Attributes of the same name that differ in type, components, scale or offset are kept apart: the first keeps
+// the name, others are called NAME_TYPE, or NAME_TYPE_2, ... where that is taken. Positions are passed bit for bit: as
+// integers where all files have the same grid, else as doubles; info().near_grid is then the first file's grid, if the
+// other grids have its scale and offsets that differ by whole steps. Metadata are the union without duplicates. Notes
+// report differences in a few lines, however many files there are.
 //
-// One file is open at a time: a survey may have more tiles than a process may have open files. All are opened once by
-// the constructor, for their headers. One thread.
+// One file is open at a time: a survey may have more tiles than a process may open. The constructor opens each file
+// once, for its header. One thread.
 class MergedReader final : public PointReader {
 public:
-    // A part of the cloud: a file, or what else can be opened as a reader again and again. `path` names it in messages.
+    // A part of the cloud: a file, or anything that can repeatedly be opened as a reader. `path` names it in messages.
     struct Source {
         std::filesystem::path path;
         std::function<std::unique_ptr<PointReader>()> open;
     };
 
-    // At least one; throws what opening throws, Error(invalid_argument) for none and Error(unsupported) when together
-    // they have more than max_attributes.
+    // Throws what opening throws, Error(invalid_argument) without sources and Error(unsupported) when all sources
+    // together have more than max_attributes.
     explicit MergedReader(std::vector<Source> sources);
-    // Files as they are; folders stand for the files that expand_inputs() finds in them.
+    // Files, and folders as expand_inputs() expands them.
     MergedReader(const std::vector<std::filesystem::path>& inputs, const ReadOptions& options);
 
     const FileInfo& info() const override { return info_; }
@@ -46,20 +46,20 @@ public:
     const std::vector<Source>& sources() const { return sources_; }
 
 private:
-    // What is remembered of a file between its header and its points.
+    // What is kept of a file between reading its header and its points.
     struct Part {
         std::uint64_t points = 0;
-        double weight = 1;      // its share of the work: bytes
+        double weight = 1;      // its share of the work, in bytes
         std::size_t shape = 0;  // in shapes_
         std::optional<Grid> grid;
         std::size_t notes = 0;  // of its header
     };
-    // A schema that one file or many have, and the place of each of its attributes in the merged one.
+    // A schema of one or many files, and the place of each of its attributes in the merged schema.
     struct Shape {
         Schema schema;
         std::vector<std::size_t> places;
-        std::vector<std::size_t> missing;  // attributes of the merged cloud that it lacks
-        bool same = false;                 // as the merged one
+        std::vector<std::size_t> missing;  // attributes of the merged cloud that this schema lacks
+        bool same = false;                 // equal to the merged schema
     };
     class Notes;
 
@@ -77,7 +77,7 @@ private:
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
     double total_weight_ = 0;
-    double weight_before_ = 0;  // of the parts that have been read to their ends
+    double weight_before_ = 0;  // of the parts that have been read completely
     std::uint64_t metadata_bytes_ = 0;
 
     std::size_t current_ = 0;

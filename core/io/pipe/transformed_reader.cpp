@@ -18,7 +18,7 @@ void turn(Column& column, const std::array<Vec3d, 3>& by)
         Vec3d turned;
         for (std::size_t a = 0; a < 3; ++a) turned[a] = dot(by[a], n);
         const double before = length(n), now = length(turned);
-        if (!(now > 0)) continue;  // no direction
+        if (!(now > 0)) continue;  // no direction to keep
         for (std::size_t a = 0; a < 3; ++a) values[a] = static_cast<T>(turned[a] * (before / now));
     }
 }
@@ -46,12 +46,12 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
             stretches = stretches && (i == j ? m[i][j] > 0 : m[i][j] == 0);
         }
     }
-    if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has numbers that are not finite");
+    if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has NaN or infinite numbers");
     if (std::fabs(determinant) <= 1e-12 * volume)
         throw Error(ErrorCode::invalid_argument, {},
                     "a transformation flattens the cloud: its determinant is " + std::to_string(determinant),
-                    "give one that keeps three dimensions");
-    // Cofactors over the determinant are the inverse transposed; the length is the normal's own.
+                    "give one with a determinant other than 0");
+    // Cofactors over the determinant are the inverse transpose; the normal keeps its length.
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
             const std::size_t r1 = (i + 1) % 3, r2 = (i + 2) % 3, c1 = (j + 1) % 3, c2 = (j + 2) % 3;

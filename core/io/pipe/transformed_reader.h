@@ -1,4 +1,4 @@
-// A cloud, moved, turned or scaled while it is read.
+// A cloud that is moved, rotated or scaled while it is read.
 #pragma once
 
 #include "pcm/cloud/affine.h"
@@ -10,10 +10,9 @@
 
 namespace pcm {
 
-// Where the map only stretches and shifts along the axes, points on a grid stay on one, with the same integers; else
-// positions become doubles. An attribute `normal` of three floats is turned along (as planes are: by the inverse
-// transposed) and keeps its length, `radius` grows with the cube root of the volume. One thread, as the reader that is
-// read.
+// Where the map only scales and shifts along the axes, gridded points keep their integers and get another grid;
+// otherwise positions become doubles. An attribute `normal` of three floats is transformed by the inverse transpose, as
+// planes are, and keeps its length; `radius` grows with the cube root of the volume. One thread, as for the source.
 class TransformedReader final : public PointReader {
 public:
     // Throws Error(invalid_argument) for a map that is not finite or flattens space.
@@ -30,7 +29,7 @@ private:
     const Affine map_;
     std::array<Vec3d, 3> of_normals_{};
     double of_lengths_ = 1;
-    std::optional<Grid> grid_;  // where points stay on one
+    std::optional<Grid> grid_;  // when points stay gridded
     mutable FileInfo info_;
     PointBatch from_;
 };

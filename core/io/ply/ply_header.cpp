@@ -1,7 +1,7 @@
 #include "pcm/io/ply/ply_header.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <charconv>
@@ -117,14 +117,14 @@ void HeaderParser::parse_element(std::string_view rest)
 
 void HeaderParser::parse_property(std::string_view rest)
 {
-    if (header_.elements.empty()) fail("a property stands before the first element");
+    if (header_.elements.empty()) fail("a property comes before the first element");
     PlyProperty property;
     std::string_view word = next_word(rest);
     if (word == "list") {
         property.is_list = true;
         property.count_type = type_of(next_word(rest));
         if (property.count_type == ScalarType::f32 || property.count_type == ScalarType::f64)
-            fail("a list is counted in floating point; an integer type was expected");
+            fail("a list has a floating-point length; an integer type was expected");
         word = next_word(rest);
     }
     property.type = type_of(word);
@@ -135,7 +135,7 @@ void HeaderParser::parse_property(std::string_view rest)
 
 PlyHeader HeaderParser::parse()
 {
-    // The end of the first line tells how all of them end. A CR before an LF counts as a blank.
+    // The end of the first line decides how all lines end. A CR before an LF counts as a blank.
     const std::size_t first_end = text_.find_first_of("\r\n");
     header_.ends_lines_with_cr = first_end != std::string_view::npos && text_[first_end] == '\r' &&
                                  (first_end + 1 == text_.size() || text_[first_end + 1] != '\n');
@@ -185,7 +185,7 @@ std::uint64_t PlyElement::least_bytes() const
 
 PlyHeader read_ply_header(const File& file)
 {
-    // Most headers are some hundred bytes; only where their last line is not among the first bytes is more read.
+    // Most headers have some hundred bytes; more is read only when their last line is not among the first bytes.
     const auto holds_last_line = [](const std::string& text, std::size_t bytes) {
         return std::min(text.find("\nend_header"), text.find("\rend_header")) < bytes - 64;
     };

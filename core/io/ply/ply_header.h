@@ -1,4 +1,4 @@
-// The header of a PLY file: what the bytes behind it mean.
+// The header of a PLY file, which describes the data after it.
 //
 // From Greg Turk, The PLY Polygon File Format (1994), with the sized type names (int8, float32, ...) that came later.
 #pragma once
@@ -12,13 +12,13 @@
 
 namespace pcm {
 
-inline constexpr std::size_t longest_ply_header = std::size_t{1} << 20;  // that is read
+inline constexpr std::size_t longest_ply_header = std::size_t{1} << 20;  // longer ones are refused
 
 struct PlyProperty {
     std::string name;
-    ScalarType type = ScalarType::f32;  // of the items, for a list
+    ScalarType type = ScalarType::f32;  // for a list, of its items
     bool is_list = false;
-    ScalarType count_type = ScalarType::u8;  // of a list's length; an integer
+    ScalarType count_type = ScalarType::u8;  // type of a list's length; an integer
 };
 
 struct PlyElement {
@@ -27,17 +27,17 @@ struct PlyElement {
     std::vector<PlyProperty> properties;
 
     bool has_lists() const;
-    // Bytes of one instance in a binary file, lists taken as empty.
+    // Bytes of one instance in a binary file, with empty lists.
     std::uint64_t least_bytes() const;
 };
 
 struct PlyHeader {
     enum class Encoding { ascii, little_endian, big_endian } encoding = Encoding::ascii;
     std::vector<PlyElement> elements;
-    std::vector<std::string> comments;  // those that begin with "pcm"
-    std::uint64_t bytes = 0;            // the data begin here
+    std::vector<std::string> comments;  // only those that begin with "pcm"
+    std::uint64_t bytes = 0;            // offset of the data
     std::uint64_t lines = 0;            // of the header
-    bool ends_lines_with_cr = false;    // with CR alone, as old Macintosh files do
+    bool ends_lines_with_cr = false;    // CR alone, as in old Macintosh files
 };
 
 // Throws Error(bad_format), naming the line, or Error(unsupported) for another version of the format.

@@ -1,13 +1,15 @@
 #include "pcm/io/ply/ply_reader.h"
 
-#include "pcm/system/file.h"
+#include "pcm/io/file_text.h"
 #include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/text/line_stream.h"
-#include "pcm/io/names.h"
-#include "pcm/io/number_text.h"
+#include "pcm/io/ply/byte_stream.h"
 #include "pcm/io/ply/ply_header.h"
-#include "pcm/io/scalars.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/line_stream.h"
+#include "pcm/io/records/line_words.h"
+#include "pcm/io/records/scalars.h"
+#include "pcm/io/unique_name.h"
+#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <array>
@@ -19,62 +21,16 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t read_buffer_bytes = std::size_t{1} << 20;
-
-// Consecutive bytes of a file, for what cannot be addressed: instances with lists.
-class ByteStream {
-public:
-    ByteStream(const File& file, std::uint64_t start, std::uint64_t file_size)
-        : file_(file), position_(start), file_size_(file_size)
-    {
-    }
-
-    std::uint64_t position() const { return position_; }
-    std::uint64_t left() const { return file_size_ - position_; }
-
-    void skip(std::uint64_t bytes)
-    {
-        need(bytes);
-        position_ += bytes;
-    }
-    void take(std::byte* to, std::size_t bytes)
-    {
-        need(bytes);
-        if (position_ < buffer_start_ || position_ + bytes > buffer_start_ + buffer_.size()) {
-            buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(read_buffer_bytes, left())));
-            buffer_start_ = position_;
-            file_.read_at(buffer_.data(), buffer_.size(), position_);
-        }
-        std::memcpy(to, buffer_.data() + (position_ - buffer_start_), bytes);
-        position_ += bytes;
-    }
-
-private:
-    void need(std::uint64_t bytes) const
-    {
-        if (bytes > left())
-            throw Error(ErrorCode::truncated, file_.path(),
-                        "the file ends at byte " + std::to_string(file_size_) + "; " + std::to_string(bytes) +
-                            " bytes were expected from byte " + std::to_string(position_));
-    }
-
-    const File& file_;
-    std::uint64_t position_;
-    std::uint64_t file_size_;
-    std::uint64_t buffer_start_ = 0;
-    std::vector<std::byte> buffer_;
-};
-
-// Names that promise three components to everybody.
+// Names that mean three components.
 bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
 
 constexpr auto no_group = static_cast<std::size_t>(-1);
 
-// Where a scalar property goes.
+// The destination of a scalar property.
 struct Target {
     int axis = -1;              // 0, 1, 2: a coordinate
-    std::size_t attribute = 0;  // else: this attribute's
-    std::size_t byte = 0;       // of its bytes of a point, the first
+    std::size_t attribute = 0;  // otherwise: the attribute
+    std::size_t byte = 0;       // first byte among the attribute's bytes of a point
     ScalarType type = ScalarType::f32;
     std::size_t offset = 0;  // in a record
 };
@@ -111,7 +67,9 @@ private:
     const PlyElement& vertices() const { return header_.elements[vertex_element_]; }
 
     void find_vertices();
+    void find_axes();
     void plan();
+    std::string name_of_single(const PlyProperty& property) const;
     bool plan_group(const std::array<const char*, 3>& members, std::string_view name);
     void plan_carried(const CarriedAttribute& carried);
     void add_attribute(Attribute attribute);
@@ -131,16 +89,16 @@ private:
     PlyHeader header_;
     FileInfo info_;
     std::size_t vertex_element_ = 0;
-    // Properties that are one attribute together: three of a colour, or what a comment says.
+    // Properties that together are one attribute: three of a colour, or as a comment describes.
     struct Group {
         Attribute attribute;
-        std::size_t index = max_attributes;  // in the schema, once it is there
+        std::size_t index = max_attributes;  // in the schema, once added
     };
     std::vector<Group> groups_;
-    std::vector<std::size_t> group_of_;  // of each property; no_group
+    std::vector<std::size_t> group_of_;  // for each property; or no_group
     std::vector<Target> targets_;        // of the scalar properties of a vertex, in file order
-    std::size_t record_bytes_ = 0;       // of these
-    bool addressable_ = false;           // binary, and all before and among the vertices has one size
+    std::size_t record_bytes_ = 0;       // bytes of all targets
+    bool addressable_ = false;           // binary, without lists in the vertices and before them
     std::uint64_t vertex_offset_ = 0;    // when addressable
     std::size_t batch_points_ = 1;
 
@@ -168,7 +126,7 @@ void PlyReader::find_vertices()
     }
 }
 
-// Marks the three properties as components of the attribute `name` when they are there, once, with one type.
+// Marks the three properties as components of the attribute `name` if each exists once and all have the same type.
 bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::string_view name)
 {
     const std::vector<PlyProperty>& properties = vertices().properties;
@@ -193,7 +151,7 @@ bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::strin
     return true;
 }
 
-// Marks the properties that a comment makes one attribute, when they are what it says.
+// Marks the properties that a comment joins to one attribute, if they agree with the comment.
 void PlyReader::plan_carried(const CarriedAttribute& carried)
 {
     const std::vector<PlyProperty>& properties = vertices().properties;
@@ -212,7 +170,7 @@ void PlyReader::plan_carried(const CarriedAttribute& carried)
     }
     if (!fits) {
         info_.notes.push_back("a comment about the attribute '" + attribute.name +
-                              "' is ignored: the properties are not what it says");
+                              "' is ignored: the properties do not agree with it");
         return;
     }
     for (std::size_t k = 0; k < count; ++k) {
@@ -230,12 +188,9 @@ void PlyReader::add_attribute(Attribute attribute)
     info_.schema.add(std::move(attribute));
 }
 
-void PlyReader::plan()
+void PlyReader::find_axes()
 {
     const std::vector<PlyProperty>& properties = vertices().properties;
-    targets_.assign(properties.size(), {});
-    group_of_.assign(properties.size(), no_group);
-
     std::array<bool, 3> have{};
     for (std::size_t i = 0; i < properties.size(); ++i) {
         const std::string name = lower_case(properties[i].name);
@@ -247,6 +202,30 @@ void PlyReader::plan()
     }
     for (std::size_t a = 0; a < 3; ++a)
         if (!have[a]) fail_header("gives the vertices no property '" + std::string(1, "xyz"[a]) + "'");
+}
+
+// The attribute's name for a property that belongs to no group.
+std::string PlyReader::name_of_single(const PlyProperty& property) const
+{
+    const auto has_scalar = [&](std::string_view name) {
+        return std::any_of(vertices().properties.begin(), vertices().properties.end(),
+                           [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
+    };
+    std::string name = property.name;
+    if (means_three(name)) name += "_scalar";
+    if (name == "scalar_intensity" && !has_scalar(attribute_name::intensity)) name = attribute_name::intensity;
+    // A name that a group will need later is not free.
+    const auto needed = [&](const Group& group) { return group.attribute.name == name; };
+    while (std::any_of(groups_.begin(), groups_.end(), needed)) name += "_scalar";
+    return name;
+}
+
+void PlyReader::plan()
+{
+    const std::vector<PlyProperty>& properties = vertices().properties;
+    targets_.assign(properties.size(), {});
+    group_of_.assign(properties.size(), no_group);
+    find_axes();
 
     const Carried carried = read_carried_comments(header_.comments, info_.notes);
     info_.metadata = carried.metadata;
@@ -259,10 +238,6 @@ void PlyReader::plan()
     for (const Names& members : {Names{"nx", "ny", "nz"}, Names{"normal_x", "normal_y", "normal_z"}})
         if (plan_group(members, attribute_name::normal)) break;
 
-    const auto has_scalar = [&](std::string_view name) {
-        return std::any_of(properties.begin(), properties.end(),
-                           [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
-    };
     bool all_f32 = true;
     std::vector<Target> scalars;
     for (std::size_t i = 0; i < properties.size(); ++i) {
@@ -287,14 +262,8 @@ void PlyReader::plan()
             }
             target.attribute = group.index;
         } else {
-            std::string name = property.name;
-            if (means_three(name)) name += "_scalar";
-            if (name == "scalar_intensity" && !has_scalar(attribute_name::intensity)) name = attribute_name::intensity;
-            // A name that a group will need later is not free.
-            const auto needed = [&](const Group& group) { return group.attribute.name == name; };
-            while (std::any_of(groups_.begin(), groups_.end(), needed)) name += "_scalar";
             target.attribute = info_.schema.size();
-            add_attribute({name, property.type, 1, 1, 0, {}});
+            add_attribute({name_of_single(property), property.type, 1, 1, 0, {}});
         }
         scalars.push_back(target);
     }
@@ -303,14 +272,14 @@ void PlyReader::plan()
     info_.points = vertices().count;
 }
 
-// What can be known without walking through lists and lines.
+// Checks sizes as far as possible without reading lists and lines.
 void PlyReader::check_bytes_hold_the_points()
 {
     addressable_ = !ascii();
     std::uint64_t offset = header_.bytes;
     for (std::size_t i = 0; i <= vertex_element_; ++i) {
         const PlyElement& element = header_.elements[i];
-        // In ascii a number takes a digit and a blank, but for the last one of the file.
+        // In ascii a number takes a digit and a separator; the last one of the file may have none.
         const std::uint64_t least = ascii() ? 2 * element.properties.size() : element.least_bytes();
         const std::uint64_t left = file_size_ - std::min(offset, file_size_) + (ascii() ? 1 : 0);
         if (i == vertex_element_) vertex_offset_ = offset;
@@ -339,7 +308,7 @@ void PlyReader::describe()
     }
 }
 
-// Passes over what stands before the vertices.
+// Skips the elements before the vertices.
 void PlyReader::start()
 {
     started_ = true;
@@ -383,14 +352,14 @@ std::uint64_t PlyReader::take_list_length(const PlyProperty& list, const std::st
     });
 }
 
-// Walks through one binary instance; its scalars go to `record`, one behind the other, unless that is null.
+// Reads one binary instance; its scalars are stored consecutively in `record`, unless that is null.
 void PlyReader::read_lists_of(const PlyElement& element, std::uint64_t instance, std::byte* record)
 {
     for (const PlyProperty& property : element.properties) {
         const std::size_t bytes = size_of(property.type);
         if (property.is_list) {
             const std::uint64_t length = take_list_length(property, element.name + " " + std::to_string(instance));
-            // A length that cannot be true must not overflow into one that can.
+            // An impossible length must not overflow to a possible one.
             bytes_->skip(length > bytes_->left() ? length : length * bytes);
         } else if (record) {
             bytes_->take(record, bytes);
@@ -401,7 +370,7 @@ void PlyReader::read_lists_of(const PlyElement& element, std::uint64_t instance,
     }
 }
 
-// One ascii vertex; its scalars go to `record` as in a little endian file.
+// Reads one ascii vertex; stores its scalars in `record` as in a little endian file.
 void PlyReader::read_line(std::byte* record)
 {
     std::string_view line;
@@ -435,7 +404,7 @@ void PlyReader::read_line(std::byte* record)
     }
     if (const std::string_view more = words.next(); !more.empty())
         fail_line(ErrorCode::bad_format,
-                  "found " + quote_bytes(more) + " behind the last property, expected the end of the line");
+                  "found " + quote_bytes(more) + " after the last property, expected the end of the line");
 }
 
 template <bool Swap>
@@ -472,7 +441,7 @@ bool PlyReader::read(PointBatch& batch, std::size_t max_points)
     shape_batch(batch, info_.schema, false, count);
     if (count == 0) return false;
 
-    // Small enough to stay in the cache while its fields are taken apart, unless it must be read from the file.
+    // Small enough to stay in the cache while its fields are decoded, unless it must be read from the file.
     const std::size_t buffer_points =
         std::max<std::size_t>(1, (addressable_ ? read_buffer_bytes / 4 : 16384) / record_bytes_);
     buffer_.resize(buffer_points * record_bytes_);
@@ -501,7 +470,7 @@ void PlyReader::seek(std::uint64_t index)
     if (!addressable_) return PointReader::seek(index);
     if (index > info_.points)
         fail(ErrorCode::invalid_argument,
-             "point " + std::to_string(index) + " asked for, the file has " + std::to_string(info_.points));
+             "point " + std::to_string(index) + " was requested, the file has " + std::to_string(info_.points));
     next_ = index;
 }
 
@@ -515,6 +484,16 @@ double PlyReader::fraction_read() const
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path) { return std::make_unique<PlyReader>(path); }
+std::unique_ptr<PointReader> open_ply(const std::filesystem::path& path, const ReadOptions&)
+{
+    return std::make_unique<PlyReader>(path);
+}
+
+bool ply_only_points(const std::filesystem::path& path)
+{
+    const PlyHeader header = read_ply_header(File(path, File::Mode::read));
+    return std::all_of(header.elements.begin(), header.elements.end(),
+                       [](const PlyElement& element) { return element.name == "vertex" || element.count == 0; });
+}
 
 }  // namespace pcm

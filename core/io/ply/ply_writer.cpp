@@ -1,11 +1,11 @@
 #include "pcm/io/ply/ply_writer.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/ply/ply_header.h"
+#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/records/record_encoder.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_file.h"
-#include "pcm/io/carried_comments.h"
-#include "pcm/io/names.h"
-#include "pcm/io/ply/ply_header.h"
-#include "pcm/io/record_encoder.h"
 
 #include <algorithm>
 #include <set>
@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-// Scalars of PLY that are one attribute of the cloud, or an axis.
+// The PLY properties of one attribute of the cloud, or of an axis.
 struct Property {
     std::string name;
     RecordField field;
@@ -42,7 +42,7 @@ std::string_view ply_name(ScalarType type)
     }
 }
 
-// Names that ply_reader takes for more than a name.
+// Names with a special meaning for ply_reader.
 bool has_a_meaning(const std::string& lower_name)
 {
     static constexpr std::string_view names[] = {"x",
@@ -73,7 +73,7 @@ class Plan {
 public:
     Plan(const std::filesystem::path& path, const FileInfo& cloud)
     {
-        // Not a list of names for each of a million components first.
+        // Checked before names are made for each of a million components.
         constexpr std::size_t shortest_line = 16;
         std::uint64_t components = 0;
         for (const Attribute& attribute : cloud.schema) components += attribute.components;
@@ -98,7 +98,7 @@ private:
     {
         const bool wide = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
         Names names;
-        bool plain = true;  // read back as it is without a word
+        bool plain = true;  // read back the same without a comment
         if (attribute.name == attribute_name::rgb && attribute.components == 3 && !wide) {
             names = {"red", "green", "blue"};
         } else if (attribute.name == attribute_name::normal && attribute.components == 3 && !wide) {
@@ -113,7 +113,7 @@ private:
 
         const ScalarType type = wide ? ScalarType::u32 : attribute.type;
         for (std::size_t k = 0; k < names.size(); ++k) {
-            // The upper half of a negative number is negative.
+            // The upper half has the sign.
             const ScalarType half = attribute.type == ScalarType::i64 && k % 2 == 1 ? ScalarType::i32 : type;
             properties.push_back({names[k], RecordField::scalars(index, k * size_of(type), half)});
         }
@@ -179,7 +179,7 @@ public:
     std::vector<std::string> notes() const override { return notes_; }
 
 private:
-    // Of one length whatever the number of points.
+    // Its length does not depend on the number of points.
     std::string header() const
     {
         const std::string count = std::to_string(records_.points());

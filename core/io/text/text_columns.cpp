@@ -1,7 +1,8 @@
 #include "pcm/io/text/text_columns.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/unique_name.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,7 @@
 namespace pcm {
 namespace {
 
-// A digit-and-letter skeleton of a name: "GPS Time [s]" -> "gpstime".
+// The letters and digits of a name, in lower case: "GPS Time [s]" -> "gpstime".
 std::string skeleton(std::string_view name)
 {
     name = name.substr(0, name.find_first_of("[("));
@@ -113,7 +114,7 @@ constexpr Known known_attributes[] = {
 constexpr std::string_view meanings_apart[] = {"x",  "y",  "z",  "r",         "g",         "b",
                                                "nx", "ny", "nz", "intensity", "scan_angle"};
 
-// The meaning that bears the name itself, up to case and signs; empty if there is none.
+// The meaning whose own name this is, whatever its case and signs; empty when no meaning has it.
 std::string_view own_meaning(std::string_view bare)
 {
     for (const std::string_view meaning : meanings_apart)
@@ -140,7 +141,7 @@ std::string unquoted(std::string_view word)
     return printable_name(text);
 }
 
-// Without the marks of a comment before it.
+// Without the comment marks before it.
 std::string_view behind_marks(std::string_view line)
 {
     const std::size_t at = line.find_first_not_of(" \t#/%");
@@ -154,7 +155,7 @@ bool is_number(std::string_view word)
     return error == std::errc() && stop == word.data() + word.size() && word.find_first_of("0123456789") != word.npos;
 }
 
-// Names of a line, cut in the way in which most of x, y and z are found.
+// The names in a line, split by the separator that finds the most of x, y and z.
 std::vector<std::string> names_of(std::string_view line, const TextDialect& dialect)
 {
     std::vector<std::string> best;
@@ -167,7 +168,7 @@ std::vector<std::string> names_of(std::string_view line, const TextDialect& dial
         std::vector<std::string> names;
         for (const std::string_view word : words) {
             names.push_back(unquoted(word));
-            if (is_number(names.back())) axes = 0, names.clear();  // names are no numbers
+            if (is_number(names.back())) axes = 0, names.clear();  // a number is not a name
             if (names.empty()) break;
             const std::string bare = skeleton(names.back());
             const std::string_view meaning = own_meaning(bare).empty() ? other_meaning(bare) : own_meaning(bare);
@@ -222,11 +223,11 @@ ScalarType smallest_float(const ColumnLook& look) { return look.single ? ScalarT
 
 ScalarType type_of(std::string_view name, const ColumnLook& look, bool signed_intensity)
 {
-    // Numbers of eight digits and more do not all happen to be what floats print as.
+    // Numbers of eight digits and more are not all floats as printed by accident.
     const bool from_floats = look.single && look.digits >= 8 && !look.whole;
     if (name == attribute_name::normal) return smallest_float(look);
     if (name == attribute_name::intensity) {
-        // Zeros that are written as 0.0000 are floats by their look.
+        // Zeros written as 0.0000 are meant as floats.
         if (!look.whole || !look.digits_only) return smallest_float(look);
         if (signed_intensity && fits(look, ScalarType::i16)) return ScalarType::i16;
         if (fits(look, ScalarType::u16)) return ScalarType::u16;
@@ -239,11 +240,11 @@ ScalarType type_of(std::string_view name, const ColumnLook& look, bool signed_in
     return from_floats ? ScalarType::f32 : ScalarType::f64;
 }
 
-// The type of colours, null where the numbers are none.
-std::optional<ScalarType> colour_type(const ColumnLook& look, std::optional<double> range, bool says_floats)
+// The type of colours, null where the numbers are not colours.
+std::optional<ScalarType> colour_type(const ColumnLook& look, std::optional<double> range, bool float_colours)
 {
     if (range) return *range == 255 ? ScalarType::u8 : *range == 65535 ? ScalarType::u16 : smallest_float(look);
-    if (says_floats && look.within(0, 1)) return smallest_float(look);
+    if (float_colours && look.within(0, 1)) return smallest_float(look);
     if (fits(look, ScalarType::u8)) return ScalarType::u8;
     if (fits(look, ScalarType::u16)) return ScalarType::u16;
     if (!look.whole && !look.empty && look.within(0, 1)) return smallest_float(look);
@@ -262,7 +263,7 @@ std::optional<std::pair<std::string, std::uint32_t>> component_name(const std::s
     return std::pair(name.substr(0, underscore), static_cast<std::uint32_t>(std::stoul(digits)));
 }
 
-// Columns that are one attribute together.
+// Columns that together are one attribute.
 struct Group {
     std::string attribute;
     std::vector<std::size_t> columns;  // by component
@@ -291,12 +292,32 @@ std::vector<Group> find_groups(const std::vector<TextColumn>& columns)
         for (std::size_t at = i;
              (at = find(group.attribute + "_" + std::to_string(group.columns.size()))) != no_column;)
             group.columns.push_back(at);
-        // A name that another attribute has stays its own.
+        // Not where another attribute has the name.
         bool free = find(group.attribute) == no_column;
         for (const Group& other : groups) free = free && other.attribute != group.attribute;
         if (group.columns.size() > 1 && free) groups.push_back(std::move(group));
     }
     return groups;
+}
+
+// The type of a group's attribute: as the user stated it, else by the sampled values of all of its columns. Null for
+// colours whose numbers are not colours.
+std::optional<ScalarType> group_type(const Group& group, const std::vector<TextColumn>& columns,
+                                     const std::vector<ColumnLook>& looks, std::optional<double> colour_range,
+                                     bool signed_intensity)
+{
+    std::vector<const ColumnLook*> members;
+    std::optional<ScalarType> stated;
+    bool float_colours = false;
+    for (const std::size_t c : group.columns) {
+        members.push_back(&looks[c]);
+        if (columns[c].type) stated = std::max(stated.value_or(ScalarType::i8), *columns[c].type);
+        float_colours = float_colours || columns[c].float_colour;
+    }
+    if (stated) return stated;
+    const ColumnLook look = merged(members);
+    if (group.attribute == attribute_name::rgb) return colour_type(look, colour_range, float_colours);
+    return type_of(group.attribute, look, signed_intensity);
 }
 
 }  // namespace
@@ -373,7 +394,7 @@ std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std:
         return whole || fractions;
     };
     const auto find_colours = [&](double most, bool whole) {
-        // Of four that are left, intensity stands first.
+        // Of four remaining columns the first is the intensity.
         std::size_t first = count, second = count;
         for (std::size_t s = 3; s < count; ++s)
             if (colours_at(s, most, whole)) {
@@ -396,34 +417,20 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
 {
     TextPlan plan;
     plan.fields.resize(columns.size());
-    std::vector<Group> groups = find_groups(columns);
+    const std::vector<Group> groups = find_groups(columns);
     std::vector<std::size_t> group_of(columns.size(), no_column);
     std::vector<ScalarType> type_of_group(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
-        std::vector<const ColumnLook*> members;
-        std::optional<ScalarType> said;
-        bool says_floats = false;
-        for (const std::size_t c : groups[g].columns) {
-            members.push_back(&looks[c]);
-            if (columns[c].type) said = std::max(said.value_or(ScalarType::i8), *columns[c].type);
-            says_floats = says_floats || columns[c].float_colour;
+        const auto type = group_type(groups[g], columns, looks, colour_range, signed_intensity);
+        if (!type) {
+            plan.notes.push_back(
+                "the columns r g b hold neither whole numbers up to 65535 nor fractions up to 1, and are kept as three "
+                "attributes without colour");
+            continue;
         }
-        const ColumnLook look = merged(members);
-        std::optional<ScalarType> type = said;
-        if (groups[g].attribute == attribute_name::rgb) {
-            if (!type) type = colour_type(look, colour_range, says_floats);
-            if (!type) {
-                plan.notes.push_back(
-                    "the columns r g b hold neither whole numbers up to 65535 nor fractions up to 1, and are kept as "
-                    "three "
-                    "attributes without colour");
-                continue;
-            }
-            plan.colours = *type == ScalarType::u8    ? "colours 0-255"
-                           : *type == ScalarType::u16 ? "colours 0-65535"
-                                                      : "colours 0-1";
-        }
-        type_of_group[g] = type ? *type : type_of(groups[g].attribute, look, signed_intensity);
+        if (groups[g].attribute == attribute_name::rgb)
+            plan.colour_range = *type == ScalarType::u8 ? 255 : *type == ScalarType::u16 ? 65535 : 1;
+        type_of_group[g] = *type;
         for (const std::size_t c : groups[g].columns) group_of[c] = g;
     }
 
@@ -453,7 +460,7 @@ TextPlan plan_columns(const std::vector<TextColumn>& columns, const std::vector<
             field.type = columns[c].type ? *columns[c].type : type_of(name, looks[c], signed_intensity);
         }
         field.index = plan.schema.size();
-        // Names that promise three components to everybody are not given to one.
+        // Names that mean three components are not given to one.
         const bool misleading = g == no_column && (name == attribute_name::rgb || name == attribute_name::normal);
         const std::string unique = unique_name(plan.schema, misleading ? name + "_scalar" : attribute);
         plan.schema.add(

@@ -29,8 +29,7 @@ void check_columns(const std::vector<std::string>& columns)
                    "for example: x y z intensity r g b");
     for (const std::string& name : names)
         if (name != "-" && count(name.c_str()) > 1)
-            refuse("the columns '" + text + "' name " + name + " more than once",
-                   "a column that is not wanted is called -");
+            refuse("the columns '" + text + "' name " + name + " more than once", "name a column - to skip it");
 }
 
 }  // namespace
@@ -43,7 +42,7 @@ NamedColumn named_column(const std::string& column)
     for (int t = static_cast<int>(ScalarType::i8); t <= static_cast<int>(ScalarType::f64); ++t)
         if (name_of(static_cast<ScalarType>(t)) == wanted && colon > 0)
             return {column.substr(0, colon), static_cast<ScalarType>(t)};
-    refuse("the column '" + column + "' has no known type behind its colon",
+    refuse("the column '" + column + "' has no known type after its colon",
            "types are i8 u8 i16 u16 i32 u32 i64 u64 f32 f64, for example: intensity:f64");
 }
 
@@ -61,6 +60,22 @@ std::vector<std::string> parse_columns(const std::string& text)
     }
     check_columns(columns);
     return columns;
+}
+
+std::string name_of_separator(char separator)
+{
+    return separator == ',' ? "commas" : separator == ';' ? "semicolons" : separator == '\t' ? "tabs" : "blanks";
+}
+
+std::string describe(const TextLayout& layout)
+{
+    std::string text;
+    for (const std::string& column : layout.columns) text += (text.empty() ? "" : " ") + column;
+    if (layout.colour_range) text += " (colours 0-" + exact(*layout.colour_range) + ")";
+    if (layout.separator) text += ", separated by " + name_of_separator(*layout.separator);
+    if (const std::size_t lines = layout.skip_lines.value_or(0))
+        text += ", " + grouped(lines) + (lines == 1 ? " line skipped" : " lines skipped");
+    return text;
 }
 
 void check_layout(const TextLayout& layout)

@@ -1,4 +1,4 @@
-// How the lines of a text file are columns of points: detected from the file, or said by the user.
+// How the lines of a text file are split into columns: detected from the file, or stated by the user.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// What is not set is detected.
+// Unset members are detected.
 struct TextLayout {
     // ' ' stands for any run of blanks and tabs; ',' ';' '\t' separate single fields, which may be empty or quoted.
     std::optional<char> separator;
@@ -24,11 +24,11 @@ struct TextLayout {
     std::optional<double> colour_range;
 };
 
-// Columns as one text, as users write them: names between blanks or commas, "x y z intensity r g b".
-// Throws Error(invalid_argument) saying what is wrong with it.
+// Columns as users write them: names separated by blanks or commas, "x y z intensity r g b".
+// Throws Error(invalid_argument) saying what is wrong with the text.
 std::vector<std::string> parse_columns(const std::string& text);
 
-// A column as TextLayout has them: its name, and the type behind a colon. Throws Error(invalid_argument) for an unknown
+// One of TextLayout::columns: its name, and the type after a colon. Throws Error(invalid_argument) for an unknown
 // type.
 struct NamedColumn {
     std::string name;
@@ -36,7 +36,14 @@ struct NamedColumn {
 };
 NamedColumn named_column(const std::string& column);
 
-// What a user has set. Throws Error(invalid_argument) for values that TextLayout does not allow.
+// "blanks", "commas", "semicolons" or "tabs".
+std::string name_of_separator(char separator);
+
+// A layout for people: "x y z r g b (colours 0-255), separated by blanks, 2 lines skipped". Unset members are
+// left out.
+std::string describe(const TextLayout& layout);
+
+// Checks a user's layout. Throws Error(invalid_argument) for values that TextLayout does not allow.
 void check_layout(const TextLayout& layout);
 
 }  // namespace pcm

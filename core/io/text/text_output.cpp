@@ -1,7 +1,7 @@
 #include "pcm/io/text/text_output.h"
 
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,10 +12,10 @@
 namespace pcm {
 namespace {
 
-// The longest a number can be: a sign, 309 digits, the point, and the most decimals.
+// The longest number: a sign, 309 digits, the point, and most_decimals.
 constexpr std::size_t longest_number = 1 + 309 + 1 + TextOutput::most_decimals;
 
-// Returns the end of what was written; `to` has longest_number bytes.
+// Returns the end of the written text; `to` has longest_number bytes.
 template <class T>
 char* shortest(char* to, T value)
 {
@@ -40,7 +40,7 @@ TextOutput::TextOutput(const std::filesystem::path& path, const FileInfo& cloud,
 {
     if (decimals_ && *decimals_ > most_decimals)
         throw Error(ErrorCode::invalid_argument, path,
-                    std::to_string(*decimals_) + " decimals asked for, at most " + std::to_string(most_decimals) +
+                    std::to_string(*decimals_) + " decimals were requested, at most " + std::to_string(most_decimals) +
                         " can be written");
 }
 
@@ -54,7 +54,7 @@ void TextOutput::check(const PointBatch& batch) const
     }
     if (!same)
         throw Error(ErrorCode::invalid_argument, file_.path(),
-                    "a batch of another shape than that of the cloud for which the file was begun");
+                    "the batch has other attributes than the cloud that the file was created for");
 }
 
 char* TextOutput::room()

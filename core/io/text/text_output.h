@@ -1,9 +1,9 @@
-// Points as lines of text: what the writers of XYZ and PTS share.
+// Writes points as lines of text: shared by the writers of XYZ and PTS.
 #pragma once
 
-#include "pcm/system/output_file.h"
 #include "pcm/cloud/point_batch.h"
 #include "pcm/io/writer.h"
+#include "pcm/system/output_file.h"
 
 #include <array>
 #include <cstddef>
@@ -29,24 +29,23 @@ public:
     void put(char c);
     void put(std::string_view text);
     void put_integer(std::uint64_t value);
-    // x, y and z of a point with `separator` between them: the fewest digits that give back the same double, or as many
-    // behind the point as the options ask for. NaN is "nan", the infinities are "inf" and "-inf".
+    // x, y and z of a point, separated by `separator`, with the fewest digits that read back as the same double, or
+    // with WriteOptions::decimals. NaN is "nan", the infinities are "inf" and "-inf".
     void put_position(const PointBatch& batch, std::size_t point, char separator);
-    // The value that a user sees of the raw scalar `index` of a column, in the fewest digits that give back the same
-    // number: an integer or float of the column's own type, or the double raw * scale + offset where they are not 1 and
-    // 0.
+    // The value of the raw scalar `index` of a column, with the fewest digits that read back as the same number: an
+    // integer or float of the column's own type, or the double raw * scale + offset unless these are 1 and 0.
     void put_scalar(const Attribute& attribute, const Column& column, std::size_t index);
     void put_number(double value);
 
-    // Largest difference of a coordinate as written from the coordinate itself, source units.
+    // Largest difference between a written and a source coordinate, in source units.
     double position_error() const { return position_error_; }
-    // Writes out what is collected; the file itself is finished by its owner.
+    // Writes the buffered text to the file; the caller finishes the file.
     void flush();
 
     static constexpr unsigned most_decimals = 30;
 
 private:
-    // Room for one more number or short word; longer words are put in pieces.
+    // Space for one more number or short word; longer words are written in pieces.
     char* room();
 
     const Schema schema_;

@@ -1,10 +1,10 @@
 #include "pcm/io/text/text_rows.h"
 
+#include "pcm/cloud/with_type.h"
+#include "pcm/io/file_text.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/cloud/with_type.h"
-#include "pcm/io/names.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <cstring>
@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-// A float of 32 bits never needs more to be told from its neighbours.
+// A 32-bit float never needs more digits to be distinct from its neighbours.
 constexpr std::size_t most_float_digits = 9;
 
 bool is_padding(char c, char separator) { return text::is_blank(c) && c != separator; }
@@ -26,7 +26,7 @@ std::string_view trimmed(std::string_view word, char separator)
     return word;
 }
 
-// The end of a quoted field that begins at `at`: its closing quote, two of which stand for one inside.
+// The end of a quoted field that begins at `at`: its closing quote. Two quotes inside mean one.
 std::size_t closing_quote(std::string_view line, std::size_t at)
 {
     const char quote = line[at];
@@ -91,12 +91,13 @@ std::vector<std::string> TextCounts::notes() const
     if (longer_lines)
         notes.push_back(grouped(longer_lines) + (longer_lines == 1 ? " line has" : " lines have") +
                         " more fields than there are columns, the first is line " + std::to_string(first_longer_line) +
-                        ": what is beyond is not read");
+                        ": the further fields are not read");
     if (empty_fields)
         notes.push_back(grouped(empty_fields) + (empty_fields == 1 ? " empty field is" : " empty fields are") + " NaN");
     if (rounded_values)
-        notes.push_back(grouped(rounded_values) + (rounded_values == 1 ? " value has" : " values have") +
-                        " more digits than a 32-bit float keeps and were rounded; a column called NAME:f64 keeps them");
+        notes.push_back(
+            grouped(rounded_values) + (rounded_values == 1 ? " value has" : " values have") +
+            " more digits than a 32-bit float keeps and were rounded; name the column NAME:f64 to keep them");
     return notes;
 }
 
@@ -108,7 +109,7 @@ TextRows::TextRows(std::filesystem::path path, TextForm form, OddLine odd_line)
         const TextField& field = form_.fields[i];
         if (field.role == TextField::Role::axis) slots_[i].kind = Slot::Kind::f64;
         if (field.role == TextField::Role::attribute)
-            slots_[i].kind = static_cast<Slot::Kind>(field.type);  // both count from i8 = 1
+            slots_[i].kind = static_cast<Slot::Kind>(field.type);  // both enumerations start with i8 = 1
     }
     static_assert(static_cast<int>(Slot::Kind::i8) == static_cast<int>(ScalarType::i8) &&
                   static_cast<int>(Slot::Kind::f64) == static_cast<int>(ScalarType::f64));
@@ -135,7 +136,8 @@ void TextRows::bind(PointBatch& batch, std::size_t first)
     }
 }
 
-// A row of plain numbers between plain separators; returns the beginning of the next line, null for anything else.
+// Reads a row of plain numbers and plain separators; returns the beginning of the next line, null for anything else.
+// One long function: it takes most of the time of reading text, and inlines its parts.
 template <bool Blanks>
 const char* TextRows::plain_row(const char* at, const char* end, std::size_t row)
 {
@@ -207,7 +209,7 @@ const char* TextRows::plain_row(const char* at, const char* end, std::size_t row
                 while (!text::is_blank(*at) && !text::is_line_end(*at) && *at != separator && *at != '"' && *at != '\'')
                     ++at;
                 if (*at == '"' || *at == '\'' || (Blanks && at == start)) return nullptr;
-                if constexpr (!Blanks) {  // words with blanks inside
+                if constexpr (!Blanks) {  // fields with blanks inside
                     while (!text::is_line_end(*at) && *at != separator && *at != '"' && *at != '\'') ++at;
                     if (*at == '"' || *at == '\'') return nullptr;
                 }
@@ -258,7 +260,7 @@ void TextRows::careful_field(std::string_view word, std::size_t i, std::size_t r
     });
 }
 
-// False when the line was no row and somebody else has dealt with it.
+// False when the line was not a row and odd_line_ has handled it.
 bool TextRows::careful_row(std::string_view line, std::size_t row, std::uint64_t line_number)
 {
     split_fields(line, form_.dialect, words_);

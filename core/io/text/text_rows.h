@@ -1,4 +1,4 @@
-// Lines of numbers into batches: what the readers of text formats share.
+// Parses lines of numbers into batches: shared by the readers of text formats.
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
@@ -14,20 +14,21 @@
 
 namespace pcm {
 
-// How a line is cut into fields.
+// How a line is split into fields.
 struct TextDialect {
-    char separator = ' ';  // ' ': any run of blanks and tabs; else one of ',' ';' '\t', fields may be padded and quoted
-    char point = '.';      // of decimal numbers
+    char separator =
+        ' ';           // ' ': any run of blanks and tabs; otherwise ',' ';' '\t', and fields may be padded and quoted
+    char point = '.';  // of decimal numbers
     bool operator==(const TextDialect& o) const { return separator == o.separator && point == o.point; }
 };
 
-// Fields without padding and the quotes around them; behind a comma that ends a line is one more, empty.
+// Fields without padding and quotes. A separator at the end of a line is followed by one more, empty field.
 void split_fields(std::string_view line, const TextDialect& dialect, std::vector<std::string_view>& fields);
 
-// Nothing, or a line that begins with # // or %.
+// An empty line, or one that begins with # // or %.
 bool is_blank_or_comment(std::string_view line);
 
-// Where the numbers of one column go.
+// The destination of the numbers of one column.
 struct TextField {
     enum class Role : std::uint8_t { skipped, axis, attribute };
     std::string name;  // for messages
@@ -40,16 +41,16 @@ struct TextField {
 struct TextForm {
     TextDialect dialect;
     std::vector<TextField> fields;
-    bool longer_lines = false;  // lines may have more fields, which are not read; they are counted
-    std::string hint;           // what the user can do when a line does not fit
+    bool longer_lines = false;  // lines may have further fields: not read, but counted
+    std::string hint;           // advice to the user when a line does not fit
 };
 
-// What was passed over, for notes.
+// What was skipped or changed, for notes.
 struct TextCounts {
     std::uint64_t rows = 0;  // read so far
     std::uint64_t longer_lines = 0, first_longer_line = 0;
-    std::uint64_t empty_fields = 0;    // of floats: they are NaN
-    std::uint64_t rounded_values = 0;  // of more digits than a float of 32 bits keeps
+    std::uint64_t empty_fields = 0;    // read as NaN
+    std::uint64_t rounded_values = 0;  // with more digits than a 32-bit float keeps
 
     std::vector<std::string> notes() const;
 };
@@ -57,24 +58,23 @@ struct TextCounts {
 // One thread.
 class TextRows {
 public:
-    // Asked about a line that is no row of numbers of the right count: true if it has been dealt with and reading goes
-    // on behind it. It may throw; when it returns false, read() throws.
+    // Called for a line that is not a row with the right number of numbers. True: the line was handled, and reading
+    // resumes after it. False: read() throws. It may also throw itself.
     using OddLine = std::function<bool(std::uint64_t line_number, const std::vector<std::string_view>& fields)>;
 
     TextRows(std::filesystem::path path, TextForm form, OddLine odd_line = {});
 
-    // Rows into batch rows first..first+most-1; blank lines and comments are passed over. Returns how many: fewer than
-    // `most` only at the end of the file. Throws Error(bad_format) naming the line, what was found and expected.
+    // Reads rows into batch rows first..first+most-1; skips blank lines and comments. Returns the number of rows: fewer
+    // than `most` only at the end of the file. Throws Error(bad_format) naming the line, what was found and expected.
     std::size_t read(TextSource& source, PointBatch& batch, std::size_t first, std::size_t most);
 
     const TextCounts& counts() const { return counts_; }
 
-    // Most rows that the bytes can hold, however few the points that are asked for: memory goes by the file, not the
-    // caller.
+    // The number of rows to prepare memory for: no more than `bytes` can hold, whatever the caller requests.
     std::size_t most_rows(std::uint64_t bytes, std::size_t max_points) const;
 
 private:
-    // A field's place in the batch: the value of row i goes to `to + i * step`.
+    // A field's place in the batch: the value of row i is stored at `to + i * step`.
     struct Slot {
         enum class Kind : std::uint8_t { skipped, i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
         Kind kind = Kind::skipped;

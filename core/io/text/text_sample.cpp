@@ -1,8 +1,8 @@
 #include "pcm/io/text/text_sample.h"
 
+#include "pcm/io/file_text.h"
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
-#include "pcm/io/names.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <charconv>
@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::size_t head_bytes = std::size_t{1} << 16;
 constexpr std::size_t most_head_rows = 200;
-constexpr std::size_t most_other_lines = 64;  // before the first row, comments apart
+constexpr std::size_t most_other_lines = 64;  // before the first row, not counting comments
 constexpr std::size_t most_columns = 1024;
 constexpr std::uint64_t whole_file_bytes = std::uint64_t{1} << 20;
 constexpr std::size_t pieces = 64, piece_bytes = std::size_t{1} << 14;
 
-// Whole lines of a piece of the file, behind which one more byte can be read.
+// Whole lines of a piece of the file, followed by one more readable byte.
 class Piece {
 public:
     Piece(const File& file, std::uint64_t at, std::size_t bytes, std::uint64_t file_size) : bytes_(bytes + 2)
@@ -29,7 +29,7 @@ public:
         const bool last = at + got >= file_size;
         if (last && got && !text::is_line_end(end_[-1])) *end_++ = '\n';
         *end_ = '\0';
-        if (!last)  // a CR may be half a line end
+        if (!last)  // a CR may be the first half of a line end
             while (end_ != begin_ && (!text::is_line_end(end_[-1]) || (end_[-1] == '\r' && end_ == begin_ + got)))
                 --end_;
     }
@@ -53,7 +53,7 @@ private:
     char* end_;
 };
 
-// Numbers of a line; 0 unless all of its fields are. Empty fields count where something separates them.
+// The number of numbers in a line; 0 unless all its fields are numbers. Empty fields count if separated.
 std::size_t numbers_of(std::string_view line, const TextDialect& dialect, std::vector<std::string_view>& words)
 {
     split_fields(line, dialect, words);
@@ -67,7 +67,7 @@ std::size_t numbers_of(std::string_view line, const TextDialect& dialect, std::v
     return filled >= 3 ? words.size() : 0;
 }
 
-// Whether reading the number as a float loses nothing: it is what the float prints as.
+// Whether reading the number as a float loses nothing: it is the float as printed.
 bool is_single(std::string_view word, double value, char point)
 {
     float single = 0;
@@ -127,7 +127,7 @@ void look_at_line(std::string_view line, TextSample& sample, std::vector<std::st
         const double length =
             std::sqrt(values[c] * values[c] + values[c + 1] * values[c + 1] + values[c + 2] * values[c + 2]);
         if (length == 0) ++sample.looks[c].null_vectors;
-        // Three decimals are the fewest with which normals are printed.
+        // Normals are printed with at least three decimals.
         if (std::fabs(length - 1) < 2e-3) ++sample.looks[c].unit_vectors;
     }
 }
@@ -158,7 +158,7 @@ void look_at_pieces(const File& file, TextSample& sample)
 void refuse_binary(const File& file, const Piece& piece)
 {
     const std::string_view bytes(piece.begin(), static_cast<std::size_t>(piece.end() - piece.begin()));
-    const std::string hint = "a file of points in text was expected";
+    const std::string hint = "a text file of points was expected";
     if (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF")
         throw Error(ErrorCode::unsupported, file.path(), "this is text in UTF-16",
                     "save it as UTF-8 or plain ASCII to read it");
@@ -170,7 +170,7 @@ void refuse_binary(const File& file, const Piece& piece)
             const std::size_t offset = piece.offset(&c);
             throw Error(ErrorCode::bad_format, file.path(),
                         "byte " + std::to_string(offset) + " is " + quote_bytes({&c, 1}) +
-                            ", which text does not hold; the file begins with " + quote_bytes(bytes),
+                            ", which is not text; the file begins with " + quote_bytes(bytes),
                         hint);
         }
     }
@@ -181,9 +181,9 @@ struct HeadLine {
     std::size_t offset;
 };
 
-// How well lines are cut by a dialect.
+// How well a dialect splits lines.
 struct Score {
-    std::size_t rows = 0;  // of as many numbers as most have
+    std::size_t rows = 0;  // with the most frequent number of numbers
     std::size_t columns = 0;
     std::size_t first = 0;  // line
 };
@@ -191,7 +191,7 @@ struct Score {
 Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextDialect& dialect)
 {
     std::vector<std::string_view> words;
-    std::vector<std::size_t> counts;  // of numbers, of the rows
+    std::vector<std::size_t> counts;  // number of numbers in each row
     Score score;
     score.first = lines.size();
     std::size_t others = 0;
@@ -240,7 +240,7 @@ std::optional<TextSample> sample_text(const File& file, const TextHints& hints)
         lines.push_back({take_line(at), offset});
     }
 
-    // Where two dialects cut all lines, the one that comes first is meant.
+    // If two dialects split all lines, the first one is taken.
     static constexpr TextDialect dialects[] = {{' ', '.'}, {',', '.'},  {';', '.'}, {'\t', '.'},
                                                {';', ','}, {'\t', ','}, {' ', ','}};
     const std::size_t from = std::min(lines.size(), hints.skip_lines.value_or(0));

@@ -1,7 +1,7 @@
 #include "pcm/io/text/text_source.h"
 
+#include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
-#include "pcm/io/text/text_numbers.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 18;
 
-// Behind the last line end in [begin, end), null if there is none. A CR at the very end may be half a line end.
+// The byte after the last line end in [begin, end); null without one. A CR at the very end may be half a line end.
 const char* behind_last_line(const char* begin, const char* end)
 {
     for (const char* p = end; p != begin; --p)
@@ -44,19 +44,19 @@ bool TextSource::fill()
         if (at_end_ && end_ == held_) return false;
         const std::size_t kept = static_cast<std::size_t>(held_ - at_);
         const bool first = next_byte_ == 0;
-        // Grows only for a line that one block does not hold.
+        // Grows only for a line longer than a block.
         const std::size_t wanted = std::min(std::max(block_bytes, 2 * kept), longest_text_line + 2);
         if (kept + 2 >= wanted)
             throw Error(ErrorCode::bad_format, file_.path(),
                         "line " + std::to_string(lines_ + 1) + " is longer than " + std::to_string(longest_text_line) +
-                            " bytes: this is no text of points");
+                            " bytes: this is not a text file of points");
         if (kept) std::memmove(buffer_.data(), at_, kept);
         if (buffer_.size() < wanted) {
             std::vector<char> larger(wanted);
             std::copy_n(buffer_.data(), kept, larger.data());
             buffer_.swap(larger);
         }
-        // Two bytes stay free: a line end where the file has none, and the byte behind.
+        // Two bytes stay free: for a missing line end at the end of the file, and the byte after it.
         const std::size_t got = file_.read_some_at(buffer_.data() + kept, wanted - 2 - kept, next_byte_);
         next_byte_ += got;
         char* held = buffer_.data() + kept + got;

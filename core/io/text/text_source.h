@@ -1,4 +1,4 @@
-// The lines of a text file, block by block.
+// Reads the lines of a text file, block by block.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -12,23 +12,23 @@ namespace pcm {
 
 inline constexpr std::size_t longest_text_line = std::size_t{1} << 20;
 
-// Lines end with LF, CRLF or CR; a byte order mark of UTF-8 is passed over. One thread; memory for one block, at most
-// the longest line.
+// Lines end with LF, CRLF or CR; a UTF-8 byte order mark is skipped. One thread. Memory is one block, or the longest
+// line.
 //
-// Parsers work on at()..end() directly: whole lines, each with its end (the last of a file gets one), behind which one
-// more byte can be read. They say with advance() how far they got.
+// Parsers work on at()..end() directly: whole lines with their line ends (one is added to the last line of a file),
+// followed by one more readable byte. They report their progress with advance().
 class TextSource {
 public:
     // `start` is the first byte of a line, `lines_before` the number of lines before it.
     explicit TextSource(const File& file, std::uint64_t start = 0, std::uint64_t lines_before = 0);
 
-    // Makes sure that there is an unread line, reading on if need be. False at the end of the file. Throws
+    // Makes sure that an unread line is in memory. False at the end of the file. Throws
     // Error(bad_format) for a line longer than longest_text_line, and Error(io).
     bool fill();
 
     const char* at() const { return at_; }
     const char* end() const { return end_; }
-    // Everything before `to`, a first byte of a line in at()..end(), is read; it was that many lines.
+    // Marks `lines` lines before `to`, the start of a line in at()..end(), as read.
     void advance(const char* to, std::uint64_t lines)
     {
         at_ = to;
@@ -43,18 +43,18 @@ public:
 
 private:
     const File& file_;
-    std::uint64_t next_byte_;    // of the file, behind what the buffer holds
-    std::uint64_t padding_ = 0;  // bytes of the buffer that are not the file's
+    std::uint64_t next_byte_;    // of the file: the first one after the buffer
+    std::uint64_t padding_ = 0;  // bytes of the buffer that are not in the file
     std::uint64_t lines_;
     bool at_end_ = false;  // of the file
     std::vector<char> buffer_;
     const char* at_ = nullptr;
-    const char* end_ = nullptr;   // of the whole lines
+    const char* end_ = nullptr;   // end of the whole lines
     const char* held_ = nullptr;  // end of all bytes in the buffer
 };
 
-// The line that begins at `at`, without its end; `at` moves to the next line. For bytes as TextSource has them: the
-// line has an end, and behind it is one more byte.
+// The line that begins at `at`, without its end; moves `at` to the next line. For bytes as TextSource provides them:
+// the line has an end, followed by one more byte.
 std::string_view take_line(const char*& at);
 
 }  // namespace pcm

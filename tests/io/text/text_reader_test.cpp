@@ -1,10 +1,8 @@
 // Points as text: any layout that can be detected is detected, and every number is read exactly.
 #include "pcm/io/pipe/merged_reader.h"
-#include "pcm/io/text/ptx_reader.h"
-#include "pcm/io/text/text_source.h"
-#include "pcm/io/text/xyz_reader.h"
+#include "pcm/io/xyz/xyz_reader.h"
 
-#include "tests/io/bytes.h"
+#include "tests/io/text/read_text.h"
 
 #include <charconv>
 #include <cmath>
@@ -13,48 +11,11 @@
 namespace pcm::test {
 namespace {
 
-Whole read_text(const std::string& text, const char* name = "a.xyz", const TextLayout& layout = {},
-                std::size_t batch_points = default_batch_points)
-{
-    TemporaryFolder folder;
-    ReadOptions options;
-    options.text = layout;
-    return read_whole(*open_reader(write_file(folder / name, text), options), batch_points);
-}
-
-Error refusal(const std::string& text, const char* name = "a.xyz", const TextLayout& layout = {})
-{
-    TemporaryFolder folder;
-    const auto path = write_file(folder / name, text);
-    ReadOptions options;
-    options.text = layout;
-    const Error error = error_of([&] { read_whole(*open_reader(path, options)); });
-    EXPECT_TRUE(layout.columns.empty() ? mentions(error.what(), path.string()) : true) << error.what();
-    return error;
-}
-
-std::vector<std::string> notes_after(const std::string& text, const char* name)
-{
-    TemporaryFolder folder;
-    const auto reader = open_reader(write_file(folder / name, text));
-    read_whole(*reader);
-    return reader->info().notes;
-}
-
 template <class T>
 std::string shortest(T value)
 {
     char text[400];
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
-std::string names_of(const Schema& schema)
-{
-    std::string text;
-    for (const Attribute& a : schema)
-        text += (text.empty() ? "" : " ") + a.name + ":" + std::string(name_of(a.type)) +
-                (a.components > 1 ? "x" + std::to_string(a.components) : "");
-    return text;
 }
 
 // A layout in which a random cloud is printed.
@@ -207,7 +168,7 @@ TEST(TextReader, ColumnsWithoutNames)
         const Whole whole = read_text(c.text);
         EXPECT_EQ(names_of(whole.info.schema), c.schema) << c.text;
         EXPECT_TRUE(any_mentions(whole.info.notes, c.says)) << c.text << whole.info.notes[0];
-        EXPECT_TRUE(any_mentions(whole.info.notes, "say otherwise")) << whole.info.notes[0];
+        EXPECT_TRUE(any_mentions(whole.info.notes, "columns option")) << whole.info.notes[0];
         EXPECT_EQ(whole.points.size, 2u);
     }
 }
@@ -261,6 +222,31 @@ TEST(TextReader, TheUsersWordWins)
     EXPECT_EQ(error_of([&] { check_layout(range); }).code(), ErrorCode::invalid_argument);
     for (const char* bad : {"x y", "x y z x", "x y z a:q8", "x y z a a"})
         EXPECT_EQ(error_of([&] { parse_columns(bad); }).code(), ErrorCode::invalid_argument) << bad;
+}
+
+// What programs read of the detected layout; the notes are for people.
+TEST(TextReader, TheLayoutIsReported)
+{
+    TextLayout layout =
+        read_text("# made by hand\nX;Y;Z;Red;Green;Blue\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n").info.text_layout.value();
+    EXPECT_EQ(layout.separator, ';');
+    EXPECT_EQ(layout.skip_lines, 2u);
+    EXPECT_EQ(layout.columns, (std::vector<std::string>{"x", "y", "z", "r", "g", "b"}));
+    EXPECT_EQ(layout.colour_range, 255);
+    EXPECT_EQ(describe(layout), "x y z r g b (colours 0-255), separated by semicolons, 2 lines skipped");
+    // Reading with it is reading the same.
+    EXPECT_EQ(
+        read_text("# made by hand\nX;Y;Z;Red;Green;Blue\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n", "a.xyz", layout).position(0),
+        (Vec3d{1.5, 2, 3}));
+
+    layout.columns = {"x", "y", "z", "id:u64"};
+    layout.separator = ' ';
+    layout.skip_lines.reset();
+    layout.colour_range.reset();
+    const FileInfo stated = read_text("1 2 3 4\n5 6 7 8\n", "a.txt", layout).info;
+    EXPECT_EQ(stated.text_layout.value().columns, layout.columns);
+    EXPECT_EQ(stated.text_layout->colour_range, std::nullopt);
+    EXPECT_EQ(describe(*stated.text_layout), "x y z id:u64, separated by blanks");
 }
 
 TEST(TextReader, WhatDoesNotFitIsNamed)
@@ -332,106 +318,6 @@ TEST(TextReader, FoldersHoldOnlyTextOfPoints)
     write_file(folder / "b.csv", "a,b\n1,2\n");
     EXPECT_EQ(expand_inputs({folder.path()}), (std::vector<std::filesystem::path>{folder / "a.txt"}));
     EXPECT_EQ(open_reader(write_file(folder / "plain", "1 2 3\n"))->info().format, "text separated by blanks");
-}
-
-TEST(Pts, Columns)
-{
-    EXPECT_EQ(names_of(read_text("1   \n1 2 3 -1024 5 6 7\n", "a.pts").info.schema), "intensity:i16 rgb:u8x3");
-    EXPECT_EQ(names_of(read_text("1 2 3 0.25\n", "a.pts").info.schema), "intensity:f32");
-    EXPECT_EQ(names_of(read_text("1 2 3 1 0 0\n", "a.pts").info.schema), "rgb:u8x3");
-    const Whole lists = read_text("2\n1 2 3\n4 5 6\n\n1\n7 8 9\n", "a.pts");
-    EXPECT_EQ(lists.points.size, 3u);
-    EXPECT_EQ(lists.position(2), (Vec3d{7, 8, 9}));
-    EXPECT_EQ(read_text("0\n", "a.pts").points.size, 0u);
-}
-
-std::string ptx_header(int columns, int rows, const std::string& matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n")
-{
-    return std::to_string(columns) + "\n" + std::to_string(rows) + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + matrix;
-}
-
-TEST(Ptx, EveryScanIsPutIntoTheWorld)
-{
-    const std::string text =
-        ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
-        ptx_header(1, 2, "0 1 0 0\n-1 0 0 0\n0 0 2 0\n600000.5 800000 400 1\n") +
-        "1 2 3 1 0 0 0\n1e-9 0 0 0 255 255 255\n" + ptx_header(0, 5) + ptx_header(1, 1) + "0 0 1 0.125\n";
-    for (const std::size_t batch : {1, 2, 100}) {
-        const Whole whole = read_text(text, "a.ptx", {}, batch);
-        EXPECT_EQ(names_of(whole.info.schema), "intensity:f32 rgb:u8x3 scan:u32");
-        ASSERT_EQ(whole.points.size, 5u);
-        EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
-        EXPECT_EQ(whole.position(2), (Vec3d{1.0 * 0 + 2 * -1.0 + 600000.5, 1.0 + 800000, 6.0 + 400}));
-        EXPECT_EQ(whole.position(3)[1], 1e-9 + 800000);
-        EXPECT_EQ(whole.value("intensity", 1), 0.25);
-        EXPECT_EQ(whole.value("rgb", 0, 2), 9);
-        EXPECT_EQ(whole.value("rgb", 4, 2), 0);
-        EXPECT_EQ(whole.value("scan", 1), 1);
-        EXPECT_EQ(whole.value("scan", 2), 2);
-        EXPECT_EQ(whole.value("scan", 4), 4);
-        EXPECT_EQ(whole.info.metadata.size(), 4u);
-        EXPECT_EQ(whole.info.metadata[1].key, "ptx.scan/2");
-    }
-    EXPECT_TRUE(any_mentions(notes_after(text, "a.ptx"), "2 missing returns"));
-    // By its structure, whatever it is called.
-    EXPECT_EQ(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a.txt").info.format, "PTX");
-    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a").info.schema), "intensity:f32");
-}
-
-TEST(Ptx, PromisesAreChecked)
-{
-    struct {
-        std::string text;
-        ErrorCode code;
-        const char* says;
-    } const cases[] = {
-        {ptx_header(4444, 10014) + "1 2 3 4\n", ErrorCode::truncated,
-         "after 1 of the 44,502,216 points that scan 1 promises"},
-        {ptx_header(2, 1) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ErrorCode::truncated, "line 12: found '1'"},
-        {ptx_header(1, 1) + "1 2 3 4\n1 2 3 4\n", ErrorCode::bad_format, "line 12"},
-        {ptx_header(1, 1) + "1 2 3 4\n5\n", ErrorCode::truncated, "ends before the number of rows"},
-        {ptx_header(1, 2) + "1 2 3 4\n1 2 3\n", ErrorCode::bad_format, "line 12: found 3 fields, expected 4"},
-        {ptx_header(1, 1) + "1 2\n", ErrorCode::bad_format, "line 11"},
-        {ptx_header(1, 1, "1 0 0 0\n0 1 0 0\n0 0 inf 0\n0 0 0 1\n") + "1 2 3 4\n", ErrorCode::bad_format, "line 9"},
-        {"18446744073709551615\n18446744073709551615\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
-         ErrorCode::bad_format, "is none"},
-        {"3\n", ErrorCode::truncated, "the number of rows"},
-        {"hello\n", ErrorCode::bad_format, "line 1"},
-        {"\n", ErrorCode::truncated, "no scan"},
-    };
-    for (const auto& c : cases) {
-        const Error error = refusal(c.text, "a.ptx");
-        EXPECT_EQ(error.code(), c.code) << error.what();
-        EXPECT_TRUE(mentions(error.what(), c.says)) << error.what();
-    }
-}
-
-TEST(TextSource, BlocksAndLinesOfAllLengths)
-{
-    std::mt19937_64 random(3);
-    TemporaryFolder folder;
-    for (const std::string end : {"\n", "\r\n", "\r"})
-        for (int round = 0; round < 20; ++round) {
-            std::vector<std::string> lines(1 + random() % 40);
-            std::string text;
-            for (std::string& line : lines) {
-                line.assign(random() % 10 ? random() % 100 : random() % 400000, 'a');
-                text += line + end;
-            }
-            if (round % 2 && !lines.back().empty()) text.resize(text.size() - end.size());
-            const File file(write_file(folder / "a", text), File::Mode::read);
-            TextSource source(file);
-            std::string_view line;
-            std::size_t count = 0;
-            while (source.next(line)) {
-                ASSERT_LT(count, lines.size());
-                ASSERT_EQ(line, lines[count++]);
-                ASSERT_EQ(source.lines_read(), count);
-                ASSERT_LE(source.bytes_read(), text.size());
-            }
-            ASSERT_EQ(count, lines.size());
-            ASSERT_EQ(source.bytes_read(), text.size());
-        }
 }
 
 }  // namespace

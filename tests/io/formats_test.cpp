@@ -1,0 +1,77 @@
+// The table of formats: every row can be found by its extensions and its magic, and says nothing that contradicts
+// others.
+#include "pcm/io/formats.h"
+
+#include "tests/io/bytes.h"
+
+#include <set>
+
+namespace pcm::test {
+namespace {
+
+TEST(Formats, EveryRowIsFoundByItsExtensionsAndItsMagic)
+{
+    std::set<std::string_view> seen;
+    for (const Format& format : formats()) {
+        ASSERT_FALSE(format.extensions[0].empty());
+        EXPECT_FALSE(format.label.empty()) << format.extensions[0];
+        EXPECT_NE(format.open, nullptr) << format.extensions[0];
+        for (const std::string_view extension : format.extensions) {
+            if (extension.empty()) continue;
+            EXPECT_TRUE(seen.insert(extension).second) << extension << " is in two rows";
+            EXPECT_EQ(format_of_extension(extension), &format) << extension;
+        }
+        for (const std::string_view magic : format.magic) {
+            if (magic.empty()) continue;
+            const Format* const found = format_of_magic(std::string(magic) + "...");
+            ASSERT_NE(found, nullptr) << magic;
+            EXPECT_EQ(found->open, format.open) << magic;  // LAS and LAZ share their magic and their reader
+            EXPECT_EQ(foreign_format_of_magic(magic), nullptr) << magic;
+        }
+    }
+    EXPECT_EQ(format_of_extension(""), nullptr);
+    EXPECT_EQ(format_of_extension("LAS"), nullptr);
+    EXPECT_EQ(format_of_magic(""), nullptr);
+    EXPECT_EQ(format_of_magic("LAS"), nullptr);
+    EXPECT_EQ(format_of_magic("plymouth"), nullptr);
+}
+
+TEST(Formats, AFileOfNoMoreThanAMagicIsRecognised)
+{
+    TemporaryFolder folder;
+    for (const Format& format : formats())
+        for (const std::string_view magic : format.magic)
+            if (!magic.empty())
+                EXPECT_TRUE(format.begins(first_bytes_of(write_file(folder / "a", std::string(magic))))) << magic;
+}
+
+TEST(Formats, TraitsOfWritingBelongToFormatsThatAreWritten)
+{
+    for (const Format& format : formats())
+        if (format.has(needs_grid) || format.has(takes_decimals) || format.has(takes_ascii))
+            EXPECT_NE(format.create, nullptr) << format.extensions[0];
+    EXPECT_EQ(extensions_with(needs_grid), ".las and .laz");
+    EXPECT_EQ(extensions_with(takes_decimals), ".xyz, .txt, .asc, .csv and .pts");
+}
+
+TEST(Formats, MeshesAndForeignFilesOfTheSameExtensionAreNotPointClouds)
+{
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face ";
+    const std::string list = "\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n";
+    const std::string expe = "[Expe/PointSet\n1 2 3\n";
+    TemporaryFolder folder;
+    EXPECT_FALSE(is_point_cloud(write_file(folder / "mesh.PLY", ply + "1" + list + "3 0 0 0\n")));
+    EXPECT_TRUE(is_point_cloud(write_file(folder / "cloud.ply", ply + "0" + list)));
+    EXPECT_FALSE(is_point_cloud(write_file(folder / "expe.pts", expe)));
+    EXPECT_TRUE(is_point_cloud(write_file(folder / "leica.pts", "1\n1 2 3\n")));
+    EXPECT_TRUE(is_point_cloud(write_file(folder / "archive.pts", "PK\x03\x04")));  // our reader refuses it by name
+    EXPECT_TRUE(is_point_cloud(write_file(folder / "expe.xyz", expe)));
+    EXPECT_TRUE(is_point_cloud(write_file(folder / "damaged.ply", "plymouth")));
+    EXPECT_TRUE(is_point_cloud(folder / "missing.ply"));
+    EXPECT_TRUE(is_point_cloud(folder / "missing.pts"));
+}
+
+}  // namespace
+}  // namespace pcm::test

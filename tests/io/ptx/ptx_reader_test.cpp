@@ -1,0 +1,70 @@
+#include "pcm/io/ptx/ptx_reader.h"
+
+#include "tests/io/text/read_text.h"
+
+namespace pcm::test {
+namespace {
+
+std::string ptx_header(int columns, int rows, const std::string& matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n")
+{
+    return std::to_string(columns) + "\n" + std::to_string(rows) + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + matrix;
+}
+
+TEST(Ptx, EveryScanIsPutIntoTheWorld)
+{
+    const std::string text =
+        ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
+        ptx_header(1, 2, "0 1 0 0\n-1 0 0 0\n0 0 2 0\n600000.5 800000 400 1\n") +
+        "1 2 3 1 0 0 0\n1e-9 0 0 0 255 255 255\n" + ptx_header(0, 5) + ptx_header(1, 1) + "0 0 1 0.125\n";
+    for (const std::size_t batch : {1, 2, 100}) {
+        const Whole whole = read_text(text, "a.ptx", {}, batch);
+        EXPECT_EQ(names_of(whole.info.schema), "intensity:f32 rgb:u8x3 scan:u32");
+        ASSERT_EQ(whole.points.size, 5u);
+        EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
+        EXPECT_EQ(whole.position(2), (Vec3d{1.0 * 0 + 2 * -1.0 + 600000.5, 1.0 + 800000, 6.0 + 400}));
+        EXPECT_EQ(whole.position(3)[1], 1e-9 + 800000);
+        EXPECT_EQ(whole.value("intensity", 1), 0.25);
+        EXPECT_EQ(whole.value("rgb", 0, 2), 9);
+        EXPECT_EQ(whole.value("rgb", 4, 2), 0);
+        EXPECT_EQ(whole.value("scan", 1), 1);
+        EXPECT_EQ(whole.value("scan", 2), 2);
+        EXPECT_EQ(whole.value("scan", 4), 4);
+        EXPECT_EQ(whole.info.metadata.size(), 4u);
+        EXPECT_EQ(whole.info.metadata[1].key, "ptx.scan/2");
+    }
+    EXPECT_TRUE(any_mentions(notes_after(text, "a.ptx"), "2 missing returns"));
+    // By its structure, whatever it is called.
+    EXPECT_EQ(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a.txt").info.format, "PTX");
+    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a").info.schema), "intensity:f32");
+}
+
+TEST(Ptx, PromisesAreChecked)
+{
+    struct {
+        std::string text;
+        ErrorCode code;
+        const char* says;
+    } const cases[] = {
+        {ptx_header(4444, 10014) + "1 2 3 4\n", ErrorCode::truncated,
+         "after 1 of the 44,502,216 points that scan 1 promises"},
+        {ptx_header(2, 1) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ErrorCode::truncated, "line 12: found '1'"},
+        {ptx_header(1, 1) + "1 2 3 4\n1 2 3 4\n", ErrorCode::bad_format, "line 12"},
+        {ptx_header(1, 1) + "1 2 3 4\n5\n", ErrorCode::truncated, "ends before the number of rows"},
+        {ptx_header(1, 2) + "1 2 3 4\n1 2 3\n", ErrorCode::bad_format, "line 12: found 3 fields, expected 4"},
+        {ptx_header(1, 1) + "1 2\n", ErrorCode::bad_format, "line 11"},
+        {ptx_header(1, 1, "1 0 0 0\n0 1 0 0\n0 0 inf 0\n0 0 0 1\n") + "1 2 3 4\n", ErrorCode::bad_format, "line 9"},
+        {"18446744073709551615\n18446744073709551615\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+         ErrorCode::bad_format, "holds no points"},
+        {"3\n", ErrorCode::truncated, "the number of rows"},
+        {"hello\n", ErrorCode::bad_format, "line 1"},
+        {"\n", ErrorCode::truncated, "no scan"},
+    };
+    for (const auto& c : cases) {
+        const Error error = refusal(c.text, "a.ptx");
+        EXPECT_EQ(error.code(), c.code) << error.what();
+        EXPECT_TRUE(mentions(error.what(), c.says)) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace pcm::test
