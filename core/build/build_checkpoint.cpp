@@ -40,7 +40,7 @@ std::vector<std::byte> get_bytes(ByteReader& in)
 }
 
 template <class Coord>
-Bins<Coord> get_bins(BuildState& state, ByteReader& in)
+Bins<Coord> get_bins(const Ingested& cloud, Workspace& work, ByteReader& in)
 {
     Bins<Coord> bins;
     const auto nodes = in.get<std::uint64_t>();
@@ -55,8 +55,8 @@ Bins<Coord> get_bins(BuildState& state, ByteReader& in)
             (node.children[0] && (node.children[0] <= n || node.children[1] <= n)))
             throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
     }
-    bins.scratch = std::make_unique<Scratch>(state.folder / scratch_file_name, state.nodes.layout, state.nodes.schema,
-                                             state.space, in);
+    bins.scratch =
+        std::make_shared<Scratch>(work.folder / scratch_file_name, cloud.layout, cloud.schema, work.space, in);
     for (const auto& node : bins.top.nodes)
         if (nodes == 0 || node.bin >= bins.scratch->bins())
             throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
@@ -65,22 +65,22 @@ Bins<Coord> get_bins(BuildState& state, ByteReader& in)
 
 }  // namespace
 
-void save_bins(const BuildState& state, const AnyBins& any, ByteWriter& out)
+void save_bins(const Ingested& cloud, const AnyBins& any, ByteWriter& out)
 {
-    put_all(out, state.nodes.grid.scale);
-    put_all(out, state.nodes.grid.offset);
-    out.put(static_cast<std::uint8_t>(state.nodes.layout.coordinate_bytes));
-    out.put(static_cast<std::uint8_t>(state.position_type));
-    out.put(state.observed.points);
-    out.put(state.observed.hash);
-    out.put(state.observed.position_error);
-    for (const Vec3i& p : state.observed.extremes) put_all(out, p);
-    out.put(state.points_in);
-    out.put(state.points_skipped);
-    out.put(static_cast<std::uint64_t>(state.notes.size()));
-    for (const std::string& note : state.notes) out.put_string(note);
-    out.put(static_cast<std::uint64_t>(state.metadata.size()));
-    for (const Metadata& metadata : state.metadata) {
+    put_all(out, cloud.grid.scale);
+    put_all(out, cloud.grid.offset);
+    out.put(static_cast<std::uint8_t>(cloud.layout.coordinate_bytes));
+    out.put(static_cast<std::uint8_t>(cloud.position_type));
+    out.put(cloud.observed.points);
+    out.put(cloud.observed.hash);
+    out.put(cloud.observed.position_error);
+    for (const Vec3i& p : cloud.observed.extremes) put_all(out, p);
+    out.put(cloud.points_in);
+    out.put(cloud.points_skipped);
+    out.put(static_cast<std::uint64_t>(cloud.notes.size()));
+    for (const std::string& note : cloud.notes) out.put_string(note);
+    out.put(static_cast<std::uint64_t>(cloud.metadata.size()));
+    for (const Metadata& metadata : cloud.metadata) {
         out.put_string(metadata.key);
         put_bytes(out, metadata.value);
     }
@@ -98,34 +98,31 @@ void save_bins(const BuildState& state, const AnyBins& any, ByteWriter& out)
         any);
 }
 
-AnyBins load_bins(BuildState& state, const Schema& schema, ByteReader& in)
+AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteReader& in)
 {
-    Grid grid;
-    get_all(in, grid.scale);
-    get_all(in, grid.offset);
-    state.nodes.grid = grid;
-    state.nodes.lattice = Lattice(grid);
-    state.nodes.schema = schema;
+    get_all(in, cloud.grid.scale);
+    get_all(in, cloud.grid.offset);
+    cloud.schema = schema;
     const bool wide = in.get<std::uint8_t>() == 8;
-    state.nodes.layout = RowLayout(schema, wide);
-    state.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
-    state.observed.points = in.get<std::uint64_t>();
-    state.observed.hash = in.get<std::uint64_t>();
-    state.observed.position_error = in.get<double>();
-    for (Vec3i& p : state.observed.extremes) get_all(in, p);
-    state.points_in = in.get<std::uint64_t>();
-    state.points_skipped = in.get<std::uint64_t>();
+    cloud.layout = RowLayout(schema, wide);
+    cloud.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
+    cloud.observed.points = in.get<std::uint64_t>();
+    cloud.observed.hash = in.get<std::uint64_t>();
+    cloud.observed.position_error = in.get<double>();
+    for (Vec3i& p : cloud.observed.extremes) get_all(in, p);
+    cloud.points_in = in.get<std::uint64_t>();
+    cloud.points_skipped = in.get<std::uint64_t>();
     const auto notes = in.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < notes; ++i) state.notes.push_back(in.get_string());
+    for (std::uint64_t i = 0; i < notes; ++i) cloud.notes.push_back(in.get_string());
     const auto items = in.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < items; ++i) {
         Metadata metadata;
         metadata.key = in.get_string();
         metadata.value = get_bytes(in);
-        state.metadata.push_back(std::move(metadata));
+        cloud.metadata.push_back(std::move(metadata));
     }
-    if (wide) return get_bins<std::uint64_t>(state, in);
-    return get_bins<std::uint32_t>(state, in);
+    if (wide) return get_bins<std::uint64_t>(cloud, work, in);
+    return get_bins<std::uint32_t>(cloud, work, in);
 }
 
 std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, const BuildOptions& options)

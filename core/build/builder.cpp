@@ -4,352 +4,235 @@
 #include "pcm/build/bins/partition.h"
 #include "pcm/build/build_checkpoint.h"
 #include "pcm/build/build_folder.h"
-#include "pcm/build/build_state.h"
 #include "pcm/build/checkpoints.h"
-#include "pcm/build/levels/level_sampler.h"
-#include "pcm/build/levels/morton_sort.h"
-#include "pcm/build/levels/sorted_bins.h"
-#include "pcm/build/nodes/data_files.h"
 #include "pcm/build/nodes/draft_index.h"
-#include "pcm/build/nodes/node_jobs.h"
+#include "pcm/build/pipeline.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
 
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <utility>
 
 namespace pcm {
 namespace {
 
 namespace fs = std::filesystem;
 
+// What became of the remains of an interrupted build.
+enum class Remains { none, of_another_build, without_checkpoint, damaged, resumed };
+
+// For the report; empty where there is nothing to say.
+std::string describe(Remains remains, const Resumed& resumed)
+{
+    const std::string done = std::to_string(resumed.done), all = std::to_string(resumed.all);
+    switch (remains) {
+        case Remains::none:
+            return {};
+        case Remains::of_another_build:
+            return "the remains of an interrupted build of other files or with other options were removed";
+        case Remains::without_checkpoint:
+            return "an interrupted build was restarted: it had no valid checkpoint";
+        case Remains::damaged:
+            return "an interrupted build was restarted: its files were damaged";
+        case Remains::resumed:
+            break;
+    }
+    const std::string note = "an interrupted build was resumed: ";
+    switch (resumed.stage) {
+        case Resumed::Stage::sorted:
+            return note + done + " of " + all + " bins had been sorted";
+        case Resumed::Stage::levelled:
+            return note + "its levels had been chosen";
+        case Resumed::Stage::committed:
+            return note + "chunks of " + done + " of " + all + " parts had been written";
+        default:
+            return note + "its points had been read";
+    }
+}
+
 class TreeBuild {
 public:
-    // `identity`: see identity_of_build(); absent for a build that makes no checkpoints. `like`: of the tree whose
-    // points these are; null when there is none.
+    // `identity`: see identity_of_build(); absent for a build that makes no checkpoints. `like`: the tree whose points
+    // these are, if any.
     TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,
               const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like)
         : cloud_(cloud),
           sources_(sources),
           output_(output),
+          options_(options),
+          like_(like),
+          identity_(identity),
           folder_(output, options.overwrite),
-          state_(std::make_unique<BuildState>(options, folder_.work())),
-          identity_(identity)
+          state_(std::make_unique<State>(options, folder_.work()))
     {
-        state().like = like;
     }
 
     BuildReport run()
     {
-        std::optional<AnyBins> bins;
-        std::string note;
-        if (folder_.left_over()) {
-            if (identity_) open_checkpoints();
-            note = checkpoints().same_build()
-                       ? "an interrupted build was begun afresh: it had no checkpoint that holds"
-                       : "what an interrupted build of other files or with other options had left was removed";
-            bins = find_bins();
-        }
-        if (bins) {
-            try {
-                std::visit([&](auto& of) { make_nodes(of); }, *bins);
-                note = "went on with an interrupted build: " + went_on_;
-            } catch (const Unfit&) {
-                bins.reset();
-            } catch (const Error& error) {
-                // What was left does not hold what the journal says: found late, but there is nothing to lose.
-                const bool damaged = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated;
-                if (!damaged || error.path().parent_path() != state().folder) throw;
-                bins.reset();
-            }
-            if (!bins) note = "an interrupted build was begun afresh: what it had left was damaged";
-        }
-        if (!bins) {
-            if (folder_.left_over()) begin_afresh();
-            if (identity_) open_checkpoints();
-            bins = partition(cloud_, state());
-            // Now they are complete: readers find out on the way what they drop.
-            const FileInfo& info = cloud_.info();
-            state().notes.insert(state().notes.begin(), info.notes.begin(), info.notes.end());
-            state().metadata = info.metadata;
-            checkpoint_bins(*bins);
-            std::visit([&](auto& of) { make_nodes(of); }, *bins);
+        const Remains remains = folder_.left_over() ? resume() : Remains::none;
+        if (remains != Remains::resumed) {
+            if (remains != Remains::none) discard_remains();
+            start();
         }
         checkpoints().wait();
         folder_.publish();
-        report_.scratch_bytes = state().space.peak();
-        report_.notes = state().notes;
-        if (!note.empty()) report_.notes.push_back(note);
-        report_.outcome.seconds = state().watch.seconds();
+        report_.scratch_bytes = work().space.peak();
+        report_.notes = cloud_found().notes;
+        if (std::string note = describe(remains, resumed_); !note.empty()) report_.notes.push_back(std::move(note));
+        report_.outcome.seconds = work().watch.seconds();
         return report_;
     }
 
 private:
-    struct Unfit {};  // a checkpoint does not go together with what is on disk
+    // Everything that a restart makes anew. The checkpoints end first: their tasks use the rest.
+    struct State {
+        State(const BuildOptions& options, const fs::path& folder)
+            : work(folder, options.memory_bytes, options.chunk_points, options.threads, options.progress)
+        {
+        }
+        Workspace work;
+        Ingested cloud;
+        std::unique_ptr<Checkpoints> checkpoints = std::make_unique<Checkpoints>();
+    };
+    Workspace& work() { return state_->work; }
+    Ingested& cloud_found() { return state_->cloud; }
+    Checkpoints& checkpoints() { return *state_->checkpoints; }
 
-    BuildState& state() { return *state_; }
-    Checkpoints& checkpoints() { return *checkpoints_; }
     void open_checkpoints()
     {
-        checkpoints_ =
-            std::make_unique<Checkpoints>(state().folder / "journal", *identity_, state().options.checkpoint_seconds);
-    }
-    void begin_afresh()
-    {
-        checkpoints_ = std::make_unique<Checkpoints>();
-        folder_.clear();
-        went_on_.clear();
-        const TreeInfo* like = state().like;
-        state_ = std::make_unique<BuildState>(state().options, state().folder);
-        state().like = like;
+        if (!identity_) return;
+        state_->checkpoints =
+            std::make_unique<Checkpoints>(work().folder / "journal", *identity_, options_.checkpoint_seconds);
     }
 
-    // The bins of an interrupted build, if this is the same one and they are there.
+    Remains resume()
+    {
+        open_checkpoints();
+        if (!checkpoints().same_build()) return Remains::of_another_build;
+        std::optional<AnyBins> bins = find_bins();
+        if (!bins) return Remains::without_checkpoint;
+        try {
+            make_tree(*bins, {Resumed::Stage::partitioned, 0, 0});
+            return Remains::resumed;
+        } catch (const Error& error) {
+            // The files do not hold what the journal says. Found late, but nothing is lost by a restart.
+            const bool damaged = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated;
+            if (!damaged || error.path().parent_path() != work().folder) throw;
+            return Remains::damaged;
+        }
+    }
+
+    void discard_remains()
+    {
+        state_->checkpoints = std::make_unique<Checkpoints>();
+        folder_.clear();
+        state_ = std::make_unique<State>(options_, folder_.work());
+    }
+
+    void start()
+    {
+        open_checkpoints();
+        AnyBins bins = partition(cloud_, work(), cloud_found(), like_);
+        // Readers learn while they read what they leave out, so notes and metadata are complete only now.
+        const FileInfo& info = cloud_.info();
+        cloud_found().notes.insert(cloud_found().notes.begin(), info.notes.begin(), info.notes.end());
+        cloud_found().metadata = info.metadata;
+        checkpoint_bins(bins);
+        make_tree(bins, {});
+    }
+
+    // The bins of an interrupted build, if there are any that match the files.
     std::optional<AnyBins> find_bins()
     {
         const auto found = checkpoints().found(Checkpoints::partitioned);
         if (found.empty()) return std::nullopt;
         try {
-            ByteReader in(found[0]->data(), found[0]->size(), state().folder);
-            AnyBins bins = load_bins(state(), cloud_.info().schema, in);
-            went_on_ = "its points had been read";
-            return bins;
+            ByteReader in(found[0]->data(), found[0]->size(), work().folder);
+            return load_bins(cloud_found(), work(), cloud_.info().schema, in);
         } catch (const Error&) {
             return std::nullopt;
         }
     }
 
-    // Builds that are quickly begun again make no checkpoints.
+    // A build that is quickly repeated makes no checkpoints.
     void checkpoint_bins(const AnyBins& bins)
     {
         if (!checkpoints().on()) return;
-        if (state().observed.points == 0 || state().watch.seconds() < checkpoints().seconds())
+        if (cloud_found().observed.points == 0 || work().watch.seconds() < checkpoints().seconds())
             return checkpoints().off();
         ByteWriter record;
-        save_bins(state(), bins, record);
+        save_bins(cloud_found(), bins, record);
         std::shared_ptr<Scratch> scratch = std::visit([](const auto& of) { return of.scratch; }, bins);
         checkpoints().post([scratch] { scratch->sync(); }, Checkpoints::partitioned, std::move(record.bytes()));
     }
 
-    // Sort each bin, choose the points' levels, make the nodes.
-    template <class Coord>
-    void make_nodes(Bins<Coord>& bins)
+    void make_tree(AnyBins& bins, const Resumed& resumed)
     {
+        PartOptions part_options;
+        part_options.sampling = options_.sampling;
+        part_options.resumed = resumed;
         DraftStore drafts;
-        if (state().observed.points == 0) {
-            DataFiles files(folder_.tree(), state().folder, 0);
-            files.finish();
-            return write_index(nullptr, files);
-        }
-        const unsigned threads = state().bin_threads();
-        const auto sorted = sort_bins(bins, threads);
-        const auto levels = choose_levels(*sorted, threads);
-        state().nodes.spacings = levels->spacings();
-        state().nodes.chunk_points = state().options.chunk_points;
-
-        auto files = std::make_unique<DataFiles>(folder_.tree(), state().folder, 0);
-        auto jobs = std::make_unique<NodeJobs<Coord>>(bins.top, *sorted, *levels, state().nodes, drafts, *files);
-        if (const auto found = checkpoints().found(Checkpoints::committed); !found.empty()) {
-            try {
-                jobs->go_on(found);
-                went_on_ = "chunks of " + std::to_string(jobs->restored()) + " of " + std::to_string(jobs->size()) +
-                           " parts had been written";
-            } catch (const Error&) {
-                checkpoints().cut(Checkpoints::committed);
-                files = std::make_unique<DataFiles>(folder_.tree(), state().folder, 0);
-                jobs = std::make_unique<NodeJobs<Coord>>(bins.top, *sorted, *levels, state().nodes, drafts, *files);
-            }
-        }
-        checkpoints().forget_found();
-        Draft* root = jobs->run(threads, checkpoints(), [&](std::uint64_t done) {
-            state().watch.report("Building chunks",
-                                 0.7 + 0.28 * static_cast<double>(done) / static_cast<double>(state().observed.points));
-        });
-        state().watch.report("Writing the index", 0.99);
-        files->finish();
-        write_index(root, *files);
+        DataFiles files(folder_.tree(), work().folder, 0);
+        const Part part = std::visit(
+            [&](auto& of) { return make_part(of, work(), cloud_found(), part_options, checkpoints(), drafts, files); },
+            bins);
+        resumed_ = part.resumed;
+        work().watch.report("Writing the index", 0.99);
+        files.finish();
+        write_tree(part, files);
     }
 
-    // Each bin's rows into Morton order.
-    template <class Coord>
-    std::shared_ptr<SortedBins<Coord>> sort_bins(Bins<Coord>& bins, unsigned threads)
+    void write_tree(const Part& part, const DataFiles& files)
     {
-        Scratch& scratch = *bins.scratch;
-        std::vector<bool> is_sorted(scratch.bins());
-        std::shared_ptr<SortedBins<Coord>> sorted;
-        if (went_on_.empty()) {
-            sorted = make_sorted_bins<Coord>(scratch, false);
-        } else {
-            try {
-                sorted = find_sorted_bins(bins, is_sorted);
-            } catch (const Error&) {
-                throw Unfit();
-            }
-            state().watch.report("Going on with an interrupted build", 0.4, true);
-        }
-        std::vector<std::size_t> todo;
-        std::uint64_t rows_todo = 0;
-        for (std::size_t bin = 0; bin < scratch.bins(); ++bin)
-            if (scratch.rows(bin) > 0 && !is_sorted[bin]) {
-                todo.push_back(bin);
-                rows_todo += scratch.rows(bin);
-            }
-        // Sorted bins that are in no checkpoint yet: what they were sorted from is still there.
-        std::mutex mutex;
-        std::vector<std::size_t> pending;
-        std::uint64_t rows_pending = 0;
-        const auto checkpoint = [&](bool last) {
-            if (pending.empty()) return;
-            if (!last && checkpoints().on() && !checkpoints().due() && rows_pending * 16 < rows_todo) return;
-            ByteWriter record;
-            record.put(static_cast<std::uint64_t>(pending.size()));
-            for (const std::size_t bin : pending) {
-                record.put(static_cast<std::uint64_t>(bin));
-                sorted->save(bin, record);
-            }
-            checkpoints().post([sorted] { sorted->sync(); }, Checkpoints::sorted, std::move(record.bytes()),
-                               [from = bins.scratch, done = pending] {
-                                   for (const std::size_t bin : done) from->give_back(bin);
-                               });
-            pending.clear();
-            rows_pending = 0;
-        };
-        std::atomic<std::size_t> next{0};
-        Signal signal;
-        Crew crew(signal);
-        for (unsigned t = 0; t < threads; ++t)
-            crew.add([&] {
-                for (std::size_t i; !signal.stopped && (i = next++) < todo.size();) {
-                    const std::size_t bin = todo[i], count = scratch.rows(bin);
-                    const std::vector<std::byte> rows = scratch.read(bin);
-                    const NodeBuilderOptions& nodes = state().nodes;
-                    sorted->put(bin, rows, morton_order<Coord>(rows.data(), count, nodes.layout, nodes.lattice.finer));
-                    const std::lock_guard lock(mutex);
-                    pending.push_back(bin);
-                    rows_pending += count;
-                    checkpoint(false);
-                }
-            });
-        crew.join([&] {
-            state().watch.report("Sorting points",
-                                 0.4 + 0.1 * static_cast<double>(std::min(next.load(), todo.size())) /
-                                           static_cast<double>(std::max<std::size_t>(1, todo.size())));
-        });
-        checkpoint(true);
-        checkpoints().post([from = bins.scratch] { from->clear(); });
-        return sorted;
-    }
-
-    template <class Coord>
-    std::shared_ptr<SortedBins<Coord>> make_sorted_bins(const Scratch& scratch, bool go_on)
-    {
-        auto sorted = std::make_shared<SortedBins<Coord>>(state().folder, state().nodes.layout, state().nodes.schema,
-                                                          state().space, go_on);
-        sorted->resize(scratch.bins());
-        return sorted;
-    }
-
-    // With what an interrupted build had sorted; `is_sorted` tells which bins.
-    template <class Coord>
-    std::shared_ptr<SortedBins<Coord>> find_sorted_bins(const Bins<Coord>& bins, std::vector<bool>& is_sorted)
-    {
-        const auto found = checkpoints().found(Checkpoints::sorted);
-        auto sorted = make_sorted_bins<Coord>(*bins.scratch, !found.empty());
-        std::size_t count = 0;
-        for (const std::vector<std::byte>* record : found) {
-            ByteReader in(record->data(), record->size(), state().folder);
-            for (auto left = in.get<std::uint64_t>(); left > 0; --left, ++count) {
-                const auto bin = in.get<std::uint64_t>();
-                if (bin >= bins.scratch->bins() || is_sorted[bin])
-                    throw Error(ErrorCode::corrupt, state().folder, "a checkpoint makes no sense");
-                sorted->load(bin, in);
-                if (sorted->rows(bin) != bins.scratch->rows(bin))
-                    throw Error(ErrorCode::corrupt, state().folder, "a checkpoint does not fit the points");
-                is_sorted[bin] = true;
-                bins.scratch->give_back(bin);
-            }
-        }
-        for (std::size_t bin = 0; bin < bins.scratch->bins(); ++bin)
-            if (!is_sorted[bin] && !bins.scratch->can_hold(bin))
-                throw Error(ErrorCode::truncated, state().folder, "a bin of an interrupted build is missing");
-        if (count)
-            went_on_ = std::to_string(count) + " of " + std::to_string(bins.scratch->bins()) + " bins had been sorted";
-        return sorted;
-    }
-
-    template <class Coord>
-    std::shared_ptr<LevelSampler<Coord>> choose_levels(const SortedBins<Coord>& sorted, unsigned threads)
-    {
-        const fs::path file = state().folder / "levels.tmp";
-        const auto make = [&](File::Mode mode) {
-            return std::make_shared<LevelSampler<Coord>>(sorted.points(), state().nodes.lattice,
-                                                         state().options.sampling, file, mode);
-        };
-        if (const auto found = checkpoints().found(Checkpoints::levelled); !found.empty()) {
-            try {
-                auto levels = make(File::Mode::change);
-                ByteReader in(found[0]->data(), found[0]->size(), file);
-                levels->load(in);
-                state().space.take(levels->bytes());
-                went_on_ = "its levels had been chosen";
-                return levels;
-            } catch (const Error&) {
-                checkpoints().cut(Checkpoints::levelled);
-            }
-        }
-        auto levels = make(File::Mode::create_or_truncate);
-        levels->run(threads, [&](double fraction) { state().watch.report("Choosing levels", 0.5 + 0.2 * fraction); });
-        state().space.take(levels->bytes());
-        ByteWriter record;
-        levels->save(record);
-        checkpoints().post([levels] { levels->sync(); }, Checkpoints::levelled, std::move(record.bytes()));
-        return levels;
-    }
-
-    void write_index(Draft* root, DataFiles& files)
-    {
-        TreeIndex index = index_of_drafts(root);
-        TreeInfo& info = index.info;
-        info.sampling = state().options.sampling;
-        info.spacings = state().nodes.spacings;
-        info.levels = static_cast<std::uint16_t>(info.spacings.size());
-        info.points = state().observed.points;
-        const std::uint64_t stored = index.nodes.empty() ? 0 : index.nodes[0].subtree_points;
-        if (stored != info.points || state().points_in != stored + state().points_skipped)
-            throw Error(ErrorCode::corrupt, output_,
-                        std::to_string(state().points_in) + " points went in, " + std::to_string(stored) +
-                            " came out; this is a defect of the program");
-        info.points_skipped = state().points_skipped;
-        info.content_hash = state().observed.hash;
-        info.grid = state().nodes.grid;
-        info.position_type = state().position_type;
-        info.wide = state().nodes.layout.coordinate_bytes == 8;
-        info.schema = state().nodes.schema;
-        if (!index.nodes.empty()) info.box = index.nodes[0].box;
-        info.extremes = state().observed.extremes;
-        info.position_error = state().observed.position_error;
-        info.metadata = state().metadata;
-        info.sources = sources_;
-        if (state().like) take_over(*state().like, info);
+        TreeIndex index = index_of_drafts(part.root);
+        index.info.spacings = part.spacings;
+        fill_info(index);
+        const TreeInfo& info = index.info;
         for (const std::uint64_t data_bytes : files.bytes()) index.data_files.push_back({data_bytes, info.generation});
         write_commit(folder_.tree(), index);
         write_about(folder_.tree(), info);
         const std::vector<std::byte> bytes = encode_index(index);
         replace_file(folder_.tree() / index_file_name, bytes.data(), bytes.size());
 
-        report_.outcome.points_in = state().points_in;
+        report_.outcome.points_in = cloud_found().points_in;
         report_.outcome.points_out = info.points;
         report_.outcome.error = info.position_error;
         report_.outcome.error_meaning = "largest position error, source units";
-        report_.points_skipped = state().points_skipped;
+        report_.points_skipped = cloud_found().points_skipped;
         report_.nodes = index.nodes.size();
         report_.levels = info.levels;
         report_.bytes = bytes.size();
         for (const DataFile& file : index.data_files) report_.bytes += file.bytes;
-        state().watch.report("Done", 1);
+        work().watch.report("Done", 1);
+    }
+
+    // Throws Error(corrupt) when points were lost on the way.
+    void fill_info(TreeIndex& index)
+    {
+        const Ingested& cloud = cloud_found();
+        TreeInfo& info = index.info;
+        info.sampling = options_.sampling;
+        info.levels = static_cast<std::uint16_t>(info.spacings.size());
+        info.points = cloud.observed.points;
+        const std::uint64_t stored = index.nodes.empty() ? 0 : index.nodes[0].subtree_points;
+        if (stored != info.points || cloud.points_in != stored + cloud.points_skipped)
+            throw Error(ErrorCode::corrupt, output_,
+                        std::to_string(cloud.points_in) + " points went in, " + std::to_string(stored) +
+                            " came out; this is a defect of the program");
+        info.points_skipped = cloud.points_skipped;
+        info.content_hash = cloud.observed.hash;
+        info.grid = cloud.grid;
+        info.position_type = cloud.position_type;
+        info.wide = cloud.layout.coordinate_bytes == 8;
+        info.schema = cloud.schema;
+        if (!index.nodes.empty()) info.box = index.nodes[0].box;
+        info.extremes = cloud.observed.extremes;
+        info.position_error = cloud.observed.position_error;
+        info.metadata = cloud.metadata;
+        info.sources = sources_;
+        if (like_) take_over(*like_, info);
     }
 
     void take_over(const TreeInfo& like, TreeInfo& info) const
@@ -366,12 +249,13 @@ private:
     PointReader& cloud_;
     const std::vector<std::string>& sources_;
     const fs::path output_;
-    BuildFolder folder_;
-    std::unique_ptr<BuildState> state_;
+    const BuildOptions& options_;
+    const TreeInfo* const like_;
     const std::optional<std::vector<std::byte>> identity_;
-    std::string went_on_;  // what an interrupted build had done
+    BuildFolder folder_;
+    std::unique_ptr<State> state_;
+    Resumed resumed_;
     BuildReport report_;
-    std::unique_ptr<Checkpoints> checkpoints_ = std::make_unique<Checkpoints>();
 };
 
 // Throws for options out of range; the folder that `output` names.

@@ -1,13 +1,11 @@
 #include "pcm/update/append.h"
 
+#include "pcm/build/bins/partition.h"
+#include "pcm/build/pipeline.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/build/build_state.h"
-#include "pcm/build/nodes/data_files.h"
-#include "pcm/build/bins/partition.h"
 #include "pcm/update/fitted_reader.h"
 #include "pcm/update/given_points.h"
-#include "pcm/update/new_part.h"
 #include "pcm/update/tree_update.h"
 
 #include <algorithm>
@@ -42,20 +40,20 @@ public:
           tree_(update_.tree()),
           fitted_(cloud, tree_->info(), tree_->folder()),
           options_(build_options(options, tree_->info().sampling)),
-          state_(options_, update_.scratch())
+          work_(update_.scratch(), options_.memory_bytes, options_.chunk_points, options_.threads, options_.progress)
     {
-        state_.like = &tree_->info();
-        state_.nodes.part = static_cast<std::uint32_t>(tree_->part_roots().size());
-        state_.nodes.generation = update_.generation();
+        part_options_.sampling = options_.sampling;
+        part_options_.part = static_cast<std::uint32_t>(tree_->part_roots().size());
+        part_options_.generation = update_.generation();
     }
 
     AppendReport run()
     {
-        AnyBins bins = partition(fitted_, state_);
-        report_.points_added = state_.observed.points;
+        AnyBins bins = partition(fitted_, work_, found_, &tree_->info());
+        report_.points_added = found_.observed.points;
         report_.points_skipped = fitted_.points_skipped();
         // What is not finite is left out of integers on the way, of doubles by the partition.
-        report_.outcome.points_in = state_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
+        report_.outcome.points_in = found_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
         // Now they are complete: readers find out on the way what they drop.
         report_.notes = cloud_.info().notes;
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
@@ -72,7 +70,7 @@ public:
             report_.outcome.points_out = tree_->info().points;
         report_.outcome.error = std::max(report_.outcome.error, tree_->info().position_error);
         report_.outcome.error_meaning = "largest position error, source units";
-        report_.outcome.seconds = state_.watch.seconds();
+        report_.outcome.seconds = work_.watch.seconds();
         return report_;
     }
 
@@ -81,26 +79,27 @@ private:
     void add(Bins<Coord>& bins)
     {
         const auto old_files = static_cast<std::uint32_t>(tree_->data_files().size());
-        DataFiles files(update_.folder(), state_.folder, old_files);
+        DataFiles files(update_.folder(), work_.folder, old_files);
         DraftStore drafts;
         std::optional<GivenLevels<Coord>> given;
         if (tree_->info().points) given = given_levels<Coord>(tree_);
-        const Draft* root = make_part(bins, state_, drafts, files, std::move(given));
+        Checkpoints none;  // an interrupted update is redone
+        const Part part = make_part(bins, work_, found_, part_options_, none, drafts, files, std::move(given));
         files.finish();
         update_.adopt(files.bytes());
 
         std::vector<PartNode> nodes = part_nodes(*tree_);
         const std::size_t before = nodes.size();
-        add_drafts(root, nodes);
+        add_drafts(part.root, nodes);
         report_.nodes_added = nodes.size() - before;
-        commit(join_parts(nodes, state_.nodes.spacings, tree_->info().grid.scale));
+        commit(join_parts(nodes, part.spacings, tree_->info().grid.scale), part.spacings);
     }
 
     void add_drafts(const Draft* draft, std::vector<PartNode>& nodes) const
     {
         if (!draft) return;
         PartNode node;
-        node.part = state_.nodes.part;
+        node.part = part_options_.part;
         node.path = draft->path;
         node.points = draft->points;
         node.first_level = draft->first_level;
@@ -112,16 +111,16 @@ private:
         for (const Draft* child : draft->children) add_drafts(child, nodes);
     }
 
-    void commit(NodeVector joined)
+    void commit(NodeVector joined, const std::vector<double>& spacings)
     {
-        state_.watch.report("Writing the index", 0.99);
+        work_.watch.report("Writing the index", 0.99);
         TreeInfo info = tree_->info();
         Observed all;
         all.points = info.points;
         all.hash = info.content_hash;
         all.extremes = info.extremes;
         all.position_error = info.position_error;
-        all.merge(state_.observed);
+        all.merge(found_.observed);
         const std::uint64_t stored = joined.nodes.empty() ? 0 : joined.nodes[0].subtree_points;
         if (stored != all.points)
             throw Error(ErrorCode::corrupt, update_.folder(),
@@ -133,7 +132,7 @@ private:
         info.position_error = std::max(all.position_error, fitted_.position_error());
         info.points_skipped += report_.points_skipped;
         info.box = joined.nodes[0].box;
-        info.spacings = state_.nodes.spacings;
+        info.spacings = spacings;
         info.levels = static_cast<std::uint16_t>(info.spacings.size());
         // Floats are given back as floats, which doubles must not be.
         if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32)
@@ -142,7 +141,7 @@ private:
         report_.outcome.points_out = info.points;
         report_.outcome.error = info.position_error;
         for (const NodeId root : joined.part_roots) report_.parts += root != no_node;
-        state_.watch.report("Done", 1);  // the last chance to cancel
+        work_.watch.report("Done", 1);  // the last chance to cancel
         update_.commit(std::move(info), std::move(joined));
         report_.bytes_written = update_.bytes_written();
     }
@@ -153,7 +152,9 @@ private:
     const std::shared_ptr<const Tree> tree_;
     FittedReader fitted_;
     const BuildOptions options_;
-    BuildState state_;
+    Workspace work_;
+    PartOptions part_options_;
+    Ingested found_;
     AppendReport report_;
 };
 

@@ -113,11 +113,11 @@ protected:
     Contents reference_;
 };
 
-TEST_F(BuildFaults, KilledAtAnyCallItGoesOnAndMakesTheSameTree)
+TEST_F(BuildFaults, KilledAtAnyCallItResumesAndMakesTheSameTree)
 {
     const long calls = count_calls(command(), work());
     EXPECT_GT(calls, 100);
-    int killed = 0, went_on = 0, afresh = 0;
+    int killed = 0, resumed = 0, restarted = 0;
     for (const char* kind : {"kill", "torn"}) {
         std::vector<long> instants = spread(calls, kind == std::string("kill") ? 48 : 16);
         for (long at = 7; at <= 12; ++at)
@@ -137,13 +137,13 @@ TEST_F(BuildFaults, KilledAtAnyCallItGoesOnAndMakesTheSameTree)
             with.threads = at % 2 ? 1 : 3;
             const BuildReport report = build_again(with);
             EXPECT_TRUE(contents(out()) == reference_) << kind << " at " << at;
-            went_on += has_note(report, "went on with an interrupted build");
-            afresh += has_note(report, "begun afresh");
+            resumed += has_note(report, "an interrupted build was resumed");
+            restarted += has_note(report, "an interrupted build was restarted");
         }
     }
     EXPECT_GT(killed, 64);
-    EXPECT_GT(went_on, 20);
-    EXPECT_GT(afresh, 2);
+    EXPECT_GT(resumed, 20);
+    EXPECT_GT(restarted, 2);
 }
 
 TEST_F(BuildFaults, KilledAgainAndAgain)
@@ -235,7 +235,7 @@ TEST_F(BuildFaults, OfDoublesToo)
     }
 }
 
-TEST_F(BuildFaults, AnotherBuildStartsAfresh)
+TEST_F(BuildFaults, AnotherBuildStartsFromTheBeginning)
 {
     // Other options.
     interrupt(0.9);
@@ -252,28 +252,28 @@ TEST_F(BuildFaults, AnotherBuildStartsAfresh)
     interrupt(0.9);
     BuildOptions fresh = options();
     fresh.resume = false;
-    EXPECT_FALSE(has_note(build_again(fresh), "went on"));
+    EXPECT_FALSE(has_note(build_again(fresh), "was resumed"));
     EXPECT_TRUE(contents(out()) == reference_);
-    // The same again: it goes on, whatever does not shape the tree.
+    // The same again is resumed, with other options that do not shape the tree.
     interrupt(0.9);
     BuildOptions same = options();
     same.threads = 5;
     same.checkpoint_seconds = 100;
-    EXPECT_TRUE(has_note(build_again(same), "went on"));
+    EXPECT_TRUE(has_note(build_again(same), "was resumed"));
     EXPECT_TRUE(contents(out()) == reference_);
 }
 
-TEST_F(BuildFaults, ProgressTellsThatItGoesOn)
+TEST_F(BuildFaults, ProgressSaysThatItResumes)
 {
     interrupt(0.9);
-    bool told = false;
+    bool reported = false;
     BuildOptions with = options();
     with.progress = [&](const ProgressUpdate& update) {
-        told = told || update.stage.find("interrupted") != std::string_view::npos;
+        reported = reported || update.stage.find("interrupted") != std::string_view::npos;
         return true;
     };
     build_again(with);
-    EXPECT_TRUE(told);
+    EXPECT_TRUE(reported);
 }
 
 // Whatever is torn, missing or too short: the tree is the same.

@@ -2,9 +2,10 @@
 // the cells of coarse levels seldom straddle a cut.
 #pragma once
 
+#include "pcm/cloud/geometry.h"
+
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -21,7 +22,48 @@ struct Cut {
 // axes compare after shifting them down by this.
 using AxisShift = std::array<int, 3>;
 
-// `coordinate(i, axis)` gives the coordinates of `count` points. Depends on the set alone, not on its order. Nothing
+AxisShift axis_shift(const Grid& grid);
+
+// The axis along which the box from `low` to `high` is longest; of equal ones the first.
+template <class Coord>
+std::size_t longest_axis(const std::array<Coord, 3>& low, const std::array<Coord, 3>& high, const AxisShift& finer);
+
+// The search for a cut along one axis, for choose_cut(). It counts the coordinates in buckets of ever smaller ranges
+// around the median, until some boundary between buckets has balance.
+template <class Coord>
+class CutSearch {
+public:
+    // `count` coordinates from `low` to `high`, low < high.
+    CutSearch(std::size_t count, Coord low, Coord high);
+    // Each round: add() for every coordinate, then finish_round(), which is true when the search has ended.
+    void add(Coord c)
+    {
+        if (c >= from_ && c <= last_) ++histogram_[(static_cast<std::uint64_t>(c) >> shift_) - aligned_];
+    }
+    bool finish_round();
+    // The value to cut at; absent when the coordinates cannot be divided.
+    const std::optional<Coord>& value() const { return value_; }
+
+private:
+    static constexpr std::size_t buckets = 1024;
+
+    void start_round();
+    Coord boundary(std::size_t bucket) const  // the first coordinate of the bucket
+    {
+        return static_cast<Coord>((static_cast<std::uint64_t>(aligned_) + bucket) << shift_);
+    }
+
+    const std::size_t count_;
+    const Coord low_;
+    Coord from_, last_;          // the range of this round, both inclusive
+    std::size_t below_ = 0;      // coordinates below the range
+    int shift_ = 0;              // a bucket is 2^shift_ wide
+    std::uint64_t aligned_ = 0;  // from_ >> shift_: bucket 0
+    std::array<std::size_t, buckets + 1> histogram_;
+    std::optional<Coord> value_;
+};
+
+// `coordinate(i, axis)` gives the coordinates of `count` points. Depends on the set alone, not on its order. Absent
 // when all points coincide. Both sides get at least one point; unless many points share one coordinate each gets at
 // least a third.
 template <class Coord, class Access>
@@ -36,68 +78,21 @@ std::optional<Cut<Coord>> choose_cut(std::size_t count, const AxisShift& finer, 
             low[a] = std::min(low[a], c);
             high[a] = std::max(high[a], c);
         }
-    Cut<Coord> cut;
-    const auto extent = [&](std::size_t a) { return std::ldexp(static_cast<double>(high[a] - low[a]), -finer[a]); };
-    for (std::size_t a = 1; a < 3; ++a)
-        if (extent(a) > extent(cut.axis)) cut.axis = a;
-    if (low[cut.axis] == high[cut.axis]) return std::nullopt;
-
-    // Histograms over ever smaller ranges [from, from + (buckets << shift)) around the median, until some bucket
-    // boundary has balance. `below` counts the points left of the range.
-    constexpr std::size_t buckets = 1024;
-    std::array<std::size_t, buckets + 1> histogram;
-    Coord from = low[cut.axis];
-    Coord last = high[cut.axis];
-    std::size_t below = 0;
-    for (;;) {
-        int shift = 0;
-        while ((static_cast<std::uint64_t>(last - from) >> shift) >= buckets - 1) ++shift;
-        const auto aligned = static_cast<Coord>(static_cast<std::uint64_t>(from) >> shift);
-        histogram.fill(0);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Coord c = coordinate(i, cut.axis);
-            if (c >= from && c <= last) ++histogram[(static_cast<std::uint64_t>(c) >> shift) - aligned];
-        }
-        // Boundary b lies before bucket b; cutting there leaves `left` points on the left. Best balance, and among
-        // those with balance to spare (45..55 %) the roundest number.
-        std::size_t left = below, best_miss = count, best_round = 0, median_bucket = 0;
-        bool found_round = false;
-        Coord best_value = 0;
-        const auto value_at = [&](std::size_t b) {
-            return static_cast<Coord>((static_cast<std::uint64_t>(aligned) + b) << shift);
-        };
-        const std::size_t used = ((static_cast<std::uint64_t>(last) >> shift) - aligned) + 1;
-        std::size_t median_below = below;
-        for (std::size_t b = 0; b <= used; ++b) {  // histogram[used] is 0
-            if (left > 0 && left < count && value_at(b) > low[cut.axis]) {
-                const std::size_t miss = left * 2 > count ? left * 2 - count : count - left * 2;
-                const bool balanced = miss * 10 <= count;
-                const auto round = static_cast<std::size_t>(__builtin_ctzll(value_at(b)));
-                const bool better =
-                    balanced ? (!found_round || round > best_round || (round == best_round && miss < best_miss))
-                             : (!found_round && miss < best_miss);
-                if (better) {
-                    best_value = value_at(b);
-                    best_miss = miss;
-                    best_round = round;
-                    found_round = found_round || balanced;
-                }
-            }
-            if (left * 2 <= count && b < used) {
-                median_bucket = b;
-                median_below = left;
-            }
-            left += histogram[b];
-        }
-        cut.value = best_value;
-        // A third on each side is good enough; so is a single coordinate, which no cut can divide.
-        if (best_miss * 3 <= count || shift == 0) return best_miss < count ? std::optional(cut) : std::nullopt;
-        below = median_below;
-        from = std::max(from, value_at(median_bucket));
-        const auto bucket_last = static_cast<Coord>(value_at(median_bucket) + ((Coord(1) << shift) - 1));
-        last = std::min(last, bucket_last);
-        if (from > last) return std::nullopt;
-    }
+    const std::size_t axis = longest_axis(low, high, finer);
+    if (low[axis] == high[axis]) return std::nullopt;
+    CutSearch<Coord> search(count, low[axis], high[axis]);
+    do
+        for (std::size_t i = 0; i < count; ++i) search.add(coordinate(i, axis));
+    while (!search.finish_round());
+    if (!search.value()) return std::nullopt;
+    return Cut<Coord>{axis, *search.value()};
 }
+
+extern template std::size_t longest_axis(const std::array<std::uint32_t, 3>&, const std::array<std::uint32_t, 3>&,
+                                         const AxisShift&);
+extern template std::size_t longest_axis(const std::array<std::uint64_t, 3>&, const std::array<std::uint64_t, 3>&,
+                                         const AxisShift&);
+extern template class CutSearch<std::uint32_t>;
+extern template class CutSearch<std::uint64_t>;
 
 }  // namespace pcm

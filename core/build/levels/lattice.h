@@ -25,11 +25,7 @@ struct Lattice {
     AxisShift finer{0, 0, 0};  // such that scale[a] << finer[a] is alike within a factor of 2 on all axes
 
     Lattice() = default;
-    explicit Lattice(const Grid& grid) : scale(grid.scale)
-    {
-        const double coarsest = std::max({scale[0], scale[1], scale[2]});
-        for (std::size_t a = 0; a < 3; ++a) finer[a] = static_cast<int>(std::floor(std::log2(coarsest / scale[a])));
-    }
+    explicit Lattice(const Grid& grid) : scale(grid.scale), finer(axis_shift(grid)) {}
 
     // The diagonal of a cell of size g, source units.
     double spacing(int g) const

@@ -1,22 +1,24 @@
 #include "pcm/build/levels/level_sampler.h"
 
-#include "pcm/bpc/chunk_codec.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/chunk_codec.h"
+#include "pcm/build/levels/grid_levels.h"
+#include "pcm/build/levels/poisson_pass.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
 namespace pcm {
 namespace {
 
-constexpr double margin = 1e-9;  // bounds are computed with rounding and decide only by more than this
 // The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
 constexpr std::uint64_t first_level_points = 512;
-// Sampling ends when a quarter of the points is chosen: the step to the whole cloud is then like that between levels,
-// as surfaces have four times the points at half the spacing. A few points in much denser places are not waited for.
+// Sampling ends when the bins in which less than a tenth of the points is chosen hold at most a fifth of all points.
+// Surfaces have four times the points at half the spacing, so the chosen share is then between a tenth and 0.4: the
+// step to the whole cloud is like that between levels. A few points in much denser places are not waited for.
 constexpr double chosen_share = 0.1;
 constexpr double waiting_share = 0.2;
 
@@ -28,11 +30,11 @@ LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Latti
     : points_(points),
       lattice_(lattice),
       sampling_(sampling),
+      neighbours_(points, lattice),
       file_(scratch, mode),
       remove_(mode == File::Mode::create_new),
       bins_(points.bins())
 {
-    for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
 }
 
 template <class Coord>
@@ -49,8 +51,8 @@ void LevelSampler<Coord>::add_to(GivenLevels<Coord> given)
     sizes_.clear();
     for (const double spacing : given_.spacings) {
         if (spacing == 0) break;
-        const int size = spacing > 0 ? std::ilogb(spacing / lattice_.spacing(0) * (1 + margin)) : -1;
-        if (size < 0 || size > 62 || std::fabs(spacing / lattice_.spacing(size) - 1) > margin ||
+        const int size = spacing > 0 ? std::ilogb(spacing / lattice_.spacing(0) * (1 + distance_margin)) : -1;
+        if (size < 0 || size > 62 || std::fabs(spacing / lattice_.spacing(size) - 1) > distance_margin ||
             (!sizes_.empty() && size != sizes_.back() - 1))
             throw Error(ErrorCode::invalid_argument, {},
                         "levels that are not on the ladder of spacings of the cloud's grid");
@@ -64,16 +66,68 @@ template <class Coord>
 void LevelSampler<Coord>::run(unsigned threads, const std::function<void(double)>& progress)
 {
     progress_ = progress;
-    if (given_.list) {
-        if (sampling_ == Sampling::grid) {
-            for_each_bin(threads, [this](std::size_t bin) { sample_given_bin_by_grid(bin); });
-        } else {
-            for_each_bin(threads, [this](std::size_t bin) { bar_points(bin); });
-            for (const int size : sizes_) pass(size, threads);
+    if (given_.list)
+        run_beside_given(threads);
+    else if (sampling_ == Sampling::grid)
+        run_by_grid(threads);
+    else
+        run_by_poisson(threads);
+    count_levels();
+}
+
+template <class Coord>
+void LevelSampler<Coord>::run_by_poisson(unsigned threads)
+{
+    std::vector<int> sizes;
+    for (int size = coarsest_size(); size >= 0; --size) {
+        fraction_ = 1 - std::ldexp(1.0, -static_cast<int>(sizes.size()) / 3);
+        sizes.push_back(size);
+        pass(size, threads);
+        if (fine_enough()) break;
+    }
+    choose_sizes(sizes);
+}
+
+template <class Coord>
+void LevelSampler<Coord>::run_by_grid(unsigned threads)
+{
+    const int top = coarsest_size();
+    for_each_bin(threads, [&](std::size_t bin) {
+        typename SortedPoints<Coord>::Reader points(points_, bin);
+        const auto first = count_first_of_cells<Coord>(points, lattice_.finer, top);
+        for (int size = top; size >= 0; --size)
+            if (const std::uint32_t count = first[static_cast<std::size_t>(size)])
+                bins_[bin].lists.push_back({size, 0, count, 0});
+    });
+    // How many sizes are used follows from how many points each would choose.
+    std::vector<int> sizes;
+    for (int size = top; size >= 0; --size) {
+        sizes.push_back(size);
+        for (Bin& bin : bins_) {
+            bin.chosen = 0;
+            for (const List& list : bin.lists)
+                if (list.size >= size) bin.chosen += list.count;
         }
-        count_levels();
+        if (fine_enough()) break;
+    }
+    choose_sizes(sizes);
+}
+
+template <class Coord>
+void LevelSampler<Coord>::run_beside_given(unsigned threads)
+{
+    if (sampling_ == Sampling::grid) {
+        for_each_bin(threads, [this](std::size_t bin) { sample_given_bin_by_grid(bin); });
         return;
     }
+    for_each_bin(threads, [this](std::size_t bin) { bar_points(bin); });
+    for (const int size : sizes_) pass(size, threads);
+}
+
+// Of cells of which the whole cloud touches at most 8.
+template <class Coord>
+int LevelSampler<Coord>::coarsest_size() const
+{
     bool any = false;
     Point<Coord> low{}, high{};
     for (std::size_t b = 0; b < bins_.size(); ++b) {
@@ -85,30 +139,7 @@ void LevelSampler<Coord>::run(unsigned threads, const std::function<void(double)
         }
         any = true;
     }
-    const int top = any ? std::min(62, lattice_.size_of_box<Coord>(low, high)) : 0;
-    std::vector<int> sizes;
-    if (sampling_ == Sampling::grid) {
-        sample_by_grid(top, threads);
-        // The sizes that are used, from how many points each would choose.
-        for (int size = top; size >= 0; --size) {
-            sizes.push_back(size);
-            for (Bin& bin : bins_) {
-                bin.chosen = 0;
-                for (const List& list : bin.lists)
-                    if (list.size >= size) bin.chosen += list.count;
-            }
-            if (fine_enough()) break;
-        }
-    } else {
-        for (int size = top; size >= 0; --size) {
-            fraction_ = 1 - std::ldexp(1.0, -static_cast<int>(sizes.size()) / 3);
-            sizes.push_back(size);
-            pass(size, threads);
-            if (fine_enough()) break;
-        }
-    }
-    choose_levels(sizes);
-    count_levels();
+    return any ? std::min(62, lattice_.size_of_box<Coord>(low, high)) : 0;
 }
 
 template <class Coord>
@@ -124,7 +155,7 @@ bool LevelSampler<Coord>::fine_enough() const
 }
 
 template <class Coord>
-void LevelSampler<Coord>::choose_levels(const std::vector<int>& sizes)
+void LevelSampler<Coord>::choose_sizes(const std::vector<int>& sizes)
 {
     // The first sizes, of a few points each, are one level.
     std::size_t first = 0;
@@ -204,21 +235,13 @@ std::vector<std::uint32_t> LevelSampler<Coord>::read(const List& list) const
 template <class Coord>
 std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
 {
-    std::vector<std::uint8_t> levels(points_.box(bin).points, static_cast<std::uint8_t>(sizes_.size()));
     if (sampling_ == Sampling::grid) {
-        if (levels.empty()) return levels;
+        if (points_.box(bin).points == 0) return {};
         if (given_.list) return read_bytes(bin);
         typename SortedPoints<Coord>::Reader points(points_, bin);
-        Point<Coord> before = points[0];
-        levels[0] = 0;
-        for (std::size_t i = 1; i < levels.size(); ++i) {
-            const Point<Coord> p = points[i];
-            const int size = parting_size(before, p, lattice_.finer);
-            if (size >= sizes_.back()) levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
-            before = p;
-        }
-        return levels;
+        return grid_levels<Coord>(points, lattice_.finer, sizes_);
     }
+    std::vector<std::uint8_t> levels(points_.box(bin).points, static_cast<std::uint8_t>(sizes_.size()));
     for (const List& list : bins_[bin].lists)
         for (const std::uint32_t i : read(list))
             levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - list.size));
@@ -228,181 +251,51 @@ std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
 template <class Coord>
 void LevelSampler<Coord>::for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work)
 {
-    Signal signal;
-    Crew crew(signal);
-    std::atomic<std::size_t> next{0};
-    for (unsigned t = 0; t < threads; ++t)
-        crew.add([&] {
-            for (std::size_t b; !signal.stopped && (b = next++) < bins_.size();)
-                if (points_.box(b).points > 0) work(b);
-        });
-    crew.join([&] {
-        progress_(static_cast<double>(std::min(next.load(), bins_.size())) / static_cast<double>(bins_.size()));
-    });
-}
-
-template <class Coord>
-void LevelSampler<Coord>::sample_by_grid(int top, unsigned threads)
-{
-    for_each_bin(threads, [&](std::size_t b) {
-        std::array<std::uint32_t, 65> chosen{};
-        typename SortedPoints<Coord>::Reader points(points_, b);
-        Point<Coord> before = points[0];
-        chosen[static_cast<std::size_t>(top)] = 1;
-        for (std::size_t i = 1; i < points.size(); ++i) {
-            const Point<Coord> p = points[i];
-            if (const int size = parting_size(before, p, lattice_.finer); size >= 0)
-                ++chosen[static_cast<std::size_t>(std::min(size, top))];
-            before = p;
-        }
-        for (int size = top; size >= 0; --size)
-            if (const std::uint32_t count = chosen[static_cast<std::size_t>(size)])
-                bins_[b].lists.push_back({size, 0, count, 0});
-    });
+    for_each_index(
+        bins_.size(), threads,
+        [&](std::size_t bin) {
+            if (points_.box(bin).points > 0) work(bin);
+        },
+        [&](std::size_t begun) { progress_(static_cast<double>(begun) / static_cast<double>(bins_.size())); });
 }
 
 template <class Coord>
 void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
 {
-    // A point is the first of its cell where no point before it is in that cell, and no given one before or after it:
-    // the nearest ones in Morton order tell. Of three in order, the outer two are parted by the larger of the inner
-    // partings.
     Bin& bin = bins_[number];
-    const auto& box = points_.box(number);
-    typename SortedPoints<Coord>::Reader reader(points_, number);
-    std::vector<Point<Coord>> points;
-    for (std::size_t i = 0; i < reader.size(); ++i) points.push_back(reader[i]);
-    std::vector<std::int8_t> before(points.size(), 127),
-        after(points.size(), 127);  // size that parts from the nearest given
-    Point<Coord> low, high;         // the points' cells of the first level
-    const std::array<int, 3> shifts = lattice_.shifts(sizes_[0]);
-    for (std::size_t a = 0; a < 3; ++a) {
-        const std::uint64_t inside = (std::uint64_t(1) << shifts[a]) - 1;
-        low[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.low[a]) & ~inside);
-        high[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.high[a]) | inside);
-    }
-    given_.list(low, high, 0, sizes_.size() - 1, [&](const Point<Coord>* given, std::size_t count) {
-        for (std::size_t n = 0; n < count; ++n) {
-            const auto at = std::lower_bound(points.begin(), points.end(), given[n], [&](const auto& p, const auto& q) {
-                return morton_before(p, q, lattice_.finer);
-            });
-            const auto parted = [&](std::size_t i) {
-                return static_cast<std::int8_t>(parting_size(points[i], given[n], lattice_.finer));
-            };
-            const auto i = static_cast<std::size_t>(at - points.begin());
-            if (i < points.size()) before[i] = std::min(before[i], parted(i));
-            if (i > 0) after[i - 1] = std::min(after[i - 1], parted(i - 1));
-        }
-    });
-    std::vector<std::int8_t> parting(points.size(), 127);  // from the point before
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        parting[i] = static_cast<std::int8_t>(parting_size(points[i - 1], points[i], lattice_.finer));
-        before[i] = std::min(before[i], std::max(before[i - 1], parting[i]));
-    }
-    for (std::size_t i = points.size() - 1; i-- > 0;)
-        after[i] = std::min(after[i], std::max(after[i + 1], parting[i + 1]));
-    std::vector<std::uint8_t> levels(points.size(), static_cast<std::uint8_t>(sizes_.size()));
-    std::vector<std::uint32_t> counts(sizes_.size(), 0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const int size = std::min({before[i], after[i], parting[i]});
-        if (size < sizes_.back()) continue;
-        levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - size));
-        ++counts[levels[i]];
-    }
-    for (std::size_t level = 0; level < counts.size(); ++level)
+    typename SortedPoints<Coord>::Reader points(points_, number);
+    const auto levels = grid_levels_beside<Coord>(points, points_.box(number), lattice_, sizes_, given_);
+    std::vector<std::uint32_t> counts(sizes_.size() + 1, 0);
+    for (const std::uint8_t level : levels) ++counts[level];
+    for (std::size_t level = 0; level < sizes_.size(); ++level)
         bin.lists.push_back({sizes_[level], 0, counts[level], 0});
     bin.bytes = write(levels.data(), levels.size());
 }
 
 template <class Coord>
-double LevelSampler<Coord>::squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box,
-                                                bool farthest) const
-{
-    double sum = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const auto apart = [](Coord c, Coord d) { return static_cast<double>(c > d ? c - d : d - c); };
-        double d = 0;
-        if (farthest)
-            d = std::max(apart(p[a], box.low[a]), apart(p[a], box.high[a]));
-        else if (p[a] < box.low[a])
-            d = apart(p[a], box.low[a]);
-        else if (p[a] > box.high[a])
-            d = apart(p[a], box.high[a]);
-        sum += d * d * squared_scale_[a];
-    }
-    return sum;
-}
-
-template <class Coord>
-double LevelSampler<Coord>::squared_distance_between(std::size_t bin, std::size_t other) const
-{
-    const auto &a = points_.box(bin), &b = points_.box(other);
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        double d = 0;
-        if (a.high[k] < b.low[k]) d = static_cast<double>(b.low[k] - a.high[k]);
-        if (b.high[k] < a.low[k]) d = static_cast<double>(a.low[k] - b.high[k]);
-        sum += d * d * squared_scale_[k];
-    }
-    return sum;
-}
-
-template <class Coord>
 void LevelSampler<Coord>::pass(int size, unsigned threads)
 {
-    // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one colour are not
-    // near each other and go side by side; colours go one after the other: the same for any number of threads.
-    const double squared = lattice_.spacing(size) * lattice_.spacing(size);
-    // Found anew each time they are needed: at coarse spacings every bin is near every other, and lists of all would
-    // take memory with the square of their number.
-    const auto neighbours_of = [&](std::size_t b, std::size_t below) {
-        std::vector<std::size_t> neighbours;
-        for (std::size_t n = 0; n < below; ++n)
-            if (n != b && points_.box(n).points && squared_distance_between(b, n) * (1 - margin) < squared)
-                neighbours.push_back(n);
-        return neighbours;
-    };
-    std::vector<std::size_t> colour(bins_.size(), 0);
-    std::size_t colours = 0;
-    std::vector<std::size_t> used_by;  // of each colour, the last bin that has a neighbour of it
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-        if (points_.box(b).points == 0) continue;
-        for (const std::size_t n : neighbours_of(b, b)) used_by[colour[n]] = b;
-        std::size_t c = 0;
-        while (c < colours && used_by[c] == b) ++c;
-        colour[b] = c;
-        if (c == colours) {
-            ++colours;
-            used_by.push_back(bins_.size());
-        }
-    }
-    std::vector<std::vector<std::size_t>> groups(colours);
-    for (std::size_t b = 0; b < bins_.size(); ++b)
-        if (points_.box(b).points) groups[colour[b]].push_back(b);
-    std::atomic<std::size_t> done{0};
-    const auto tick = [&] {
-        const double inside =
-            static_cast<double>(done.load()) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
-        progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
-    };
-    for (const std::vector<std::size_t>& group : groups) {
-        if (group.size() == 1 || threads == 1) {
-            for (const std::size_t b : group) {
-                sample_bin(b, size, neighbours_of(b, bins_.size()));
-                ++done;
-                tick();
+    // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one group are not
+    // near each other and are sampled in parallel, the groups one after the other: the same for any number of threads.
+    const double spacing = lattice_.spacing(size);
+    std::size_t done = 0;  // bins of earlier groups
+    for (const std::vector<std::size_t>& group : neighbours_.apart(spacing)) {
+        const auto sample = [&](std::size_t i) {
+            sample_bin(group[i], size, neighbours_.of(group[i], spacing, bins_.size()));
+        };
+        const auto tick = [&](std::size_t begun) {
+            const double inside =
+                static_cast<double>(done + begun) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
+            progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
+        };
+        if (group.size() == 1 || threads == 1)
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                sample(i);
+                tick(i + 1);
             }
-            continue;
-        }
-        Signal signal;
-        Crew crew(signal);
-        std::atomic<std::size_t> next{0};
-        for (unsigned t = 0; t < std::min<std::size_t>(threads, group.size()); ++t)
-            crew.add([&] {
-                for (std::size_t i; !signal.stopped && (i = next++) < group.size(); ++done)
-                    sample_bin(group[i], size, neighbours_of(group[i], bins_.size()));
-            });
-        crew.join(tick);
+        else
+            for_each_index(group.size(), threads, sample, tick);
+        done += group.size();
     }
 }
 
@@ -445,6 +338,22 @@ void LevelSampler<Coord>::bar_points(std::size_t number)
     if (!barred.empty()) bins_[number].bytes = write(barred.data(), barred.size());
 }
 
+// The points of a bin that earlier passes chose, ascending.
+template <class Coord>
+std::vector<std::uint32_t> LevelSampler<Coord>::chosen_in(const Bin& bin, std::uint64_t points) const
+{
+    std::vector<std::uint32_t> chosen;
+    if (bin.lists.empty()) return chosen;
+    std::vector<std::uint64_t> is_chosen(points / 64 + 1, 0);
+    for (const List& list : bin.lists)
+        for (const std::uint32_t i : read(list)) is_chosen[i / 64] |= std::uint64_t(1) << i % 64;
+    chosen.reserve(bin.chosen);
+    for (std::size_t word = 0; word < is_chosen.size(); ++word)
+        for (std::uint64_t bits = is_chosen[word]; bits; bits &= bits - 1)
+            chosen.push_back(static_cast<std::uint32_t>(word * 64 + static_cast<std::size_t>(__builtin_ctzll(bits))));
+    return chosen;
+}
+
 template <class Coord>
 void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::vector<std::size_t>& neighbours)
 {
@@ -454,7 +363,7 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     const double squared = spacing * spacing;
     if (bin.chosen == box.points) return;
     const auto covers_all = [&](const Point<Coord>& p) {
-        return squared_distance_to(p, box, true) * (1 + margin) < squared;
+        return neighbours_.to_farthest(p, box) * (1 + distance_margin) < squared;
     };
 
     std::vector<Point<Coord>> others;
@@ -463,19 +372,10 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     for (const std::size_t n : neighbours)
         for (const Point<Coord>& p : bins_[n].border) {
             if (covers_all(p)) return;
-            if (squared_distance_to(p, box, false) * (1 - margin) < squared) others.push_back(p);
+            if (neighbours_.to_nearest(p, box) * (1 - distance_margin) < squared) others.push_back(p);
         }
     typename SortedPoints<Coord>::Reader points(points_, number);
-    std::vector<std::uint32_t> own;
-    if (!bin.lists.empty()) {
-        std::vector<std::uint64_t> is_own(box.points / 64 + 1, 0);
-        for (const List& list : bin.lists)
-            for (const std::uint32_t i : read(list)) is_own[i / 64] |= std::uint64_t(1) << i % 64;
-        own.reserve(bin.chosen);
-        for (std::size_t word = 0; word < is_own.size(); ++word)
-            for (std::uint64_t bits = is_own[word]; bits; bits &= bits - 1)
-                own.push_back(static_cast<std::uint32_t>(word * 64 + static_cast<std::size_t>(__builtin_ctzll(bits))));
-    }
+    const std::vector<std::uint32_t> own = chosen_in(bin, box.points);
     std::vector<std::uint8_t> barred;
     if (given_.list) {
         const auto given = given_near(number, size, 0, static_cast<std::size_t>(sizes_[0] - size), points);
@@ -490,8 +390,20 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
                              checksum(found.data(), found.size() * sizeof found[0])});
         bin.chosen += found.size();
     }
-    // Neighbours only get fewer with smaller spacings: what is far from all of them now will not be asked for again.
-    // Neighbours lie outside of the bin's own box, as a rule: then what is as deep in it as the spacing is far from
+    keep_border(number, size, neighbours, found, points);
+}
+
+// Of the chosen points, those that passes of smaller sizes may ask for: the ones nearer than the spacing to a
+// neighbour. With smaller spacings there are only fewer neighbours.
+template <class Coord>
+void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::size_t>& neighbours,
+                                      const std::vector<std::uint32_t>& found,
+                                      typename SortedPoints<Coord>::Reader& points)
+{
+    Bin& bin = bins_[number];
+    const auto& box = points_.box(number);
+    const double spacing = lattice_.spacing(size), squared = spacing * spacing;
+    // Neighbours lie outside of the bin's own box, as a rule: then a point as deep in it as the spacing is far from
     // them.
     Point<Coord> inner_low = box.high, inner_high = box.low;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -501,13 +413,13 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
         inner_high[a] = box.high[a] - static_cast<Coord>(reach);
     }
     const bool apart = std::none_of(neighbours.begin(), neighbours.end(),
-                                    [&](std::size_t n) { return squared_distance_between(number, n) == 0; });
+                                    [&](std::size_t n) { return neighbours_.between(number, n) == 0; });
     const auto at_border = [&](const Point<Coord>& p) {
         bool inside = apart;
         for (std::size_t a = 0; a < 3; ++a) inside = inside && p[a] > inner_low[a] && p[a] < inner_high[a];
         if (inside) return false;
         for (const std::size_t n : neighbours)
-            if (squared_distance_to(p, points_.box(n), false) * (1 - margin) < squared) return true;
+            if (neighbours_.to_nearest(p, points_.box(n)) * (1 - distance_margin) < squared) return true;
         return false;
     };
     std::vector<Point<Coord>> border;

@@ -14,30 +14,22 @@
 //   stay.
 #pragma once
 
-#include "pcm/threads/crew.h"
-#include "pcm/build/levels/poisson_pass.h"
+#include "pcm/build/levels/bin_neighbours.h"
+#include "pcm/build/levels/given_levels.h"
 #include "pcm/build/levels/sorted_points.h"
+#include "pcm/system/file.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <vector>
 
 namespace pcm {
 
-// The levels of a cloud to which points are added.
-template <class Coord>
-struct GivenLevels {
-    using Visit = std::function<void(const Point<Coord>* points, std::size_t count)>;
-
-    std::vector<double> spacings;  // as LevelSampler::spacings(), on the same grid; at least one that is not 0
-    // Calls visit() with every point of levels first..last in the box [low, high], in any order and pieces of any size;
-    // points of these levels outside of the box do no harm. The rest is never asked for. Any thread, several at once.
-    std::function<void(const Point<Coord>& low, const Point<Coord>& high, std::size_t first, std::size_t last,
-                       const Visit& visit)>
-        list;
-};
+class ByteReader;
+class ByteWriter;
 
 template <class Coord>
 class LevelSampler {
@@ -85,13 +77,16 @@ private:
     };
     static constexpr std::uint64_t no_bytes = ~std::uint64_t(0);
 
-    double squared_distance_to(const Point<Coord>& p, const typename SortedPoints<Coord>::Box& box,
-                               bool farthest) const;
-    double squared_distance_between(std::size_t bin, std::size_t other) const;
+    void run_by_poisson(unsigned threads);
+    void run_by_grid(unsigned threads);
+    void run_beside_given(unsigned threads);
+    int coarsest_size() const;
+    void for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work);
     void pass(int size, unsigned threads);
     void sample_bin(std::size_t bin, int size, const std::vector<std::size_t>& neighbours);
-    void sample_by_grid(int top, unsigned threads);
-    void for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work);
+    std::vector<std::uint32_t> chosen_in(const Bin& bin, std::uint64_t points) const;
+    void keep_border(std::size_t bin, int size, const std::vector<std::size_t>& neighbours,
+                     const std::vector<std::uint32_t>& found, typename SortedPoints<Coord>::Reader& points);
     void sample_given_bin_by_grid(std::size_t bin);
     void bar_points(std::size_t bin);
     std::vector<Point<Coord>> given_near(std::size_t bin, int size, std::size_t first_level, std::size_t last_level,
@@ -100,14 +95,14 @@ private:
     std::uint64_t write(const void* data, std::size_t bytes);
     std::vector<std::uint32_t> read(const List& list) const;
     bool fine_enough() const;
-    void choose_levels(const std::vector<int>& sizes);
+    void choose_sizes(const std::vector<int>& sizes);
     void count_levels();
 
     const SortedPoints<Coord>& points_;
     const Lattice lattice_;
     const Sampling sampling_;
+    const BinNeighbours<Coord> neighbours_;
     GivenLevels<Coord> given_;
-    Vec3d squared_scale_;
     File file_;
     const bool remove_;
     std::mutex mutex_;

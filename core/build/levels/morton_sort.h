@@ -1,8 +1,8 @@
 // Rows of a bin in Morton order.
 #pragma once
 
-#include "pcm/build/levels/lattice.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/build/levels/lattice.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,8 +1,8 @@
 // Positions of the bins of a build, in Morton order, packed on disk: what sampling looks at, again and again.
 #pragma once
 
-#include "pcm/system/file.h"
 #include "pcm/build/levels/lattice.h"
+#include "pcm/system/file.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,8 +1,8 @@
 // The data files of a tree while it is built.
 #pragma once
 
+#include "pcm/build/nodes/draft.h"
 #include "pcm/system/file.h"
-#include "pcm/build/nodes/node_builder.h"
 
 #include <cstdint>
 #include <filesystem>

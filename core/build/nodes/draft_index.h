@@ -1,7 +1,7 @@
 // The nodes of an index from the drafts of a build.
 #pragma once
 
-#include "pcm/build/nodes/node_builder.h"
+#include "pcm/build/nodes/draft.h"
 #include "pcm/tree/tree_index.h"
 
 namespace pcm {

@@ -1,7 +1,7 @@
 #include "pcm/build/nodes/node_builder.h"
 
-#include "pcm/system/error.h"
 #include "pcm/build/levels/morton_sort.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,35 @@
 #include <limits>
 
 namespace pcm {
+namespace {
+
+// Copies `count` values of `size` bytes, one from each row at `order`, one after the other to `to`. Frequent sizes get
+// a copy of a length that the compiler knows.
+void gather(const std::byte* from, std::size_t row_bytes, const std::uint32_t* order, std::size_t count,
+            std::size_t size, std::byte* to)
+{
+    const auto copy = [&](auto fixed) {
+        for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * fixed, from + order[i] * row_bytes, fixed);
+    };
+    switch (size) {
+        case 1:
+            return copy(std::integral_constant<std::size_t, 1>());
+        case 2:
+            return copy(std::integral_constant<std::size_t, 2>());
+        case 4:
+            return copy(std::integral_constant<std::size_t, 4>());
+        case 6:
+            return copy(std::integral_constant<std::size_t, 6>());
+        case 8:
+            return copy(std::integral_constant<std::size_t, 8>());
+        case 12:
+            return copy(std::integral_constant<std::size_t, 12>());
+        default:
+            return copy(size);
+    }
+}
+
+}  // namespace
 
 LevelRange levels_that_fit(const std::vector<std::uint64_t>& histogram, std::size_t first, std::uint64_t most)
 {
@@ -154,12 +183,10 @@ auto NodeBuilder<Coord>::merge(Region left, Region right, const NodePath& path, 
     return region;
 }
 
+// The indices by level, each level in the order that they have. Sets the draft's levels.
 template <class Coord>
-void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const
+auto NodeBuilder<Coord>::by_level(const LeveledRows& points, const Indices& indices, Draft& draft) -> Indices
 {
-    if (indices.empty()) return;
-    const std::size_t row_bytes = options_.layout.bytes;
-    // By level, each in the order that the indices have.
     std::array<std::uint32_t, 257> start{};
     for (const std::uint32_t i : indices) ++start[points.levels[i] + 1u];
     std::size_t low_level = 0, high_level = 255;
@@ -171,7 +198,15 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
     for (std::size_t level = 0; level < 256; ++level) start[level + 1] += start[level];
     Indices order(indices.size());
     for (const std::uint32_t i : indices) order[start[points.levels[i]]++] = i;
+    return order;
+}
 
+// The positions of the points at `order`, relative to the corner of their box. Sets the draft's box.
+template <class Coord>
+std::shared_ptr<ChunkPositions> NodeBuilder<Coord>::positions_of(const LeveledRows& points, const Indices& order,
+                                                                 Draft& draft) const
+{
+    const std::size_t row_bytes = options_.layout.bytes;
     const auto point = [&](std::uint32_t i) { return coordinates_of<Coord>(points.rows.data() + i * row_bytes); };
     Point<Coord> low = point(order[0]), high = low;
     for (const std::uint32_t i : order) {
@@ -185,7 +220,6 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
         draft.box.min[a] = to_grid<Coord>(low[a]);
         draft.box.max[a] = to_grid<Coord>(high[a]);
     }
-    draft.points = static_cast<std::uint32_t>(order.size());
 
     auto positions = std::make_shared<ChunkPositions>();
     positions->origin = draft.box.min;
@@ -204,10 +238,13 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
         fill(positions->wide_xyz);
     else
         fill(positions->narrow_xyz);
+    return positions;
+}
 
-    Chunk chunk;
-    chunk.points = draft.points;
-    chunk.positions = std::move(positions);
+template <class Coord>
+std::vector<std::shared_ptr<Column>> NodeBuilder<Coord>::columns_of(const LeveledRows& points,
+                                                                    const Indices& order) const
+{
     std::vector<std::shared_ptr<Column>> columns;
     for (const Attribute& attribute : options_.schema) {
         columns.push_back(std::make_shared<Column>(attribute));
@@ -219,37 +256,23 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
         const std::size_t count = std::min(few, order.size() - first);
         for (std::size_t k = 0; k < columns.size(); ++k) {
             const std::size_t size = options_.layout.sizes[k];
-            std::byte* to = columns[k]->data() + first * size;
-            const std::byte* from = points.rows.data() + options_.layout.offsets[k];
-            const auto gather = [&](auto fixed) {
-                for (std::size_t i = 0; i < count; ++i)
-                    std::memcpy(to + i * fixed, from + order[first + i] * row_bytes, fixed);
-            };
-            switch (size) {
-                case 1:
-                    gather(std::integral_constant<std::size_t, 1>());
-                    break;
-                case 2:
-                    gather(std::integral_constant<std::size_t, 2>());
-                    break;
-                case 4:
-                    gather(std::integral_constant<std::size_t, 4>());
-                    break;
-                case 6:
-                    gather(std::integral_constant<std::size_t, 6>());
-                    break;
-                case 8:
-                    gather(std::integral_constant<std::size_t, 8>());
-                    break;
-                case 12:
-                    gather(std::integral_constant<std::size_t, 12>());
-                    break;
-                default:
-                    gather(size);
-            }
+            gather(points.rows.data() + options_.layout.offsets[k], options_.layout.bytes, order.data() + first, count,
+                   size, columns[k]->data() + first * size);
         }
     }
-    for (auto& column : columns) chunk.attributes.push_back(std::move(column));
+    return columns;
+}
+
+template <class Coord>
+void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const
+{
+    if (indices.empty()) return;
+    const Indices order = by_level(points, indices, draft);
+    draft.points = static_cast<std::uint32_t>(order.size());
+    Chunk chunk;
+    chunk.points = draft.points;
+    chunk.positions = positions_of(points, order, draft);
+    for (auto& column : columns_of(points, order)) chunk.attributes.push_back(std::move(column));
     ChunkIdentity identity;
     identity.path = draft.path;
     identity.part = options_.part;

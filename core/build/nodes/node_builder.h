@@ -6,46 +6,18 @@
 #pragma once
 
 #include "pcm/bpc/chunk_codec.h"
-#include "pcm/tree/chunk_size.h"
-#include "pcm/build/levels/lattice.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/build/levels/lattice.h"
+#include "pcm/build/nodes/draft.h"
+#include "pcm/tree/chunk_size.h"
 #include "pcm/tree/tree.h"
 
 #include <array>
 #include <cstdint>
-#include <deque>
-#include <mutex>
+#include <memory>
 #include <vector>
 
 namespace pcm {
-
-// A node in the making.
-struct Draft {
-    std::array<Draft*, 2> children{nullptr, nullptr};
-    NodePath path;
-    Box3i box;  // of its own points
-    std::uint32_t points = 0;
-    std::uint16_t first_level = 0;
-    std::vector<std::uint32_t> level_points;
-    double spacing = 0;
-    Extent extent;  // of its chunk; file and offset are known once the chunk is written
-};
-
-// Owns drafts; they never move. add() may be called from any thread.
-class DraftStore {
-public:
-    Draft* add(const NodePath& path)
-    {
-        const std::lock_guard lock(mutex_);
-        drafts_.emplace_back();
-        drafts_.back().path = path;
-        return &drafts_.back();
-    }
-
-private:
-    std::mutex mutex_;
-    std::deque<Draft> drafts_;
-};
 
 struct NodeBuilderOptions {
     Grid grid;
@@ -109,6 +81,9 @@ private:
     Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path,
                        Output& output);
     double spacing_after(const LevelRange& own) const;
+    static Indices by_level(const LeveledRows& points, const Indices& indices, Draft& draft);
+    std::shared_ptr<ChunkPositions> positions_of(const LeveledRows& points, const Indices& order, Draft& draft) const;
+    std::vector<std::shared_ptr<Column>> columns_of(const LeveledRows& points, const Indices& order) const;
     // Gives a node its chunk: the points at `indices`, which are in Morton order, by level.
     void emit(const LeveledRows& points, const Indices& indices, Draft& draft, Output& output) const;
 

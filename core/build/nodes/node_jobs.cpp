@@ -7,8 +7,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t checkpoint_bytes = std::uint64_t(64) << 20;  // of chunks: that many are worth a checkpoint
-
 void put_draft(ByteWriter& out, const Draft& draft)
 {
     out.put(draft.path.depth);
@@ -178,7 +176,7 @@ void NodeJobs<Coord>::load(std::size_t number, ByteReader& in)
 }
 
 template <class Coord>
-void NodeJobs<Coord>::go_on(const std::vector<const std::vector<std::byte>*>& records)
+void NodeJobs<Coord>::resume(const std::vector<const std::vector<std::byte>*>& records)
 {
     std::size_t next = 0;
     for (std::size_t r = 0; r < records.size(); ++r) {
@@ -189,7 +187,7 @@ void NodeJobs<Coord>::go_on(const std::vector<const std::vector<std::byte>*>& re
         for (; next < last; ++next) load(next, in);
         if (r + 1 == records.size()) files_.load(in);
     }
-    restored_ = checkpointed_ = next;
+    restored_ = next;
 }
 
 // The region of a job that was committed before this run.
@@ -208,87 +206,97 @@ auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> ty
     return region;
 }
 
-// All that was committed and is in no checkpoint yet. By the one thread that commits.
+// What the threads of run() share, guarded by the signal's mutex; so are the jobs' claimed, done and region.
 template <class Coord>
-void NodeJobs<Coord>::checkpoint(Checkpoints& checkpoints, std::size_t committed)
-{
-    if (!checkpoints.on() || !(checkpoints.due() || files_.appended() - bytes_checkpointed_ >= checkpoint_bytes))
-        return;
-    ByteWriter record;
-    save(checkpointed_, committed, record);
-    checkpoints.post(files_.syncer(), Checkpoints::committed, std::move(record.bytes()));
-    checkpointed_ = committed;
-    bytes_checkpointed_ = files_.appended();
-}
-
-template <class Coord>
-Draft* NodeJobs<Coord>::run(unsigned threads, Checkpoints& checkpoints,
-                            const std::function<void(std::uint64_t)>& progress)
-{
-    if (jobs_.empty()) return nullptr;
+struct NodeJobs<Coord>::Run {
+    Run(unsigned number_of_threads, std::size_t first, const std::function<void(std::size_t)>& on_commit)
+        : threads(number_of_threads), commits(first), committed(on_commit)
+    {
+    }
+    const unsigned threads;
     Signal signal;
-    OrderedResults<typename Builder::Output> commits(restored_);
+    OrderedResults<typename Builder::Output> commits;
+    const std::function<void(std::size_t)>& committed;
     std::uint64_t points_done = 0;
-    for (std::size_t j = 0; j < restored_; ++j)
-        if (jobs_[j].bin) points_done += bins_.rows(*jobs_[j].bin);
+};
 
+// The next job that can be done, not far ahead of the committed ones, so that few outputs wait. Waits for one; absent
+// when none is left.
+template <class Coord>
+std::optional<std::size_t> NodeJobs<Coord>::next_job(Run& run, std::unique_lock<std::mutex>& lock) const
+{
     const auto ready = [&](const Job& job) {
         return !job.claimed && (job.bin || (jobs_[job.inputs[0]].done && jobs_[job.inputs[1]].done));
     };
-    // The next job that can be done, not far ahead of what is committed. Nothing when none is left.
-    const auto next_job = [&](std::unique_lock<std::mutex>& lock) -> std::optional<std::size_t> {
-        for (;;) {
-            if (signal.stopped) return std::nullopt;
-            bool any_left = false;
-            const std::size_t far = commits.next() + 2 * threads;
-            for (std::size_t j = commits.next(); j < jobs_.size(); ++j) {
-                any_left = any_left || !jobs_[j].claimed;
-                if (j <= far && ready(jobs_[j])) return j;
-                if (any_left && j > far) break;
-            }
-            if (!any_left) return std::nullopt;
-            signal.wake.wait(lock);
+    for (;;) {
+        if (run.signal.stopped) return std::nullopt;
+        bool any_left = false;
+        const std::size_t far = run.commits.next() + 2 * run.threads;
+        for (std::size_t j = run.commits.next(); j < jobs_.size(); ++j) {
+            any_left = any_left || !jobs_[j].claimed;
+            if (j <= far && ready(jobs_[j])) return j;
+            if (any_left && j > far) break;
         }
-    };
-    const auto work = [&] {
-        Builder builder(options_, drafts_);
-        std::unique_lock lock(signal.mutex);
-        while (const auto mine = next_job(lock)) {
-            Job& job = jobs_[*mine];
-            job.claimed = true;
-            typename Builder::Region left, right;
-            const auto take = [&](bool restored) {
-                if (job.bin) return;
-                for (auto* side : {&left, &right}) {
-                    const std::size_t input = job.inputs[side == &right];
-                    if ((input < restored_) != restored) continue;
-                    *side = restored ? regained(builder, input) : std::move(jobs_[input].region);
-                }
-            };
-            take(false);
-            lock.unlock();
-            take(true);
-            typename Builder::Output output;
-            typename Builder::Region region = build(builder, job, std::move(left), std::move(right), output);
-            lock.lock();
-            job.region = std::move(region);
-            job.done = true;
-            if (job.bin) points_done += bins_.rows(*job.bin);
-            commits.add(lock, *mine, std::move(output), [&](std::size_t number, typename Builder::Output next) {
-                for (const auto& piece : next.pieces)
-                    files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
-                checkpoint(checkpoints, number + 1);
-            });
-            signal.wake.notify_all();
-        }
-    };
-    Crew crew(signal);
-    for (unsigned t = 0; t < threads; ++t) crew.add(work);
+        if (!any_left) return std::nullopt;
+        run.signal.wake.wait(lock);
+    }
+}
+
+// The regions of a job's inputs: of those that were restored, or of those of this run.
+template <class Coord>
+void NodeJobs<Coord>::take_inputs(Builder& builder, const Job& job, bool restored, typename Builder::Region& left,
+                                  typename Builder::Region& right)
+{
+    if (job.bin) return;
+    for (auto* side : {&left, &right}) {
+        const std::size_t input = job.inputs[side == &right];
+        if ((input < restored_) != restored) continue;
+        *side = restored ? regained(builder, input) : std::move(jobs_[input].region);
+    }
+}
+
+template <class Coord>
+void NodeJobs<Coord>::work(Run& run)
+{
+    Builder builder(options_, drafts_);
+    std::unique_lock lock(run.signal.mutex);
+    while (const auto mine = next_job(run, lock)) {
+        Job& job = jobs_[*mine];
+        job.claimed = true;
+        typename Builder::Region left, right;
+        take_inputs(builder, job, false, left, right);
+        lock.unlock();
+        take_inputs(builder, job, true, left, right);  // reads from the disk
+        typename Builder::Output output;
+        typename Builder::Region region = build(builder, job, std::move(left), std::move(right), output);
+        lock.lock();
+        job.region = std::move(region);
+        job.done = true;
+        if (job.bin) run.points_done += bins_.rows(*job.bin);
+        run.commits.add(lock, *mine, std::move(output), [&](std::size_t number, typename Builder::Output next) {
+            for (const auto& piece : next.pieces)
+                files_.append(*piece.draft, next.bytes.data() + piece.from, piece.size);
+            run.committed(number + 1);
+        });
+        run.signal.wake.notify_all();
+    }
+}
+
+template <class Coord>
+Draft* NodeJobs<Coord>::run(unsigned threads, const std::function<void(std::uint64_t)>& progress,
+                            const std::function<void(std::size_t)>& committed)
+{
+    if (jobs_.empty()) return nullptr;
+    Run run(threads, restored_, committed);
+    for (std::size_t j = 0; j < restored_; ++j)
+        if (jobs_[j].bin) run.points_done += bins_.rows(*jobs_[j].bin);
+    Crew crew(run.signal);
+    for (unsigned t = 0; t < threads; ++t) crew.add([&] { work(run); });
     crew.join([&] {
         std::uint64_t done;
         {
-            const std::lock_guard lock(signal.mutex);
-            done = points_done;
+            const std::lock_guard lock(run.signal.mutex);
+            done = run.points_done;
         }
         progress(done);
     });

@@ -1,20 +1,23 @@
 // The nodes of a whole cloud, built bin by bin on several threads.
 #pragma once
 
-#include "pcm/build/checkpoints.h"
-#include "pcm/build/nodes/data_files.h"
-#include "pcm/build/levels/level_sampler.h"
-#include "pcm/build/nodes/node_builder.h"
-#include "pcm/build/levels/sorted_bins.h"
 #include "pcm/build/bins/top_tree.h"
+#include "pcm/build/levels/level_sampler.h"
+#include "pcm/build/levels/sorted_bins.h"
+#include "pcm/build/nodes/data_files.h"
+#include "pcm/build/nodes/node_builder.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <vector>
 
 namespace pcm {
+
+class ByteReader;
+class ByteWriter;
 
 // Bins, and the nodes above them, as jobs in post-order. Output is committed in that order, so the files do not depend
 // on which thread did what; and so few results are kept waiting that memory stays bounded.
@@ -25,16 +28,21 @@ public:
     NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
              const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files);
 
-    // Before run(): what was committed until the checkpoints in `records` were made is taken from them, and run() does
-    // the rest. Throws Error(corrupt | truncated | not_found) when they do not go together with the files; all is to be
-    // made anew then.
-    void go_on(const std::vector<const std::vector<std::byte>*>& records);
-    std::size_t restored() const { return restored_; }
+    // Before run(): takes over the jobs that an interrupted run had committed, from the records that save() wrote;
+    // run() does the rest. Throws Error(corrupt | truncated | not_found) when the records do not match the data files.
+    // Then these jobs, the drafts and the data files must be made anew.
+    void resume(const std::vector<const std::vector<std::byte>*>& records);
+    std::size_t restored() const { return restored_; }  // jobs that resume() took over
     std::size_t size() const { return jobs_.size(); }
 
     // Returns the root; null for a cloud without points. `progress(points done)` is called on this thread and may
-    // throw.
-    Draft* run(unsigned threads, Checkpoints& checkpoints, const std::function<void(std::uint64_t)>& progress);
+    // throw. `committed(jobs)` is called after each job whose chunks were appended to the data files, on any thread but
+    // one at a time: jobs 0 .. jobs - 1 are committed by then, and save() may be called for them.
+    Draft* run(unsigned threads, const std::function<void(std::uint64_t)>& progress,
+               const std::function<void(std::size_t)>& committed);
+
+    // The record of the committed jobs first .. last - 1, all after those of the record before.
+    void save(std::size_t first, std::size_t last, ByteWriter& out) const;
 
 private:
     using Builder = NodeBuilder<Coord>;
@@ -51,9 +59,12 @@ private:
     };
 
     typename Builder::Region regained(Builder& builder, std::size_t job) const;
-    void save(std::size_t first, std::size_t last, ByteWriter& out) const;
+    struct Run;
+    std::optional<std::size_t> next_job(Run& run, std::unique_lock<std::mutex>& lock) const;
+    void work(Run& run);
+    void take_inputs(Builder& builder, const Job& job, bool restored, typename Builder::Region& left,
+                     typename Builder::Region& right);
     void load(std::size_t job, ByteReader& in);
-    void checkpoint(Checkpoints& checkpoints, std::size_t committed);
     std::optional<std::size_t> list(std::uint32_t node, const NodePath& path);
     std::uint64_t rows(std::uint32_t node) const;
     void plan();
@@ -67,9 +78,7 @@ private:
     DraftStore& drafts_;
     DataFiles& files_;
     std::vector<Job> jobs_;
-    std::size_t restored_ = 0;      // jobs that go_on() has found done
-    std::size_t checkpointed_ = 0;  // jobs that are in a checkpoint
-    std::uint64_t bytes_checkpointed_ = 0;
+    std::size_t restored_ = 0;
 };
 
 extern template class NodeJobs<std::uint32_t>;

@@ -1,0 +1,58 @@
+// Where a build works, and what its stages share: limits, threads, progress and space on disk.
+#pragma once
+
+#include "pcm/build/bins/row.h"
+#include "pcm/build/bins/scratch_file.h"
+#include "pcm/system/progress.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+
+namespace pcm {
+
+struct Workspace {
+    // `threads_asked` 0: one per processor. `progress` must outlive the workspace.
+    Workspace(std::filesystem::path work_folder, std::uint64_t memory, std::uint32_t most_chunk_points,
+              unsigned threads_asked, const ProgressFunction& progress)
+        : folder(std::move(work_folder)),
+          memory_bytes(memory),
+          chunk_points(most_chunk_points),
+          threads(thread_count(threads_asked)),
+          watch(progress)
+    {
+    }
+    Workspace(const Workspace&) = delete;
+
+    const std::filesystem::path folder;  // of the scratch files
+    const std::uint64_t memory_bytes;    // for the whole build
+    const std::uint32_t chunk_points;    // most points per chunk
+    const unsigned threads;
+    Watch watch;
+    ScratchSpace space;
+
+    // Points per bin: sixteen bins at work fill half of the memory. Independent of the number of threads, because the
+    // bins shape the tree.
+    std::uint64_t bin_points(const RowLayout& layout) const
+    {
+        return std::max(memory_bytes / 2 / 16 / point_bytes(layout), 2 * std::uint64_t(chunk_points));
+    }
+    // How many of the threads work on bins: fewer where a bin is larger than its share of the memory, because it has
+    // two chunks at least.
+    unsigned bin_threads(const RowLayout& layout) const
+    {
+        const std::uint64_t bin = bin_points(layout) * point_bytes(layout);
+        return static_cast<unsigned>(std::clamp<std::uint64_t>(memory_bytes / 2 / bin, 1, threads));
+    }
+
+private:
+    // Rows before and after the sort, coordinates and work space.
+    static std::uint64_t point_bytes(const RowLayout& layout)
+    {
+        return 2 * layout.bytes + 3 * layout.coordinate_bytes + 32;
+    }
+};
+
+}  // namespace pcm

@@ -1,0 +1,105 @@
+#include "pcm/build/levels/grid_levels.h"
+
+#include <algorithm>
+
+namespace pcm {
+namespace {
+
+// Of cells of `size`, the level.
+std::uint8_t level_of(int size, const std::vector<int>& sizes)
+{
+    if (size < sizes.back()) return static_cast<std::uint8_t>(sizes.size());
+    return static_cast<std::uint8_t>(std::max(0, sizes[0] - size));
+}
+
+}  // namespace
+
+template <class Coord>
+std::array<std::uint32_t, 65> count_first_of_cells(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer,
+                                                   int top)
+{
+    std::array<std::uint32_t, 65> first{};
+    Point<Coord> before = points[0];
+    first[static_cast<std::size_t>(top)] = 1;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        const Point<Coord> p = points[i];
+        if (const int size = parting_size(before, p, finer); size >= 0)
+            ++first[static_cast<std::size_t>(std::min(size, top))];
+        before = p;
+    }
+    return first;
+}
+
+template <class Coord>
+std::vector<std::uint8_t> grid_levels(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer,
+                                      const std::vector<int>& sizes)
+{
+    std::vector<std::uint8_t> levels(points.size());
+    if (levels.empty()) return levels;
+    Point<Coord> before = points[0];
+    for (std::size_t i = 1; i < levels.size(); ++i) {
+        const Point<Coord> p = points[i];
+        levels[i] = level_of(parting_size(before, p, finer), sizes);
+        before = p;
+    }
+    return levels;
+}
+
+template <class Coord>
+std::vector<std::uint8_t> grid_levels_beside(typename SortedPoints<Coord>::Reader& reader,
+                                             const typename SortedPoints<Coord>::Box& box, const Lattice& lattice,
+                                             const std::vector<int>& sizes, const GivenLevels<Coord>& given)
+{
+    // A point is the first of its cell where no point before it is in that cell, and no given one before or after it:
+    // the nearest given ones in Morton order decide. Of three points in order, the outer two are parted by the larger
+    // of the inner partings.
+    std::vector<Point<Coord>> points;
+    for (std::size_t i = 0; i < reader.size(); ++i) points.push_back(reader[i]);
+    // The size that parts a point from the nearest given one before and after it.
+    std::vector<std::int8_t> before(points.size(), 127), after(points.size(), 127);
+    Point<Coord> low, high;  // of the points' cells of the first level
+    const std::array<int, 3> shifts = lattice.shifts(sizes[0]);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::uint64_t inside = (std::uint64_t(1) << shifts[a]) - 1;
+        low[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.low[a]) & ~inside);
+        high[a] = static_cast<Coord>(static_cast<std::uint64_t>(box.high[a]) | inside);
+    }
+    given.list(low, high, 0, sizes.size() - 1, [&](const Point<Coord>* at, std::size_t count) {
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto place = std::lower_bound(points.begin(), points.end(), at[n], [&](const auto& p, const auto& q) {
+                return morton_before(p, q, lattice.finer);
+            });
+            const auto parted = [&](std::size_t i) {
+                return static_cast<std::int8_t>(parting_size(points[i], at[n], lattice.finer));
+            };
+            const auto i = static_cast<std::size_t>(place - points.begin());
+            if (i < points.size()) before[i] = std::min(before[i], parted(i));
+            if (i > 0) after[i - 1] = std::min(after[i - 1], parted(i - 1));
+        }
+    });
+    std::vector<std::int8_t> parting(points.size(), 127);  // from the point before
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        parting[i] = static_cast<std::int8_t>(parting_size(points[i - 1], points[i], lattice.finer));
+        before[i] = std::min(before[i], std::max(before[i - 1], parting[i]));
+    }
+    for (std::size_t i = points.size() - 1; i-- > 0;)
+        after[i] = std::min(after[i], std::max(after[i + 1], parting[i + 1]));
+    std::vector<std::uint8_t> levels(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        levels[i] = level_of(std::min({before[i], after[i], parting[i]}), sizes);
+    return levels;
+}
+
+#define PCM_INSTANTIATE(Coord)                                                                                         \
+    template std::array<std::uint32_t, 65> count_first_of_cells<Coord>(SortedPoints<Coord>::Reader&, const AxisShift&, \
+                                                                       int);                                           \
+    template std::vector<std::uint8_t> grid_levels<Coord>(SortedPoints<Coord>::Reader&, const AxisShift&,              \
+                                                          const std::vector<int>&);                                    \
+    template std::vector<std::uint8_t> grid_levels_beside<Coord>(SortedPoints<Coord>::Reader&,                         \
+                                                                 const SortedPoints<Coord>::Box&, const Lattice&,      \
+                                                                 const std::vector<int>&, const GivenLevels<Coord>&);
+PCM_INSTANTIATE(std::uint32_t)
+PCM_INSTANTIATE(std::uint64_t)
+#undef PCM_INSTANTIATE
+
+}  // namespace pcm
