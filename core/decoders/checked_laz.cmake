@@ -1,10 +1,10 @@
 # A copy of the crate laz in which a damaged file cannot overflow the stack.
 #
-# GPS times are in four sequences, and a symbol of the compressed stream says that another of them goes on. laz 0.13 follows such
-# a switch by recursion, as often as the file asks for. No encoder switches twice without a time in between: in the copy
+# GPS times are in four sequences, and a symbol of the compressed stream switches to another of them. laz 0.13 handles such
+# a switch by recursion, as often as the file contains it. No encoder switches twice without a time in between: in the copy
 # the seventeenth switch in a row is an error.
 
-# Sets ${text} to itself with `count` occurrences of `from` replaced by `to`, and ${why} where there are not so many.
+# Sets ${text} to itself with `count` occurrences of `from` replaced by `to`, and ${why} when their number differs.
 function(replace_exactly text count from to why)
   string(REPLACE "${from}" "" without "${${text}}")
   string(LENGTH "${${text}}" length)
@@ -18,7 +18,7 @@ function(replace_exactly text count from to why)
   set(${text} "${replaced}" PARENT_SCOPE)
 endfunction()
 
-# From the folder `laz` of the crate to the folder `copy`; sets ${why} where that cannot be.
+# From the folder `laz` of the crate to the folder `copy`; sets ${why} when that fails.
 function(make_checked_laz laz copy why)
   set(${why} "" PARENT_SCOPE)
   if(NOT EXISTS "${laz}/src/las/point6.rs" OR NOT EXISTS "${laz}/src/las/gps.rs")

@@ -1,4 +1,4 @@
-// Any cloud in, any format out: nothing lost that is not told, nothing left of what fails.
+// Conversion between all formats: every loss is reported, and a failure leaves nothing behind.
 
 #include "pcm/convert/convert.h"
 
@@ -70,7 +70,7 @@ double user_value(const MemoryCloud& cloud, std::size_t k, std::size_t i, std::u
     return cloud.points.attributes[k].value(i, component) * attribute.scale + attribute.offset;
 }
 
-// Whether `to` has the attribute of `from`, under its name or as one attribute a component.
+// Whether `to` has the attribute of `from`, under its name or as one attribute per component.
 bool has_attribute(const MemoryCloud& from, std::size_t k, const MemoryCloud& to)
 {
     const Attribute& attribute = from.info.schema[k];
@@ -122,9 +122,9 @@ INSTANTIATE_TEST_SUITE_P(Convert, EveryFormat,
                                           testing::Values(Positions::gridded, Positions::doubles, Positions::floats)),
                          name_of_format);
 
-// Tree, to the format, and read again: positions bit for bit, attributes equal or named in the notes, in the same
+// From a tree to the format and back: positions bit for bit, attributes equal or named in the notes, in the same
 // order.
-TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
+TEST_P(EveryFormat, KeepsPositionsAndAttributesOrReportsIt)
 {
     const auto& [extension, positions] = GetParam();
     if (!is_readable(extension)) GTEST_SKIP() << "nothing here reads ." << extension;
@@ -166,7 +166,7 @@ TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
         for (std::size_t a = 0; a < 3; ++a) error = std::max(error, std::fabs(p[a] - q[a]));
     }
     EXPECT_EQ(error, report.outcome.error);
-    // Floats of any size fit no grid of 32 bits.
+    // Floats of any size do not fit a 32-bit grid.
     const bool las = extension == "las" || extension == "laz";
     if (las && positions == Positions::floats)
         EXPECT_TRUE(mentions(report.notes, "rounded"));
@@ -178,7 +178,7 @@ TEST_P(EveryFormat, KeepsPositionsAndAttributesOrSaysSo)
             << schema[k].name;
 }
 
-// What keeps all types gives a tree with the very same content.
+// Formats that keep all types give a tree with exactly the same content.
 TEST(Convert, TreesOfFilesOfTreesHaveTheSameContent)
 {
     const TemporaryFolder folder;
@@ -215,7 +215,7 @@ TEST(Convert, AGridSurvivesAWayThroughDoubles)
     EXPECT_EQ(report.grid, grid);
     const MemoryCloud in = read_file(folder / "in.las"), back = read_file(folder / "back.las");
     EXPECT_EQ(in.points.grid_xyz, back.points.grid_xyz);
-    // A step that the user asks for.
+    // A step that the user requests.
     ConvertOptions coarse = small();
     coarse.scale = Vec3d{0.5, 0.5, 0.5};
     const ConvertReport rounded = convert({folder / "on.ply"}, folder / "coarse.las", coarse);
@@ -242,8 +242,8 @@ TEST(Convert, PointsWithoutAFinitePositionAreCountedWhereTheyAreLeftOut)
     EXPECT_EQ(read_file(folder / "all.bpc").points.size, 4u);
 }
 
-// What a reader finds out only on the way is told too, whatever stands between.
-TEST(Convert, NotesOfTheEndOfAFileAreTold)
+// Notes that a reader adds while reading are reported, whatever readers are in between.
+TEST(Convert, NotesOfTheEndOfAFileAreReported)
 {
     const TemporaryFolder folder;
     std::ofstream(folder / "in.csv") << "x,y,z,weight\n1,2,3,4\n5,6,7,\n8,9,10,11\n";
@@ -260,7 +260,7 @@ TEST(Convert, NotesOfTheEndOfAFileAreTold)
         }
 }
 
-// ------------------------------------------------------------------------------------------ what is taken
+// ------------------------------------------------------------------------------------------ selection
 
 class FromATree : public testing::Test {
 protected:
@@ -269,7 +269,7 @@ protected:
         write_las(folder_ / "in.las", records(Shape::surface, 20000, 2), grid_);
         build_tree({folder_ / "in.las"}, folder_ / "in.pct", small_chunks());
     }
-    // What a file of the selected points holds, and what a tree of them holds, against the points of the source.
+    // Compares a file and a tree of the selected points with the points of the source.
     void expect_selected(const ConvertOptions& options, const std::function<bool(const LasRecord&)>& wanted)
     {
         std::vector<std::array<std::int32_t, 3>> expected;

@@ -23,7 +23,7 @@ void seal(std::vector<std::uint8_t>& bytes, std::size_t from, std::uint64_t size
     std::memcpy(&bytes[static_cast<std::size_t>(at)], &sum, 8);
 }
 
-// Makes the checksums hold, or the fuzzer would never see what lies behind them.
+// Corrects the checksums: otherwise the fuzzer would never reach the code after their check.
 void seal_all(std::vector<std::uint8_t>& bytes)
 {
     std::size_t at = 0;
@@ -37,7 +37,8 @@ void seal_all(std::vector<std::uint8_t>& bytes)
             seal(bytes, static_cast<std::size_t>(end), bytes.size() - 8 - end, bytes.size() - 8);
         at = static_cast<std::size_t>(size);
     }
-    // Columns first, for the header holds their checksums; the first column, and the last, which ends the header.
+    // Columns first, because the header holds their checksums: the first column, and the last one, at the end of the
+    // header.
     while (at < end && bytes.size() - at >= 44) {
         if (std::memcmp(&bytes[at], "BPCG", 4) == 0 || number<std::uint16_t>(bytes, at + 4) == 3) {
             const std::uint64_t size = pcm::fuzz::seal_record_of_tree(bytes, at);

@@ -62,7 +62,7 @@ std::uint64_t check_record(const File& file, std::uint64_t offset, std::uint64_t
     if (header.identity) {
         for (const unsigned pick : {1u, 2u}) check_part(file, offset, header, whole, pick);
         if (header.points > 0) {
-            // What was read can be written and read again.
+            // A chunk that was read can be written and read again.
             Box3i box;
             for (std::size_t i = 0; i < header.points; ++i) box.extend(whole.chunk.positions->grid(i));
             if (box == header.box) {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-// The pages get the checksums of what is in them: behind wrong ones there is nothing to find.
+// Corrects the checksums of the pages: otherwise the fuzzer would never reach the code after their check.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
     using pcm::E57Pages;

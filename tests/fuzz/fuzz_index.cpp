@@ -1,4 +1,4 @@
-// The index of a tree. One that is accepted is written again as the same bytes, and its nodes can be walked.
+// The index of a tree. An accepted index is written again as the same bytes, and its nodes can be traversed.
 
 #include "pcm/bpc/chunk_codec.h"
 #include "pcm/system/error.h"

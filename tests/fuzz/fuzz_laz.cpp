@@ -1,7 +1,7 @@
 #include "pcm/io/las/las_reader.h"
 #include "tests/fuzz/reader_input.h"
 
-// By one thread and by several, as the input's size has it: both see the whole corpus.
+// With one thread or several, depending on the input's size: both see the whole corpus.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
     pcm::ReadOptions options;

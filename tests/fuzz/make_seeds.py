@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes small files of every format for the fuzzer to begin with: the project's own, made by `pcm` and by hand.
+"""Writes small files of every format as the fuzzer's first inputs: the project's own, made by `pcmlab` and by hand.
 
-    make_seeds.py PCM FOLDER     fills FOLDER/las, FOLDER/ply, ...: one a fuzz target
+    make_seeds.py PCMLAB FOLDER     fills FOLDER/las, FOLDER/ply, ...: one folder per fuzz target
 """
 import pathlib
 import random
@@ -107,7 +107,7 @@ def ptx_seeds():
 
 
 def literal_lzf(data):
-    """LZF that compresses nothing: runs of at most 32 bytes as they are."""
+    """LZF that compresses nothing: runs of at most 32 literal bytes."""
     return b"".join(bytes([len(data[i:i + 32]) - 1]) + data[i:i + 32] for i in range(0, len(data), 32))
 
 
@@ -130,7 +130,7 @@ def pcd_seeds():
 
 
 def write_e57(folder):
-    """E57 files, where the tests' Python packages are: the project writes none."""
+    """E57 files, if the tests' Python packages are installed: the project does not write E57."""
     try:
         import numpy
         import pye57
@@ -185,7 +185,7 @@ def main():
     for extension in CONVERTED:
         (folder / extension).mkdir(exist_ok=True)
         for source in (scene, folder / "las" / "format7.las", folder / "las" / "extra.las", folder / "las" / "format3.las"):
-            # A format that a source does not fit into, or that is not built in, has the other seeds.
+            # Conversion fails where a format cannot hold a source or is not built in; the other seeds remain.
             subprocess.run([pcm, "convert", source, folder / extension / f"{source.stem}_converted.{extension}"],
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 

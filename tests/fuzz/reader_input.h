@@ -1,4 +1,4 @@
-// Bytes as a file that exists only in memory, read to the end.
+// Reads bytes to the end as a file that exists only in memory.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -13,7 +13,7 @@
 
 namespace pcm::fuzz {
 
-// Any pcm::Error is an answer; any other exception, and points that are not as many as promised, are a find.
+// Any pcm::Error is a valid result. Any other exception, and a wrong number of points, is a finding.
 inline void read_all(std::unique_ptr<PointReader> (*open)(const std::filesystem::path&, const ReadOptions&),
                      const std::uint8_t* bytes, std::size_t size, const ReadOptions& options = {})
 {

@@ -1,4 +1,4 @@
-// Makes the checksums of a tree's chunk hold, or a fuzzer would never see what lies behind them.
+// Corrects the checksums of a tree's chunk: otherwise a fuzzer would never reach the code after their check.
 #pragma once
 
 #include "pcm/bpc/chunk_codec.h"
@@ -17,8 +17,8 @@ inline void put_sum(std::vector<std::uint8_t>& bytes, std::size_t from, std::siz
     std::memcpy(&bytes[at], &sum, 8);
 }
 
-// A chunk of version 3 or a commit record at `at`, of which 44 bytes are there. Returns its length; 0 when it makes no
-// sense.
+// Seals a chunk of version 3 or a commit record at `at`, where at least 44 bytes remain. Returns its length; 0 when it
+// is invalid.
 inline std::uint64_t seal_record_of_tree(std::vector<std::uint8_t>& bytes, std::size_t at)
 {
     const auto number = [&](std::size_t from, auto kind) {
@@ -37,7 +37,7 @@ inline std::uint64_t seal_record_of_tree(std::vector<std::uint8_t>& bytes, std::
     const auto seal_header = [&] { put_sum(bytes, at, header_bytes - 8, at + header_bytes - 8); };
     seal_header();
     try {
-        // What can be decoded lies where the layout says.
+        // Columns must be where the layout places them.
         const BpcHeader header = decode_header(reinterpret_cast<const std::byte*>(&bytes[at]), left, {});
         if (!header.identity) return 0;
         std::size_t place =

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads the sample clouds of one format with the project's reader and with one that others wrote, and compares every
+"""Reads the sample clouds of one format with the project's reader and with an independent one, and compares every
 position and every attribute of every point.
 
     check.py FORMAT --dump DUMP_CLOUD --data FOLDER [--python PYTHON] [--only TEXT]
@@ -34,7 +34,7 @@ def skip(why):
 
 
 def common_arguments(description, add=lambda parser: None):
-    """The arguments that all of these scripts have; goes on in the interpreter that has the packages."""
+    """The arguments that all of these scripts have; continues in the interpreter with the packages."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     add(parser)
     parser.add_argument("--dump", required=True)
@@ -49,7 +49,7 @@ def common_arguments(description, add=lambda parser: None):
 
 
 def clouds_of(data, extensions):
-    """Every sample of these extensions that is a cloud to be read: bad/ and edge/ hold those that are none."""
+    """Every sample of these extensions that is a valid cloud: bad/ and edge/ hold the invalid ones."""
     return sorted(path for path in data.glob("*/**/*") if path.suffix.lower() in extensions
                   and path.relative_to(data).parts[0] not in ("bad", "edge"))
 

@@ -1,4 +1,4 @@
-"""Clouds as columns, where two of them differ, and what the project's reader made of a file."""
+"""Clouds as columns, the differences between two clouds, and files as the project's reader reads them."""
 import dataclasses
 import json
 import pathlib
@@ -27,7 +27,7 @@ class Cloud:
     grid: Optional[np.ndarray] = None  # (points, 3) integers; position = grid * scale + offset
     scale: Optional[List[float]] = None
     offset: Optional[List[float]] = None
-    # Largest error of these positions on any axis that their computation may have; 0 where it has none: one number, or
+    # Largest rounding error of these positions on any axis; 0 when they are exact: one number, or
     # (points, 3).
     uncertainty: object = 0.0
     notes: List[str] = dataclasses.field(default_factory=list)
@@ -59,7 +59,7 @@ def read_dump(description, folder):
 
 
 def read_ours(dump_cloud, path):
-    """The file as the project reads it. Raises RuntimeError with the project's message where it refuses."""
+    """The file as the project reads it. Raises RuntimeError with the project's message for a refused file."""
     with tempfile.TemporaryDirectory(prefix="pcm-independent-") as name:
         done = subprocess.run([dump_cloud, path, name], capture_output=True, text=True, timeout=300)
         if done.returncode != 0:
@@ -68,13 +68,13 @@ def read_ours(dump_cloud, path):
 
 
 def first_of(wrong):
-    """Where, for a message: the first point of `wrong` (points, components) that is set, and how many there are."""
+    """The place for a message: the first point of `wrong` (points, components) that is set, and their number."""
     rows = np.flatnonzero(wrong.any(axis=1))
     return int(rows[0]), len(rows)
 
 
 def same_bits(ours, theirs):
-    """Equal, and of numbers that are none only that they are none: which NaN it is has no meaning."""
+    """Equal, where all NaN are equal: their bits have no meaning."""
     if ours.dtype.kind == "f":
         integer = {4: np.uint32, 8: np.uint64}[ours.dtype.itemsize]
         return (ours.view(integer) == theirs.view(integer)) | (np.isnan(ours) & np.isnan(theirs))
@@ -112,7 +112,7 @@ def box_of(positions):
 
 
 def differences(ours, theirs):
-    """What is not the same in the two clouds, in words; empty when nothing is."""
+    """The differences between two clouds, in words; empty when they are equal."""
     found = []
     if len(ours.positions) != len(theirs.positions):
         return [f"{len(ours.positions)} points, expected {len(theirs.positions)}"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One cloud in six encodings, as the project reads them: the same points in the same order, to the digits that each has.
+"""One cloud in six encodings, as the project reads them: the same points in the same order, to the precision of each.
 
     crossformat.py --dump DUMP_CLOUD --data FOLDER [--python PYTHON]
 """
@@ -7,7 +7,7 @@ import sys
 
 import check
 
-# Half a unit of the last digit that the encoding has of a coordinate, a colour (of 255) and a normal; None: not in it.
+# Half a unit of the last digit of a coordinate, a colour (of 255) and a normal in each encoding; None: not present.
 # Single precision near 5 steps by 4.8e-7, near 1 by 1.2e-7.
 ENCODINGS = {
     "ripple_bin.ply": (0.0, 0.0, 0.0),

@@ -1,11 +1,11 @@
-// Reads a cloud with the project's reader and writes down what came: one line of JSON on the standard output, and the
+// Reads a cloud with the project's reader and writes the result: one line of JSON on the standard output, and the
 // columns as raw little endian numbers in a folder, so that other readers' results can be compared with them.
 //
-//     dump_cloud FILE            reads all of it and says what it is
+//     dump_cloud FILE            reads all of it and describes it
 //     dump_cloud FILE FOLDER     also writes FOLDER/positions (x y z double), FOLDER/grid (x y z i32, when gridded) and
 //                                FOLDER/0, 1, ... (attributes in the order of the line)
 //
-// An error goes to the standard error, and the exit code is 1.
+// An error is printed to the standard error, with exit code 1.
 #include "pcm/io/reader.h"
 
 #include <nlohmann/json.hpp>
@@ -104,7 +104,7 @@ int dump(const std::filesystem::path& file, const std::filesystem::path* folder)
     }
     if (folder) columns[0].close();
 
-    Json json = described(info);  // after reading: notes may have come on the way
+    Json json = described(info);  // after reading, which may add notes
     json["points"] = points;
     std::printf("%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
     return 0;

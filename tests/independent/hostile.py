@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every sample is read or refused within bounds, and what is wrong with a file is said.
+"""Every sample is read or refused in bounded time and memory, and refusals name what is wrong.
 
     hostile.py --dump DUMP_CLOUD --data FOLDER
 
@@ -20,7 +20,7 @@ import check
 MOST_MEMORY = 256 << 20
 MOST_SECONDS = 30
 
-# What is right: points, or None for a refusal.
+# The expected result: points, or None for a refusal.
 EDGE = {
     "InvalidCVHeader.e57": 0,  # the length of a section is a lie, of a section without points
     "all_atomic_types_ok_ascii.ply": None,  # its one element is 'point'; the points of a PLY are its 'vertex'
@@ -57,7 +57,7 @@ def read(dump, path):
 
 
 def wrong_with(name, path, code, line, message):
-    """What is not as it should be, or None."""
+    """The difference from the expected result, or None."""
     folder, file = pathlib.PurePath(name).parts[0], path.name
     if code not in (0, 1):
         return f"ended with {code}: a crash, or more than {MOST_SECONDS} s"

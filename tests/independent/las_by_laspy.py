@@ -20,7 +20,7 @@ def read(path):
     grouped = {member: name for name, members in GROUPS.items() for member in members}
 
     def raw(name):
-        # What lies in the record: neither scaled, nor a view of bits.
+        # The stored values: neither scaled, nor a view of bits.
         values = record.array[name] if name in record.array.dtype.names else np.array(record[name])
         return np.asarray(values)
 

@@ -7,7 +7,7 @@ import pypcd4
 from compare import Attribute, Cloud, column
 
 GROUPS = {"normal": ("normal_x", "normal_y", "normal_z"), "rgb": ("red", "green", "blue")}
-# What PDAL calls the fields of LAS.
+# PDAL's names for the fields of LAS.
 NAMES = {"Intensity": "intensity", "ReturnNumber": "return_number", "NumberOfReturns": "number_of_returns",
          "ScanDirectionFlag": "scan_direction_flag", "EdgeOfFlightLine": "edge_of_flight_line",
          "Classification": "classification", "ScanAngleRank": "scan_angle_rank", "UserData": "user_data",
@@ -19,7 +19,7 @@ PADDING = "#$%&~~"  # how pypcd4 begins its names for the fields "_"
 
 
 def load(path):
-    """pypcd4 refuses what PCL wrote in its first years: another version than .7, and headers without COUNT."""
+    """Old PCL files, which pypcd4 refuses: versions other than .7, and headers without COUNT."""
     content = path.read_bytes()
     end = content.index(b"\n", content.index(b"\nDATA") + 1)
     lines = content[:end].split(b"\n")
@@ -33,7 +33,7 @@ def load(path):
 
 
 def packed(values):
-    """The four bytes of a colour that is one number: blue, green, red, alpha."""
+    """The four bytes of a packed colour: blue, green, red, alpha."""
     return np.ascontiguousarray(values).view("<u4").reshape(-1)
 
 

@@ -19,7 +19,7 @@ def read(path):
     attributes = {}
     for name, choices in GROUPS:
         for members in choices:
-            # An attribute has one type: a red uchar beside a blue char stay properties of their own.
+            # An attribute has one type: a red uchar and a blue char stay separate properties.
             if all(member in lower for member in members) and len({values[lower[m]].dtype for m in members}) == 1:
                 attributes[name] = Attribute(column(*(values.pop(lower[member]) for member in members)))
                 break

@@ -1,11 +1,11 @@
-"""PTS, PTX and the many texts, read by a few lines of Python that are told what the columns of every sample are."""
+"""PTS, PTX and other text formats, read by a few lines of Python with a list of the columns of every sample."""
 import re
 
 import numpy as np
 
 from compare import Attribute, Cloud
 
-# Of the samples without a line of names, and of those whose names say too little: what the columns are.
+# The columns of samples without a header, or with unclear names.
 COLUMNS = {
     "ripple.txt": "x y z r g b nx ny nz",
     "cube.pwn": "x y z nx ny nz",
@@ -18,7 +18,7 @@ GROUPS = {"rgb": "r g b".split(), "normal": "nx ny nz".split()}
 
 
 def rows_of(lines, columns=None):
-    """The numbers of the lines that have any, `columns` of each; names and blank lines are passed over."""
+    """The numbers of the lines that have any, `columns` of each; headers and blank lines are skipped."""
     rows = []
     for line in lines:
         words = re.split(r"[\s,;]+", line.strip().strip(",;"))

@@ -1,4 +1,4 @@
-// What the tests of readers share: files made byte by byte, and the whole of a file read back.
+// Shared by the tests of readers: files made byte by byte, and whole files read back.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -14,7 +14,7 @@
 
 namespace pcm::test {
 
-// Little-endian bytes, put one by one: not the code under test.
+// Little-endian bytes, appended one by one, without the code under test.
 class Bytes {
 public:
     template <class T>
@@ -57,7 +57,7 @@ public:
 
 inline std::filesystem::path write_file(const std::filesystem::path& path, const std::string& data)
 {
-    // Some file systems flush a file to disk that was truncated and written again: tests do that thousands of times.
+    // Some file systems flush a truncated and rewritten file to disk, and tests do that thousands of times.
     std::filesystem::remove(path);
     std::ofstream file(path, std::ios::binary);
     file.write(data.data(), static_cast<std::streamsize>(data.size()));

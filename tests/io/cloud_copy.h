@@ -1,4 +1,4 @@
-// What the tests of writers share: random clouds, clouds compared, files copied through the library.
+// Shared by the tests of writers: random clouds, comparison of clouds, files copied through the library.
 #pragma once
 
 #include "pcm/io/writer.h"
@@ -35,7 +35,7 @@ inline std::vector<std::string> las_extensions()
 #define PCM_REQUIRE_LAZ() \
     if (!pcm::test::have_laz()) GTEST_SKIP() << "this build leaves LAZ out"
 
-// Any bits, NaN and infinities among the floats.
+// Random bits, including NaN and infinities.
 template <class Random>
 void randomize(PointBatch& batch, Random& random)
 {
@@ -104,7 +104,7 @@ inline void expect_same_cloud(const Whole& a, const Whole& b)
     expect_same_values(a, b);
 }
 
-// Metadata beside the header, which tells the version and counts of the file itself.
+// Metadata without the header, which holds the version and counts of the file itself.
 inline std::vector<Metadata> without_header(const FileInfo& info)
 {
     std::vector<Metadata> rest;

@@ -111,7 +111,7 @@ struct LasFile {
     std::size_t extra_bytes = 0;
     std::vector<LasVlr> vlrs, evlrs;
     std::vector<LasRecord> records;
-    bool legacy_count = true;  // else 1.4 files leave it 0
+    bool legacy_count = true;  // otherwise 0 in 1.4 files
 
     std::size_t header_size() const { return version >= 4 ? 375 : version == 3 ? 235 : 227; }
     std::size_t record_length() const

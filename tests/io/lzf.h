@@ -7,7 +7,7 @@
 
 namespace pcm::test {
 
-// Copies of at most `longest` bytes; 0: literals alone.
+// Uses copies of at most `longest` bytes; 0: only literals.
 inline std::string lzf_compress(const std::string& data, std::size_t longest = 264)
 {
     std::string out, literals;

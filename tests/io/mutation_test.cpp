@@ -1,4 +1,4 @@
-// Damaged files must be read or refused, never crash, and never take memory because a header says so.
+// Damaged files must be read or refused, never crash, and never allocate memory because of a header alone.
 #include "tests/io/las_file.h"
 #include "tests/io/lzf.h"
 
@@ -13,7 +13,7 @@ std::atomic<std::size_t> largest_allocation{0};
 
 }  // namespace
 
-// Not inlined, for the compiler would see malloc and delete, or new and free, side by side and warn.
+// Not inlined: the compiler would see malloc and delete, or new and free, together and warn.
 [[gnu::noinline]] void* operator new(std::size_t size)
 {
     std::size_t before = largest_allocation.load();

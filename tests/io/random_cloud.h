@@ -22,7 +22,7 @@ inline void fill_random(std::byte* to, std::size_t bytes, std::mt19937_64& rando
     for (std::size_t i = 0; i < bytes; ++i) to[i] = static_cast<std::byte>(random());
 }
 
-// Of reals finite ones unless `any_bits`: text cannot say which NaN it was.
+// Only finite reals unless `any_bits`: text does not keep the bits of a NaN.
 inline void fill_column(Column& column, std::mt19937_64& random, bool any_bits)
 {
     fill_random(column.data(), column.bytes(), random);
@@ -62,7 +62,7 @@ inline RandomCloud random_cloud(std::mt19937_64& random, PositionKind kind, std:
     return cloud;
 }
 
-// Attributes with names that are awkward in headers of words, of all types.
+// Attributes of all types, with names that are awkward in a header.
 inline std::vector<Attribute> random_attributes(std::mt19937_64& random)
 {
     static const char* const names[] = {
@@ -108,7 +108,7 @@ inline PointBatch slice(const PointBatch& all, std::size_t first, std::size_t co
     return part;
 }
 
-// In batches of random size; returns what the writer says at the end.
+// Writes in batches of random size; returns the writer's notes.
 inline std::vector<std::string> write_cloud(const std::filesystem::path& path, const RandomCloud& cloud,
                                             std::mt19937_64& random, const WriteOptions& options = {})
 {

@@ -1,4 +1,4 @@
-// Real files, against what other readers found in them.
+// Real files, compared with the results of other readers.
 #include "tests/io/bytes.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ std::map<std::string, std::vector<std::string>> manifest()
     return lines;
 }
 
-// Half a unit of the last printed digit, and what single precision may add.
+// Half a unit of the last printed digit, plus the error of single precision.
 double tolerance_of(const std::string& printed, double value)
 {
     const std::size_t point = printed.find('.');
@@ -52,7 +52,7 @@ void expect_as_in_manifest(const std::string& folder, const std::string& extensi
         SCOPED_TRACE(name);
         ++files;
         const Whole whole = read_whole(sample(name));
-        // Of E57 the manifest tells how many have a valid position.
+        // For E57 the manifest has the number of valid positions.
         const bool some = fields[4].compare(0, 5, "read ") == 0;
         EXPECT_EQ(std::to_string(whole.points.size),
                   some ? fields[4].substr(5, fields[4].find(' ', 5) - 5) : fields[2]);
@@ -90,7 +90,7 @@ TEST(SampleClouds, E57)
     try {
         open_reader(sample("e57/A_B.e57"));
     } catch (const Error& error) {
-        if (error.code() == ErrorCode::unsupported) GTEST_SKIP() << "this build leaves E57 out";
+        if (error.code() == ErrorCode::unsupported) GTEST_SKIP() << "this build does not support E57";
         throw;
     }
     expect_as_in_manifest("e57/", ".e57", 11);
@@ -101,7 +101,7 @@ TEST(SampleClouds, Pcd)
     PCM_REQUIRE_SAMPLE("MANIFEST.csv");
     expect_as_in_manifest("pcd/", ".pcd", 14);
     expect_as_in_manifest("primitives/", ".pcd", 5);
-    // Where the sensor saw nothing, points are there and have no position.
+    // Points without a measurement are present, with NaN positions.
     std::size_t organised = 0;
     for (const auto& [name, fields] : manifest()) {
         const std::size_t at = fields[4].find("; ");

@@ -1,4 +1,4 @@
-// What the tests of text writers share: clouds of awkward values, and the file taken apart without the library.
+// Shared by the tests of text writers: clouds of awkward values, and files parsed without the library.
 #pragma once
 
 #include "pcm/io/writer.h"
@@ -26,7 +26,7 @@ inline std::vector<std::string> fields_of(const std::string& line, char separato
     return fields;
 }
 
-// Any bits at all: small and large numbers, subnormal ones, -0, NaN, infinities.
+// Random bits: small and large numbers, subnormal ones, -0, NaN, infinities.
 inline double any_double(std::mt19937_64& random)
 {
     switch (random() % 6) {
@@ -52,7 +52,7 @@ inline double any_double(std::mt19937_64& random)
     }
 }
 
-// Equal to the last bit, but for what a NaN carries.
+// Equal bit for bit, except that all NaN are equal.
 inline bool same(double a, double b) { return std::isnan(a) ? std::isnan(b) : std::memcmp(&a, &b, sizeof a) == 0; }
 inline bool same(float a, float b) { return std::isnan(a) ? std::isnan(b) : std::memcmp(&a, &b, sizeof a) == 0; }
 

@@ -1,4 +1,4 @@
-//! E57: what the header and the XML section of a file say. The points themselves are decoded by io/e57_packets.
+//! E57: the contents of a file's header and XML section. The points are decoded by io/e57/e57_packets.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -11,7 +11,7 @@ use e57::{E57Reader, PointCloud, RecordDataType, RecordName, RecordValue};
 
 use crate::error::guard;
 
-/// A file that somebody else keeps open, at a position of its own.
+/// A borrowed open file, with its own position.
 struct BorrowedFile {
     file: ManuallyDrop<File>,
     position: u64,
@@ -85,7 +85,7 @@ pub struct E57Description {
     scans: Vec<PointCloud>,
 }
 
-/// The name that the standard gives to a field of its own.
+/// The name of a field of the standard.
 fn standard_name(name: &RecordName) -> &str {
     match name {
         RecordName::CartesianX => "cartesianX",
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn pcm_e57_scans(description: *const E57Description) -> us
 }
 
 /// # Safety
-/// As pcm_e57_xml(); `to` is writable. 0, or -1 where there is no such scan.
+/// As pcm_e57_xml(); `to` is writable. 0, or -1 when the scan does not exist.
 #[no_mangle]
 pub unsafe extern "C" fn pcm_e57_scan(description: *const E57Description, scan: usize, to: *mut E57Scan) -> c_int {
     match (&(*description).scans).get(scan) {

@@ -1,4 +1,4 @@
-//! How an error crosses to C: a message in a buffer that the caller owns.
+//! Errors are passed to C as a message in a buffer that the caller owns.
 
 use std::os::raw::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};

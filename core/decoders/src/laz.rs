@@ -1,4 +1,4 @@
-//! LAZ chunks: raw LAS records out of compressed bytes, and back.
+//! LAZ chunks: compressed bytes to raw LAS records, and back.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
@@ -16,14 +16,14 @@ use laz::record::{
 use crate::error::guard;
 
 const BUFFER_BYTES: usize = 1 << 16;
-/// Layers are decoded side by side, so all of a chunk's are in memory.
+/// Layers are decoded in parallel, so all layers of a chunk are in memory.
 const MOST_LAYER_BYTES: u64 = 96 << 20;
 
-/// A range of a file that somebody else keeps open, through a buffer of its own: any number may read one file.
+/// A range of a borrowed open file, with its own buffer: several can read the same file.
 struct FileRange {
     file: ManuallyDrop<File>,
     end: u64,
-    /// Where in the file the buffer's bytes come from.
+    /// The file offset of the buffer.
     start_of_buffer: u64,
     buffer: Vec<u8>,
     used: usize,
@@ -148,8 +148,8 @@ pub struct LazDecoder {
     chunk_points: u64,
 }
 
-/// The number of points that a layered chunk says it has. Its layers must lie inside the range, for the decompressor
-/// allocates what their sizes say.
+/// The number of points as stated in a layered chunk. Its layers must lie inside the range, because the decompressor
+/// allocates memory for their stated sizes.
 fn check_layers(range: &mut FileRange, items: &[LazItem], record_bytes: usize) -> Result<u64, String> {
     let begin = range.position();
     let mut head = vec![0u8; record_bytes + 4 + 4 * layer_count(items)];

@@ -21,6 +21,8 @@
 namespace pcm {
 namespace {
 
+constexpr std::size_t read_buffer_bytes = std::size_t{1} << 20;
+
 // Names that mean three components.
 bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
 

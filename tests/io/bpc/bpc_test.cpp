@@ -151,7 +151,7 @@ TEST(Bpc, BareChunksAreACloud)
     }
 }
 
-// Two grids, or integers beyond 32 bits: doubles, the same numbers.
+// With two grids, or integers beyond 32 bits, positions are doubles of the same value.
 TEST(Bpc, BareChunksOnSeveralGridsAreDoubles)
 {
     TemporaryFolder folder;
@@ -195,7 +195,7 @@ TEST(Bpc, ChunksOfDifferentAttributesAreRefused)
     EXPECT_TRUE(mentions(error.what(), "chunk 1 at byte " + std::to_string(first.size()))) << error.what();
 }
 
-// Constant columns take 16 bytes however many points they are for: a small file must not fill the memory.
+// A constant column takes 16 bytes for any number of points: a small file must not fill the memory.
 TEST(Bpc, AHugeChunkOfConstantsIsRefused)
 {
     TemporaryFolder folder;
@@ -216,7 +216,7 @@ TEST(Bpc, AHugeChunkOfConstantsIsRefused)
     EXPECT_TRUE(mentions(error.what(), "4000000000 points")) << error.what();
 }
 
-// At every length, with a cloud block and without.
+// Truncated at every length, with and without a cloud block.
 TEST(Bpc, TruncationIsRefused)
 {
     TemporaryFolder folder;
@@ -258,7 +258,7 @@ TEST(Bpc, AnyChangedByteIsRefused)
     EXPECT_TRUE(mentions(stray.what(), "stray bytes")) << stray.what();
 }
 
-// The checksums are made to hold again, so that what lies behind them is reached: read or refused, nothing else.
+// With corrected checksums, so that mutations reach the decoder: they are read or refused, nothing else.
 TEST(Bpc, MutationsWithValidChecksums)
 {
     TemporaryFolder folder;
@@ -279,7 +279,7 @@ TEST(Bpc, MutationsWithValidChecksums)
         const std::size_t chunk = static_cast<std::size_t>(block_bytes);
         std::uint32_t header_bytes;
         std::memcpy(&header_bytes, &bytes[chunk + 24], 4);
-        // Parts with a checksum behind them; that of the first column in the header.
+        // Parts followed by a checksum; the first column's is in the header.
         const std::size_t part = random() % 4;
         const std::size_t starts[] = {0, chunk, static_cast<std::size_t>(table), chunk + header_bytes};
         std::uint64_t column_bytes;

@@ -29,7 +29,7 @@ TEST_F(E57, PromisesAreNotBelieved)
     }
 }
 
-// Each of them has room, all of them together have not.
+// Each scan alone fits in the file, all of them together do not.
 TEST_F(E57, ScansInOnePlace)
 {
     std::vector<E57TestScan> scans = {simple_scan(10000), simple_scan(10), simple_scan(10), simple_scan(10)};
@@ -80,7 +80,7 @@ TEST_F(E57, HostileXml)
     many.clear();
     for (int i = 0; i < 300; ++i) many += "<a xmlns:b" + std::to_string(i) + "=\"u\"/>";
     EXPECT_EQ(refusal(with(many)).code(), ErrorCode::unsupported);
-    // Depth alone is no harm.
+    // Depth alone is harmless.
     many.clear();
     for (int i = 0; i < 100000; ++i) many += "<a>";
     for (int i = 0; i < 100000; ++i) many += "</a>";
@@ -107,7 +107,7 @@ TEST_F(E57, SaysWhatIsWrong)
     EXPECT_TRUE(mentions(refusal(e57_with_right_checksums(bytes)).what(), "byte 80: a packet of type 9"));
 }
 
-// Content mutated under right checksums is read or refused.
+// Mutated content with correct checksums is read or refused.
 TEST_F(E57, Mutations)
 {
     std::mt19937_64 random(5);

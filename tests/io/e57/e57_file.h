@@ -1,4 +1,4 @@
-// E57 files made byte by byte: byte streams of any width, cut into packets at random, pages with their checksums.
+// E57 files made byte by byte: byte streams of any width, split into random packets, and pages with checksums.
 #pragma once
 
 #include "tests/io/bytes.h"
@@ -8,7 +8,7 @@
 
 namespace pcm::test {
 
-// Bit by bit, as the polynomial says.
+// Bit by bit, directly from the polynomial.
 inline std::uint32_t slow_crc32c(const std::string& bytes)
 {
     std::uint32_t crc = 0xFFFFFFFFu;
@@ -35,7 +35,7 @@ inline std::string e57_pages(std::string content)
     return file;
 }
 
-// The same with checksums made right again, where bytes of the content were changed.
+// Corrects the checksums after bytes of the content were changed.
 inline std::string e57_with_right_checksums(const std::string& file)
 {
     std::string content;
@@ -87,7 +87,7 @@ struct E57TestField {
 struct E57TestScan {
     std::vector<E57TestField> fields;
     std::string xml;                        // pose, limits, name, ...
-    std::optional<std::uint64_t> promised;  // records, where that is not what there is
+    std::optional<std::uint64_t> promised;  // stated number of records, if not the true one
 
     static std::string pose(double w, double x, double y, double z, const Vec3d& t)
     {
@@ -102,7 +102,7 @@ struct E57TestScan {
     }
 };
 
-// The streams of a scan in packets whose streams are not level, with index and empty packets among them.
+// The streams of a scan in packets with unbalanced streams, with index and empty packets among them.
 inline std::string e57_packets(const E57TestScan& scan, std::mt19937_64& random)
 {
     std::vector<std::string> streams;
@@ -137,7 +137,7 @@ inline std::string e57_packets(const E57TestScan& scan, std::mt19937_64& random)
     return packets.data;
 }
 
-// `root` stands in the XML section in front of the scans.
+// `root` is inserted in the XML section before the scans.
 inline std::string e57_file(const std::vector<E57TestScan>& scans, std::uint64_t seed = 1, const std::string& root = "")
 {
     std::mt19937_64 random(seed);

@@ -25,7 +25,7 @@ TEST_F(E57, ChecksumsAreThoseOfTheStandard)
     EXPECT_EQ(crc32c(reinterpret_cast<const std::byte*>(check.data()), 9), 0xE3069283u);
 }
 
-// Integers of every width, over packets whose streams run apart.
+// Integers of every width, in packets with unbalanced streams.
 TEST_F(E57, IntegersOfEveryWidth)
 {
     constexpr std::size_t count = 5000;

@@ -31,7 +31,7 @@ inline E57TestScan simple_scan(std::size_t count, std::vector<E57TestField> more
     return scan;
 }
 
-// Where the decoders are not built in, a file is refused with what to do about it.
+// Without the decoders in the build, a file is refused with advice on how to get them.
 inline bool decoders_are_missing()
 {
     TemporaryFolder folder;

@@ -150,7 +150,7 @@ TEST(LasReader, BatchesOfAnySizeGiveTheSame)
     }
 }
 
-// A caller's batch may come from another reader: nothing of it may shine through.
+// A caller's batch may come from another reader: none of its content may remain.
 TEST(LasReader, TakesBatchesOfAnotherShape)
 {
     std::mt19937_64 random(4);
@@ -325,7 +325,7 @@ TEST(LasReader, ExtraBytesOfEveryType)
         extra += size_of(types[(type - 1) % 10]) * static_cast<std::size_t>((type - 1) / 10 + 1);
     }
     descriptors += extra_descriptor(0, 3, "plain");
-    extra += 3 + 2;  // two bytes that nothing describes
+    extra += 3 + 2;  // two undescribed bytes
     for (const bool in_evlr : {false, true}) {
         LasFile file = random_las(random, 4, 6, 40, extra);
         (in_evlr ? file.evlrs : file.vlrs) = {{"LASF_Spec", 4, descriptors}};
@@ -398,7 +398,7 @@ TEST(LasReader, MalformedExtraBytesStayAsBytes)
     }
 }
 
-// The longest records: a batch must stay small however many points are asked for.
+// The longest records: a batch must stay small however many points are requested.
 TEST(LasReader, LongRecords)
 {
     std::mt19937_64 random(15);

@@ -1,4 +1,4 @@
-// Clouds of any attributes written as LAS: which become fields, which extra bytes.
+// Clouds of any attributes written as LAS: some become fields, others extra bytes.
 #include "tests/io/las/las_clouds.h"
 
 #include <cmath>
@@ -6,7 +6,7 @@
 namespace pcm::test {
 namespace {
 
-// Clouds of any attributes: what has no field becomes extra bytes of the same name and type.
+// Attributes without a field become extra bytes of the same name and type.
 TEST(LasWriter, RandomSchemasRoundTrip)
 {
     static constexpr ScalarType types[] = {ScalarType::i8,  ScalarType::u8,  ScalarType::i16, ScalarType::u16,
@@ -85,7 +85,7 @@ TEST(LasWriter, TheFormatIsTheSmallestWithAFieldForEverything)
     }
 }
 
-TEST(LasWriter, ColoursAndIntensityOfFloatsAreExactAndRoundedBesides)
+TEST(LasWriter, ColoursAndIntensityOfFloatsAreKeptExactlyAndRoundedInTheFields)
 {
     TemporaryFolder folder;
     Whole cloud = gridded_cloud(

@@ -9,7 +9,7 @@
 namespace pcm::test {
 namespace {
 
-// Every point format, with extra bytes that a VLR describes and some that none does, through LAS and LAZ.
+// Every point format, with described and undescribed extra bytes, through LAS and LAZ.
 TEST(LasWriter, EveryPointFormatRoundTrips)
 {
     std::mt19937_64 random(1);
@@ -99,7 +99,7 @@ TEST(LasWriter, HeaderOfTheSourceIsKept)
     TemporaryFolder folder;
     Bytes source;
     source.raw(random_las(random, 2, 3, 100).bytes());
-    source.overwrite(6, std::uint16_t{1 | 2 | 4});  // GPS time type; waveforms, which stay behind
+    source.overwrite(6, std::uint16_t{1 | 2 | 4});  // GPS time type; waveforms, which are not copied
     for (std::size_t i = 0; i < 16; ++i) source.data[8 + i] = static_cast<char>(i + 100);
     const Whole cloud = read_whole(write_file(folder / "a.las", source.data));
     write_cloud(folder / "b.las", cloud);
@@ -168,7 +168,7 @@ TEST(LasWriter, EverySampleRoundTrips)
     EXPECT_GE(files, 24u);
 }
 
-TEST(LasWriter, DoublesAreRoundedToTheGridAndTheErrorIsTold)
+TEST(LasWriter, DoublesAreRoundedToTheGridAndTheErrorIsReported)
 {
     TemporaryFolder folder;
     const Whole cloud = doubles({{5000000.0012, -3000000, 100.25}, {5000000.1, -2999999.998, 99}});
@@ -189,7 +189,7 @@ TEST(LasWriter, DoublesAreRoundedToTheGridAndTheErrorIsTold)
     EXPECT_EQ(error, 0.25);
 }
 
-TEST(LasWriter, AnotherGridThanTheSourcesRoundsAndTells)
+TEST(LasWriter, AnotherGridThanTheSourcesRoundsAndReportsIt)
 {
     TemporaryFolder folder;
     Whole cloud = gridded_cloud({}, 1000, 1);
@@ -207,7 +207,7 @@ TEST(LasWriter, AnotherGridThanTheSourcesRoundsAndTells)
     EXPECT_NEAR(error, 0.5, 1e-6);
 }
 
-TEST(LasWriter, PositionsThatAreNoneAreLeftOutAndCounted)
+TEST(LasWriter, PositionsThatAreNotFiniteAreLeftOutAndCounted)
 {
     TemporaryFolder folder;
     const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
@@ -281,7 +281,7 @@ TEST(LasWriter, RefusesWritingAfterTheEndAndOtherBatches)
     EXPECT_EQ(error_of([&] { writer->finish(); }).code(), ErrorCode::invalid_argument);
 }
 
-TEST(LasWriter, RefusesGridsThatAreNone)
+TEST(LasWriter, RefusesInvalidGrids)
 {
     TemporaryFolder folder;
     for (const double scale :

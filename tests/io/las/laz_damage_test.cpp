@@ -1,5 +1,4 @@
-// LAZ as other writers leave it (one chunk without a table, a table that is missing or at the end) and as accidents
-// leave it.
+// LAZ of other writers (one chunk without a table, a table that is missing or at the end), and damaged LAZ.
 #include "tests/io/cloud_copy.h"
 #include "tests/io/las_file.h"
 
@@ -51,12 +50,12 @@ TEST(LazDamage, FilesWithoutAChunkTableAreReadInOrder)
     TemporaryFolder folder;
     for (const int format : {3, 7}) {
         const Laz laz = laz_of(folder, format, 3000, 4);
-        // The writer never came back to say where the table is, ...
+        // The writer did not update the pointer to the table, ...
         const std::string lost = with(laz.bytes, laz.points_at, std::int64_t{-1}).substr(0, laz.table_at());
         Whole whole = read_whole(write_file(folder / "a.laz", lost));
         expect_same_cloud(laz.cloud, whole);
         EXPECT_TRUE(any_mentions(whole.info.notes, "missing"));
-        // ... said it at the end of the file, ...
+        // ... or wrote it at the end of the file, ...
         Bytes at_end;
         at_end.raw(with(laz.bytes, laz.points_at, std::int64_t{-1})).put(laz.table_at());
         whole = read_whole(write_file(folder / "a.laz", at_end.data));
@@ -154,7 +153,7 @@ TEST(LazDamage, CutAnywhere)
         for (std::size_t size = 0; size < laz.bytes.size(); ++size) {
             const auto path = write_file(folder / "a.laz", laz.bytes.substr(0, size));
             try {
-                // The points are whole; only the table behind them is not.
+                // The points are complete; only the table after them is not.
                 const Whole whole = read_whole(path);
                 ASSERT_GE(size, laz.table_at() + 8) << "of " << laz.bytes.size() << " bytes";
                 expect_same_cloud(laz.cloud, whole);

@@ -1,4 +1,4 @@
-// LAZ: the same points as the LAS file it was made from, and damage that is told.
+// LAZ: the same points as the LAS file it was made from, and damage that is reported.
 #include "tests/io/cloud_copy.h"
 #include "tests/io/las_file.h"
 
@@ -33,7 +33,7 @@ TEST(Laz, AWordInTheHeaderAloneIsNoCompression)
     EXPECT_TRUE(mentions(error.what(), "laszip encoded")) << error.what();
 }
 
-// What LASzip and others compressed, against the file before.
+// Files compressed by LASzip and others, compared with the original.
 TEST(Laz, SamplesEqualTheirUncompressedTwins)
 {
     PCM_REQUIRE_LAZ();

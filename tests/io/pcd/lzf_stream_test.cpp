@@ -32,7 +32,7 @@ TEST(LzfStream, AnyBytesInAnyPieces)
     }
 }
 
-TEST(LzfStream, BytesThatAreNone)
+TEST(LzfStream, BytesThatAreNotLzf)
 {
     TemporaryFolder folder;
     const std::pair<std::string, const char*> cases[] = {{"", "byte 0"},

@@ -40,7 +40,7 @@ TEST(PcdReader, EveryTypeInEveryEncoding)
     const std::string sizes = "1 1 8 2 4 4 8 1 8 2 4 8 4 8 4", kinds = "U I F I I F I U F U U U F F U",
                       counts = "3 1 1 2 1 1 1 1 1 3 1 1 2 1 1";
     std::mt19937_64 random(7);
-    std::vector<std::string> columns(15);  // as bytes, a field each
+    std::vector<std::string> columns(15);  // as bytes, one per field
     std::string ascii;
     Bytes binary;
     std::array<std::vector<double>, 3> position;
@@ -146,7 +146,7 @@ TEST(PcdReader, EveryTypeInEveryEncoding)
     EXPECT_FALSE(open_reader(write_file(folder / "c.pcd", header("ascii") + ascii))->seekable());
 }
 
-// Columns far longer than the stream's buffers, of data that compress well, hardly and not at all.
+// Columns far longer than the stream's buffers, of data that compress well, little and not at all.
 TEST(PcdReader, LongCompressedColumns)
 {
     constexpr std::size_t points = 20000;
@@ -157,7 +157,7 @@ TEST(PcdReader, LongCompressedColumns)
         y.put(static_cast<float>(i % 1000));
         z.put(static_cast<float>(random() % 1000000));
     }
-    // The greedy compressor is slow on what does not compress: z goes in as literals.
+    // The greedy compressor is slow on incompressible data: z is stored as literals.
     const std::string packed = lzf_compress(x.data + y.data) + lzf_compress(z.data, 0);
     Bytes block;
     block.put(static_cast<std::uint32_t>(packed.size())).put(static_cast<std::uint32_t>(points * 12)).raw(packed);
@@ -396,7 +396,7 @@ TEST(PcdReader, CompressedBlocksThatAreRefused)
         EXPECT_EQ(reader == nullptr, c.at_open) << error.what();
         EXPECT_TRUE(mentions(error.what(), c.says) && mentions(error.what(), path.string())) << error.what();
     }
-    // 4 GB promised of a few bytes: refused for the ratio, before anything is taken for them.
+    // 4 GB stated for a few bytes: refused for the ratio, before memory is allocated.
     Bytes bomb;
     bomb.raw(xyz_header(357913941, "binary_compressed")).put(1000u).put(4294967292u).raw(std::string(1000, 'a'));
     EXPECT_EQ(error_of([&] { open_reader(write_file(folder / "a.pcd", bomb.data)); }).code(), ErrorCode::corrupt);

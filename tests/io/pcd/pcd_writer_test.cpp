@@ -72,7 +72,7 @@ RandomCloud one_point(bool with_alpha)
     return cloud;
 }
 
-// The file's bytes, frozen: what other programs are given to read.
+// The file's bytes, frozen, as other programs read them.
 TEST(PcdWriter, BytesOfOnePoint)
 {
     const auto header = [](const std::string& colour, const std::string& kind, const std::string& encoding) {
@@ -118,7 +118,7 @@ TEST(PcdWriter, NotesWhatOtherProgramsCannotUse)
     EXPECT_TRUE(create_pcd(folder / "a.pcd", one_point(true).info, {})->notes().empty());
 }
 
-TEST(PcdWriter, ViewpointsThatAreNone)
+TEST(PcdWriter, InvalidViewpoints)
 {
     TemporaryFolder folder;
     std::mt19937_64 random(1);

@@ -61,7 +61,7 @@ TEST(GridChoice, DecimalsOfATextFileAreExact)
             const GridProposal proposal = propose(positions);
             const double step = decimal(1, decimals);
             for (const double s : proposal.grid.scale) EXPECT_EQ(s, step);
-            // Where they do not come out bit for bit they differ in the last bits only.
+            // Not bit for bit equal, but only the last bits differ.
             EXPECT_EQ(error_on(proposal.grid, positions), proposal.largest_error);
             EXPECT_LE(proposal.largest_error, 1e-15 * (std::abs(static_cast<double>(centre)) + 1e6 * step));
             EXPECT_EQ(proposal.exact, proposal.largest_error == 0);
@@ -101,13 +101,13 @@ TEST(GridChoice, OtherwiseTheErrorIsBounded)
             const double worst = error_on(proposal.grid, positions);
             EXPECT_LE(worst, proposal.largest_error) << centre << " " << span;
             if (!proposal.exact) {
-                // Within five times what 32 bits could do at best, and what a double near the centre has.
+                // At most five times the best error with 32 bits, plus the precision of a double near the centre.
                 EXPECT_LE(proposal.largest_error, 5 * span / 4294967296.0 + 5e-16 * (std::abs(centre) + span));
             }
         }
 }
 
-TEST(GridChoice, PointsThatAreNoneAreCountedAndDoNotMatter)
+TEST(GridChoice, PointsThatAreNotFiniteAreCountedAndIgnored)
 {
     const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
     const GridProposal proposal = propose({{1, 2, 3}, {nan, 0.1, 0.1}, {0.1, infinity, 0.1}, {4, 5, 6}});

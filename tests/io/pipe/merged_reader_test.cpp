@@ -41,7 +41,7 @@ bool mentions(const std::vector<std::string>& notes, const std::vector<std::stri
 
 const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 0}};
 
-// Random schemas out of a few names and kinds: each point has, under the name that its kind got, its own bytes; and
+// Random schemas of a few names and kinds: each point keeps its bytes under the name that its kind was given, and has
 // zeros everywhere else.
 TEST(MergedReader, EveryPointKeepsItsPositionAndAttributesWhateverTheSchemas)
 {
@@ -148,7 +148,7 @@ TEST(MergedReader, NotesOfAThousandTilesAreFew)
     EXPECT_EQ(reader.info().metadata.size(), 3u);
 }
 
-TEST(MergedReader, ALoneFileIsAsItIs)
+TEST(MergedReader, ASingleFileIsUnchanged)
 {
     const std::vector<MemoryCloud> clouds = {
         random_cloud(schema_of({{"a", ScalarType::u8, 1, 1, 0, ""}}), millimetres, 10, 1)};

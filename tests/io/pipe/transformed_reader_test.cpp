@@ -45,7 +45,7 @@ Vec3d position(const MemoryCloud& cloud, std::size_t i)
     return p;
 }
 
-// All of a transformed cloud, read in pieces.
+// A whole transformed cloud, read in pieces.
 MemoryCloud transformed(const MemoryCloud& cloud, const Affine& map)
 {
     TransformedReader reader(std::make_unique<MemoryReader>(cloud), map);
@@ -100,7 +100,7 @@ TEST(Transformed, AnyMapAgainstLongDoubles)
             EXPECT_NEAR(found.points.attributes[1].as<float>()[i],
                         static_cast<double>(i) / 7 * std::cbrt(std::fabs(map.determinant())),
                         1e-5 * static_cast<double>(i + 1) * (1 + std::cbrt(std::fabs(map.determinant()))));
-            // What was perpendicular to the normal still is, and its length is the same.
+            // Vectors perpendicular to the normal stay so, and its length stays the same.
             const double* before = cloud.points.attributes[0].as<double>() + 3 * i;
             const double* now = found.points.attributes[0].as<double>() + 3 * i;
             const Vec3d along{before[1], -before[0], 0};
@@ -117,7 +117,7 @@ TEST(Transformed, AnyMapAgainstLongDoubles)
     }
 }
 
-TEST(Transformed, WhatStaysOnAGridKeepsItsIntegers)
+TEST(Transformed, GriddedPointsKeepTheirIntegers)
 {
     const MemoryCloud cloud = cloud_at({5e5, 4.8e6, 100}, true, 9);
     Affine map = Affine::translation({10, -20, 0.5});

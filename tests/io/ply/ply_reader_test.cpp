@@ -196,8 +196,8 @@ TEST(PlyReader, NamesThatMeanSomethingElse)
     EXPECT_EQ(both.value("intensity", 0), 2);
 }
 
-// Lists before the vertices, in them and behind them, in all encodings.
-TEST(PlyReader, PassesOverLists)
+// Lists before, in and after the vertices, in all encodings.
+TEST(PlyReader, SkipsLists)
 {
     TemporaryFolder folder;
     for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
@@ -311,7 +311,7 @@ TEST(PlyReader, LineEndsOfAllKinds)
             EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
         }
     }
-    // In binary files a byte behind the header's last line end may look like another line end.
+    // In binary files a byte after the header's last line end may look like another line end.
     for (const std::string end : {"\n", "\r\n", "\r"}) {
         Bytes file;
         file.raw("ply" + end + "format binary_little_endian 1.0" + end + "element vertex 1" + end + "property uchar x" +
@@ -321,7 +321,7 @@ TEST(PlyReader, LineEndsOfAllKinds)
     }
 }
 
-TEST(PlyReader, NumbersInEveryDress)
+TEST(PlyReader, NumbersInEveryNotation)
 {
     const double infinity = std::numeric_limits<double>::infinity();
     struct {
@@ -354,7 +354,7 @@ TEST(PlyReader, NumbersInEveryDress)
             read_whole(write_file(folder / "a.ply", ascii_ply(xyz, 1, std::string("0 ") + text + " 0")));
         EXPECT_TRUE(std::isnan(whole.points.xyz[1][0])) << text;
     }
-    // A float property with numbers that only a double holds.
+    // A float property with numbers beyond float precision.
     const Whole whole = read_whole(write_file(folder / "a.ply", ascii_ply(xyz, 1, "1e200 -1e200 1e-200")));
     EXPECT_EQ(whole.position(0), (Vec3d{infinity, -infinity, 0}));
     // Whole numbers written as reals.

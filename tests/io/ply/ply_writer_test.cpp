@@ -43,7 +43,7 @@ TEST(PlyWriter, SampleCloudsSurvive)
     expect_samples_survive(".ply");
 }
 
-// The file's bytes, frozen: what other programs are given to read.
+// The file's bytes, frozen, as other programs read them.
 TEST(PlyWriter, BytesOfOnePoint)
 {
     RandomCloud cloud;
@@ -93,7 +93,7 @@ TEST(PlyWriter, BytesOfOnePoint)
               "ply\nformat ascii 1.0\n" + header + "1.5 -2 0.25 10 11 12 513 0 1 2 4294967294 -1 7 8\n");
 }
 
-TEST(PlyWriter, ErrorOfDecimalsAndOfSinglePrecisionIsTold)
+TEST(PlyWriter, ErrorOfDecimalsAndOfSinglePrecisionIsReported)
 {
     TemporaryFolder folder;
     FileInfo info;
@@ -177,7 +177,7 @@ TEST(PlyWriter, LeavesNothingBehindWithoutFinish)
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// Comments are read with the same suspicion as everything else.
+// Comments are checked like everything else.
 TEST(PlyReader, CommentsThatAreNotTrue)
 {
     const auto read = [](const std::string& comments) {
@@ -201,7 +201,7 @@ TEST(PlyReader, CommentsThatAreNotTrue)
         EXPECT_EQ(whole.value("rgb", 0, 2), 8) << line;
         EXPECT_EQ(whole.value("a_1", 0), 5) << line;
     }
-    // The name of a colour for what is none, in both orders; one property in two attributes.
+    // A colour's name for another attribute, in both orders; one property in two attributes.
     EXPECT_EQ(read("comment pcm attribute a_0 u8 2 1 0 rgb -\n").value("rgb_scalar", 0, 1), 5);
     EXPECT_EQ(read("comment pcm attribute a_0 u8 2 1 0 rgb -\n").value("rgb", 0, 1), 7);
     const Whole twice = read("comment pcm attribute a_0 u8 2 1 0 p -\ncomment pcm attribute a_1 u8 1 1 0 q -\n");

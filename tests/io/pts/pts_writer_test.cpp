@@ -12,7 +12,7 @@ FileInfo cloud_of(std::initializer_list<Attribute> attributes)
     return cloud;
 }
 
-const std::string blanks(19, ' ');  // behind a count of one digit
+const std::string blanks(19, ' ');  // after a count of one digit
 
 PointBatch two_points(const FileInfo& cloud)
 {
@@ -135,7 +135,7 @@ TEST(PtsWriter, ColoursInFloats)
     EXPECT_EQ(cut[4], "0 0 0 0 0 3 3");
 }
 
-TEST(PtsWriter, AttributesOfAnotherShapeHaveNoPlace)
+TEST(PtsWriter, AttributesOfAnotherShapeAreNotWritten)
 {
     const FileInfo cloud = cloud_of({{"intensity", ScalarType::u8, 2}, {"rgb", ScalarType::u8, 4}});
     TemporaryFolder folder;

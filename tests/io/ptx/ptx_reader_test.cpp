@@ -10,7 +10,7 @@ std::string ptx_header(int columns, int rows, const std::string& matrix = "1 0 0
     return std::to_string(columns) + "\n" + std::to_string(rows) + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + matrix;
 }
 
-TEST(Ptx, EveryScanIsPutIntoTheWorld)
+TEST(Ptx, EveryScanIsTransformed)
 {
     const std::string text =
         ptx_header(2, 2) + "1 2 3 0.5 7 8 9\n0 0 0 0.5 0 0 0\n4 5 6 0.25 1 2 3\n-0 0.0 0e5 0 0 0 0\n" +
@@ -33,7 +33,7 @@ TEST(Ptx, EveryScanIsPutIntoTheWorld)
         EXPECT_EQ(whole.info.metadata[1].key, "ptx.scan/2");
     }
     EXPECT_TRUE(any_mentions(notes_after(text, "a.ptx"), "2 missing returns"));
-    // By its structure, whatever it is called.
+    // Recognised by its structure, whatever its name.
     EXPECT_EQ(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a.txt").info.format, "PTX");
     EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + "1 2 3 4\n", "a").info.schema), "intensity:f32");
 }

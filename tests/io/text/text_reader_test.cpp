@@ -202,7 +202,7 @@ TEST(TextReader, HeadersOfOtherPrograms)
     EXPECT_EQ(empty.info.schema.size(), 2u);
 }
 
-TEST(TextReader, TheUsersWordWins)
+TEST(TextReader, TheUsersLayoutWins)
 {
     TextLayout layout;
     layout.columns = {"-", "y", "x", "z", "r:u16", "g", "b", "id:u64"};
@@ -224,7 +224,7 @@ TEST(TextReader, TheUsersWordWins)
         EXPECT_EQ(error_of([&] { parse_columns(bad); }).code(), ErrorCode::invalid_argument) << bad;
 }
 
-// What programs read of the detected layout; the notes are for people.
+// The detected layout as data; the notes are for people.
 TEST(TextReader, TheLayoutIsReported)
 {
     TextLayout layout =
@@ -234,7 +234,7 @@ TEST(TextReader, TheLayoutIsReported)
     EXPECT_EQ(layout.columns, (std::vector<std::string>{"x", "y", "z", "r", "g", "b"}));
     EXPECT_EQ(layout.colour_range, 255);
     EXPECT_EQ(describe(layout), "x y z r g b (colours 0-255), separated by semicolons, 2 lines skipped");
-    // Reading with it is reading the same.
+    // Stated explicitly, it reads the same.
     EXPECT_EQ(
         read_text("# made by hand\nX;Y;Z;Red;Green;Blue\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n", "a.xyz", layout).position(0),
         (Vec3d{1.5, 2, 3}));
@@ -249,7 +249,7 @@ TEST(TextReader, TheLayoutIsReported)
     EXPECT_EQ(describe(*stated.text_layout), "x y z id:u64, separated by blanks");
 }
 
-TEST(TextReader, WhatDoesNotFitIsNamed)
+TEST(TextReader, LinesThatDoNotFitAreNamed)
 {
     const std::string many = [] {
         std::string text;
@@ -289,7 +289,7 @@ TEST(TextReader, WhatDoesNotFitIsNamed)
     EXPECT_EQ(refusal("5\n1 2 3\n", "a.pts").code(), ErrorCode::truncated);
 }
 
-TEST(TextReader, WhatIsPassedOverIsCounted)
+TEST(TextReader, SkippedFieldsAreCounted)
 {
     EXPECT_TRUE(any_mentions(notes_after("x,y,z\n1,2,3\n1,2,3,4\n1,2,3\n", "a.csv"), "1 line has more fields"));
     EXPECT_TRUE(any_mentions(notes_after("x,y,z,a\n1,2,3,4\n1,2,3,\n1,2,3,,\n", "a.csv"), "2 empty fields are NaN"));
@@ -299,7 +299,7 @@ TEST(TextReader, WhatIsPassedOverIsCounted)
     EXPECT_TRUE(any_mentions(notes_after(text + "1 2 3 0.50000000001\n", "a.xyz"), "1 value has more digits"));
 }
 
-TEST(TextReader, WhatReadingFindsReachesTheMergedCloud)
+TEST(TextReader, NotesAddedWhileReadingReachTheMergedCloud)
 {
     TemporaryFolder folder;
     const auto one = write_file(folder / "a.csv", "x,y,z\n1,2,3\n1,2,3,4\n"),

@@ -1,4 +1,4 @@
-// What the text writers write, the text readers read: every position to the bit, every value, every name.
+// Text files read back as written: every position bit for bit, every value, every name.
 #include "tests/io/random_cloud.h"
 #include "tests/io/text_lines.h"
 
@@ -28,7 +28,7 @@ void expect_same_cloud(const RandomCloud& cloud, const Whole& read, const std::v
             for (std::uint32_t k = 0; k < a.components; ++k) {
                 const double before = user_value(a, cloud.points.attributes[*from], i, k);
                 const double after = user_value(b, read.points.attributes[*to], i, k);
-                // The shortest text of a float is that of no other float, but of another double.
+                // The shortest text of a float identifies the float, but reads as another double.
                 if (a.type == ScalarType::f32 && a.scale == 1 && a.offset == 0)
                     ASSERT_EQ(static_cast<float>(after), static_cast<float>(before)) << i;
                 else

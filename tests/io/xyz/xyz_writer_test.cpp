@@ -22,7 +22,7 @@ T parsed(const std::string& text)
     EXPECT_TRUE(error == std::errc() && end == text.data() + text.size()) << text;
     return value;
 }
-// strtod takes nan, inf and numbers below the normal ones, and is not the code under test's sibling.
+// strtod accepts nan, inf and subnormal numbers, and is independent of the code under test.
 template <>
 double parsed(const std::string& text)
 {
@@ -165,7 +165,7 @@ TEST(XyzWriter, LinesAsPeopleWriteThem)
               "0.1 1e-07 1e+300 7 253 254 255 0.3 0.4 0.5 -0.006 -2 -3\n");
 }
 
-TEST(XyzWriter, NamesThatAreNoColumnNames)
+TEST(XyzWriter, NamesThatColumnsCannotHave)
 {
     const FileInfo cloud = doubles({{"gps time", ScalarType::u8},
                                     {"a,b", ScalarType::u8},
@@ -183,7 +183,7 @@ TEST(XyzWriter, NamesThatAreNoColumnNames)
     EXPECT_EQ(read_bytes(folder / "a.csv"), "x,y,z,\"gps time\",\"a,b\",X_2,\"say \"\"so\"\"\",r,r_2,g,b,_,rgb_0\n");
 }
 
-TEST(XyzWriter, DecimalsAreKeptToAndTheErrorIsTold)
+TEST(XyzWriter, DecimalsAreUsedAndTheErrorIsReported)
 {
     FileInfo cloud;
     PointBatch batch = batch_of(cloud, 3);
