@@ -21,8 +21,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t read_buffer_bytes = std::size_t{1} << 20;
-
 // Names that mean three components.
 bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
 
@@ -444,8 +442,8 @@ bool PlyReader::read(PointBatch& batch, std::size_t max_points)
     if (count == 0) return false;
 
     // Small enough to stay in the cache while its fields are decoded, unless it must be read from the file.
-    const std::size_t buffer_points =
-        std::max<std::size_t>(1, (addressable_ ? read_buffer_bytes / 4 : 16384) / record_bytes_);
+    const std::size_t buffer_bytes = std::size_t{1} << (addressable_ ? 18 : 14);
+    const std::size_t buffer_points = std::max<std::size_t>(1, buffer_bytes / record_bytes_);
     buffer_.resize(buffer_points * record_bytes_);
     for (std::size_t done = 0; done < count;) {
         const std::size_t now = std::min(buffer_points, count - done);
