@@ -2,11 +2,11 @@
 
 #include "pcm/convert/convert.h"
 #include "pcm/io/formats.h"
+#include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_reader.h"
 #include "plugin/host/layer_reader.h"
 #include "plugin/host/registry.h"
-#include "pcm/io/pipe/selected_reader.h"
 #include "plugin/host/selection_text.h"
 #include "plugin/host/text.h"
 

@@ -71,8 +71,8 @@ void add_global_settings(RichParameterList& parameters)
     parameters.addParam(RichEnum(global_prefix + ask, text_files, {"Never", "For text files", "Always"},
                                  "Ask before importing a cloud",
                                  "For which point clouds a dialog asks about the layout of text, the largest layer and "
-                                 "the folder for trees before the file is opened. Default: for text files (XYZ, TXT, "
-                                 "ASC, CSV)."));
+                                 "the folder for trees before the file is opened. Default: for text files (" +
+                                     QString::fromStdString(extensions_with(asks_layout)) + ")."));
 }
 
 void add_file_settings(RichParameterList& parameters, const std::filesystem::path& file)
