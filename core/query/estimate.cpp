@@ -65,72 +65,113 @@ private:
     std::uint32_t number_ = 0;
 };
 
+// Adds up what the nodes that a query touches contribute.
+class Estimator {
+public:
+    Estimator(L2Cache& cache, const Query& query, const ColumnSet& columns, EstimatePrecision precision)
+        : cache_(cache),
+          tree_(cache.tree()),
+          query_(query),
+          columns_(columns),
+          precision_(precision),
+          selector_(query.selection(), tree_.info().schema),
+          nodes_(selected_nodes(tree_, selector_, query.level)),
+          headers_(tree_)
+    {
+        std::size_t cut = 0;
+        for (const SelectedNode& node : nodes_) cut += node.relation == BoxRelation::crosses;
+        steps_ = static_cast<std::size_t>(
+            std::clamp(std::cbrt(1e5 / static_cast<double>(std::max<std::size_t>(cut, 1))), 3.0, 8.0));
+        estimate_.conditions = selector_.tests_attributes();
+    }
+
+    Estimate run(const ReadRates& rates)
+    {
+        for (const SelectedNode& node : nodes_) add_node(node);
+        estimate_.seconds =
+            rates.seconds(reads_, static_cast<double>(points_from_disk_ * decoded_bytes(tree_, columns_)));
+        return estimate_;
+    }
+
+private:
+    void add_node(const SelectedNode& selected)
+    {
+        const Node& node = tree_.node(selected.node);
+        const bool cached = static_cast<bool>(cache_.find(selected.node, columns_));
+        const std::uint64_t read_before = estimate_.points_read;
+        const bool in_part = selected.relation == BoxRelation::crosses || selected.points < node.points;
+        std::uint64_t bytes = node.extent.bytes;
+        if (precision_ == EstimatePrecision::headers && in_part) {
+            bytes = add_segments(selected);
+            if (estimate_.points_read == read_before) return;  // the query touches no segment
+        } else {
+            add_points(selected.relation, tree_.box(selected.node), selected.points);
+        }
+        ++estimate_.chunks;
+        if (cached) {
+            ++estimate_.chunks_cached;
+            return;
+        }
+        ++reads_;
+        points_from_disk_ += estimate_.points_read - read_before;
+        estimate_.bytes += bytes;
+    }
+
+    // Returns the bytes that are read of the node's chunk.
+    std::uint64_t add_segments(const SelectedNode& selected)
+    {
+        const BpcHeader header = headers_.read(selected.node);
+        std::uint64_t bytes = header.header_bytes;
+        for (std::size_t s = 0; s < header.segments.size(); ++s) {
+            const BpcSegment& segment = header.segments[s];
+            if (query_.level && segment.level > *query_.level) continue;
+            const Box3d box = tree_.info().grid.to_source(segment.box);
+            const BoxRelation relation =
+                selected.relation == BoxRelation::inside ? selected.relation : selector_.relation(box);
+            add_points(relation, box, segment.count);
+            if (relation == BoxRelation::outside) continue;
+            if (columns_.positions && s < header.positions.pieces.size()) bytes += header.positions.pieces[s].bytes;
+            for (std::size_t k = 0; k < header.attributes.size(); ++k)
+                if (columns_.attributes.test(k) && s < header.attributes[k].pieces.size())
+                    bytes += header.attributes[k].pieces[s].bytes;
+        }
+        return bytes;
+    }
+
+    // Points of which only their tight box is known.
+    void add_points(BoxRelation relation, const Box3d& box, std::uint32_t points)
+    {
+        if (relation == BoxRelation::outside) return;
+        estimate_.points_most += points;
+        estimate_.points_read += points;
+        if (relation == BoxRelation::inside) {
+            if (!estimate_.conditions) estimate_.points_least += points;
+            estimate_.points_expected += points;
+        } else {
+            estimate_.points_expected += selected_part(selector_, box, steps_) * points;
+        }
+    }
+
+    L2Cache& cache_;
+    const Tree& tree_;
+    const Query& query_;
+    const ColumnSet& columns_;
+    const EstimatePrecision precision_;
+    const Selector selector_;
+    const std::vector<SelectedNode> nodes_;
+    Headers headers_;
+    std::size_t steps_;  // test points per axis in a box that the query cuts: fewer where there are many such boxes
+    Estimate estimate_;
+    std::uint64_t reads_ = 0, points_from_disk_ = 0;
+};
+
 }  // namespace
 
 Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& query, const ColumnSet& columns,
                        EstimatePrecision precision)
 {
     const auto start = std::chrono::steady_clock::now();
-    const Tree& tree = cache.tree();
-    const Selector selector(query.selection(), tree.info().schema);
-    const std::vector<SelectedNode> nodes = selected_nodes(tree, selector, query.level);
-    Estimate estimate;
-    estimate.conditions = selector.tests_attributes();
-    std::size_t cut = 0;
-    for (const SelectedNode& node : nodes) cut += node.relation == BoxRelation::crosses;
-    const auto steps = static_cast<std::size_t>(
-        std::clamp(std::cbrt(1e5 / static_cast<double>(std::max<std::size_t>(cut, 1))), 3.0, 8.0));
-    Headers headers(tree);
-
-    // Adds the points of one box.
-    const auto add = [&](BoxRelation relation, const Box3d& box, std::uint32_t points) {
-        if (relation == BoxRelation::outside) return;
-        estimate.points_most += points;
-        estimate.points_read += points;
-        if (relation == BoxRelation::inside) {
-            if (!estimate.conditions) estimate.points_least += points;
-            estimate.points_expected += points;
-        } else {
-            estimate.points_expected += selected_part(selector, box, steps) * points;
-        }
-    };
-    std::uint64_t reads = 0, points_from_disk = 0;
-    for (const SelectedNode& selected : nodes) {
-        const Node& node = tree.node(selected.node);
-        const bool cached = static_cast<bool>(cache.find(selected.node, columns));
-        const std::uint64_t read_before = estimate.points_read;
-        const bool in_part = selected.relation == BoxRelation::crosses || selected.points < node.points;
-        std::uint64_t bytes = node.extent.bytes;
-        if (precision == EstimatePrecision::headers && in_part) {
-            const BpcHeader header = headers.read(selected.node);
-            bytes = header.header_bytes;
-            for (std::size_t s = 0; s < header.segments.size(); ++s) {
-                const BpcSegment& segment = header.segments[s];
-                if (query.level && segment.level > *query.level) continue;
-                const Box3d box = tree.info().grid.to_source(segment.box);
-                const BoxRelation relation =
-                    selected.relation == BoxRelation::inside ? selected.relation : selector.relation(box);
-                add(relation, box, segment.count);
-                if (relation == BoxRelation::outside) continue;
-                if (columns.positions && s < header.positions.pieces.size()) bytes += header.positions.pieces[s].bytes;
-                for (std::size_t k = 0; k < header.attributes.size(); ++k)
-                    if (columns.attributes.test(k) && s < header.attributes[k].pieces.size())
-                        bytes += header.attributes[k].pieces[s].bytes;
-            }
-            if (estimate.points_read == read_before) continue;  // no segment is touched
-        } else {
-            add(selected.relation, tree.box(selected.node), selected.points);
-        }
-        ++estimate.chunks;
-        if (cached) {
-            ++estimate.chunks_cached;
-            continue;
-        }
-        ++reads;
-        points_from_disk += estimate.points_read - read_before;
-        estimate.bytes += bytes;
-    }
-    estimate.seconds = rates.seconds(reads, static_cast<double>(points_from_disk * decoded_bytes(tree, columns)));
+    Estimate estimate = Estimator(cache, query, columns, precision).run(rates);
     estimate.own_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return estimate;
 }

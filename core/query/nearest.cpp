@@ -1,8 +1,8 @@
 #include "pcm/query/nearest.h"
 
-#include "pcm/query/point_blocks.h"
 #include "pcm/cloud/box_distance.h"
 #include "pcm/cloud/morton.h"
+#include "pcm/query/point_blocks.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/crew.h"
@@ -25,7 +25,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-// A chunk's positions and blocks, held while they are of use.
+// A chunk's positions and blocks, kept between the searches that use them.
 struct HeldChunk {
     NodeId node = no_node;
     L2Cache::Handle handle;
@@ -43,7 +43,7 @@ public:
 
     const Tree& tree() const { return cache_.tree(); }
     const Grid& grid() const { return tree().info().grid; }
-    // Finer levels are below a node.
+    // Whether the node or its subtree can hold points of the level: finer levels are below a node.
     bool passes(const Node& node) const { return !(level_ && node.points > 0 && node.first_level > *level_); }
 
     const HeldChunk& get(NodeId id)
@@ -69,7 +69,7 @@ private:
     std::array<HeldChunk, 16> held_;
 };
 
-// The nearest points of blocks [begin, end), as squares.
+// Squared distances of the boxes [begin, end).
 void squares_of(const PointBlocks::Boxes& boxes, std::size_t begin, std::size_t end, const Vec3d& q, double* squares)
 {
     for (std::size_t i = begin; i < end; ++i) {
@@ -96,7 +96,7 @@ public:
         const Tree& tree = chunks_.tree();
         if (k > 0 && !tree.nodes().empty()) {
             nodes_.clear();
-            ask_node(0, q, k);
+            queue_node(0, q, k);
             while (!nodes_.empty()) {
                 std::pop_heap(nodes_.begin(), nodes_.end(), std::greater<>());
                 const auto [square, id] = nodes_.back();
@@ -105,7 +105,7 @@ public:
                 const Node& node = tree.node(id);
                 if (node.points > 0) search_chunk(id, q, k);
                 for (const NodeId child : node.children)
-                    if (child != no_node) ask_node(child, q, k);
+                    if (child != no_node) queue_node(child, q, k);
             }
         }
         std::sort_heap(best_.begin(), best_.end(), before);
@@ -118,14 +118,14 @@ private:
     {
         return std::tie(a.squared_distance, a.node, a.index) < std::tie(b.squared_distance, b.node, b.index);
     }
-    // Whether a point of node `id` or below (those have higher numbers) can be among the best when none has a smaller
-    // square.
+    // Whether a point of node `id` or its subtree (whose nodes have higher numbers) can be among the best, where
+    // `square` is a lower bound of the squares.
     bool may_hold(double square, NodeId id, std::size_t k) const
     {
         if (!(square <= limit_)) return false;
         return best_.size() < k || std::tie(square, id) <= std::tie(best_.front().squared_distance, best_.front().node);
     }
-    void ask_node(NodeId id, const Vec3d& q, std::size_t k)
+    void queue_node(NodeId id, const Vec3d& q, std::size_t k)
     {
         const Node& node = chunks_.tree().node(id);
         if (node.box.empty() || !chunks_.passes(node)) return;
@@ -136,7 +136,7 @@ private:
     }
 
     using Ranked = std::pair<double, std::uint32_t>;
-    // Goes through groups, blocks or what else in the order of their squares while they may hold something.
+    // Calls f for groups or blocks in ascending order of their squares, while they may hold a point for the result.
     template <class F>
     void in_order(std::vector<Ranked>& ranked, NodeId id, std::size_t k, const F& f)
     {
@@ -185,7 +185,7 @@ private:
         bool small = !positions.wide;
         for (const std::int64_t c : positions.origin) small = small && c > -exact_double && c < exact_double;
         if (small) {
-            // Sums of whole numbers below 2^53: the same doubles as those of the grid position.
+            // Sums of integers below 2^53 are exact: the same doubles as from the grid position.
             const auto coordinate = [&](std::size_t a, std::size_t i) {
                 const double grid_position =
                     static_cast<double>(positions.origin[a]) + positions.narrow_xyz[a][begin + i];
@@ -232,10 +232,10 @@ void require(const std::vector<Vec3d>& points, const NearestOptions& options)
     for (const Vec3d& p : points)
         if (!is_finite(p))
             throw Error(ErrorCode::invalid_argument, {},
-                        "neighbours of a point that is not finite were asked for: " + exact(p));
+                        "the neighbours of a point that is not finite cannot be searched: " + exact(p));
     if (!(options.max_distance >= 0))
         throw Error(ErrorCode::invalid_argument, {},
-                    "the largest distance of neighbours is " + exact(options.max_distance) + "; it is 0 or more");
+                    "the largest distance of neighbours is " + exact(options.max_distance) + "; it must be 0 or more");
 }
 
 double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level)
@@ -249,7 +249,7 @@ double least_distance(const std::vector<Neighbour>& points, double spacing, doub
     return spacing == 0 ? distance : std::max(0.0, distance - spacing);
 }
 
-constexpr const char* error_meaning = "how much nearer the nearest point of the whole cloud may be, source units";
+constexpr const char* error_meaning = "by how much the nearest point of the whole cloud may be nearer, source units";
 
 double error_of(const std::vector<Neighbour>& points, double spacing, double max_distance)
 {
@@ -291,7 +291,8 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
 {
     require(points, options);
     if (points.size() > 0xffffffffu)
-        throw Error(ErrorCode::invalid_argument, {}, "more than 4294967295 points were given at once", "ask in parts");
+        throw Error(ErrorCode::invalid_argument, {}, "more than 4294967295 points were given at once",
+                    "search for them in parts");
     const double start = now(), spacing = spacing_at(cache.tree(), options.level);
     const std::vector<std::uint32_t> order = morton_order(points);
     std::vector<std::vector<Neighbour>> found(points.size());
@@ -339,7 +340,7 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
 {
     if (beam.kind() != Region::Kind::ray && beam.kind() != Region::Kind::cone)
         throw Error(ErrorCode::invalid_argument, {},
-                    "the first point along a region was asked for that is neither ray nor cone");
+                    "the first point along a region can be found in a ray or a cone only");
     const double start = now();
     HitResult result;
     HeldChunks chunks(cache, blocks, level);
@@ -348,14 +349,14 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
         return !result.hit || std::tie(along, id) <= std::tie(result.hit->along, result.hit->node);
     };
     std::priority_queue<std::pair<double, NodeId>, std::vector<std::pair<double, NodeId>>, std::greater<>> nodes;
-    const auto ask = [&](NodeId id) {
+    const auto queue = [&](NodeId id) {
         const Node& node = tree.node(id);
         if (node.box.empty() || !chunks.passes(node)) return;
         const Box3d box = chunks.grid().to_source(node.box);
         const double along = std::max(0.0, beam.least_along(box));
         if (may_hold(along, id) && beam.relation(box) != BoxRelation::outside) nodes.emplace(along, id);
     };
-    if (!tree.nodes().empty()) ask(0);
+    if (!tree.nodes().empty()) queue(0);
     while (!nodes.empty()) {
         const auto [along, id] = nodes.top();
         nodes.pop();
@@ -384,12 +385,12 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
             }
         }
         for (const NodeId child : tree.node(id).children)
-            if (child != no_node) ask(child);
+            if (child != no_node) queue(child);
     }
     result.outcome.points_out = result.hit ? 1 : 0;
     result.outcome.error = spacing_at(tree, level);
     result.outcome.error_meaning =
-        "every point of the whole cloud has one of this level nearer than this, source units";
+        "every point of the whole cloud has a point of this level nearer than this, source units";
     result.outcome.seconds = now() - start;
     return result;
 }

@@ -61,7 +61,7 @@ std::shared_ptr<const PointBlocks> BlockCache::get(NodeId node, const Tree& tree
     }
     auto made = std::make_shared<const PointBlocks>(positions, tree.node(node), tree.info().grid);
     const std::lock_guard lock(mutex_);
-    if (places_.count(node)) return made;  // somebody else was quicker; theirs are the same
+    if (places_.count(node)) return made;  // another thread was quicker; its blocks are the same
     used_.emplace_front(node, made);
     places_[node] = used_.begin();
     bytes_ += made->bytes();

@@ -1,4 +1,4 @@
-// Tasks that a pool of threads works off in the background, or whoever needs the result first.
+// Tasks that run on a pool of threads, or on the thread that needs the result first.
 #pragma once
 
 #include <condition_variable>

@@ -1,4 +1,4 @@
-// Changing points of a cloud through PointCloud.
+// Changing points of a cloud, and making clouds of an open one.
 
 #include "pcm/make_cloud.h"
 
@@ -48,7 +48,7 @@ protected:
         }
         return "";
     }
-    // Attribute values by point, which the position tells as far as this cloud's points have different ones.
+    // Attribute values by position, which identifies a point as far as this cloud's points have different positions.
     using Key = std::array<std::int64_t, 5>;
     std::multimap<Key, double> values(PointCloud& cloud, const std::string& name) const
     {
@@ -93,7 +93,7 @@ TEST_F(EditCursorTest, ANewAttributeOfEveryPoint)
                 EXPECT_EQ(view.value(i, 0), (again ? 3 : 2) * view.position(i)[2]);
             }
         EXPECT_EQ(points, 30000u);
-        EXPECT_GT(cloud->cache().statistics().written_chunks, 20u);  // it did not all fit
+        EXPECT_GT(cloud->cache().statistics().written_chunks, 20u);  // the cache does not hold the whole cloud
         cloud->close();
         expect_whole();
         cloud = open(Access::read);
@@ -149,7 +149,7 @@ TEST_F(EditCursorTest, RandomChangesAgainstAModel)
             committed = model;
             expect_whole();
         }
-        if (step % 10 == 9) {  // what is not flushed is seen by this cloud, and by no other
+        if (step % 10 == 9) {  // this cloud sees what is not flushed, others do not
             const auto sorted = [](const std::multimap<Key, double>& of) {
                 std::vector<std::pair<Key, double>> pairs(of.begin(), of.end());
                 std::sort(pairs.begin(), pairs.end());
@@ -216,7 +216,7 @@ TEST_F(EditCursorTest, AnAttributeThatOnlySomeChunksHave)
     check();
 }
 
-TEST_F(EditCursorTest, MisuseIsToldClearly)
+TEST_F(EditCursorTest, MisuseIsReportedClearly)
 {
     Query query;
     query.attributes = {"intensity"};
@@ -241,7 +241,7 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
         view.set(0, 0, 1);
     }
     EXPECT_NE(error_of([&] { cloud->flush(); }).find("mark_written"),
-              std::string::npos);  // the cursor died with a change
+              std::string::npos);  // the cursor was destroyed with an unmarked change
     cloud->flush();
     auto cursor = cloud->edit(query);
     ASSERT_TRUE(cursor.getNextData(view));
@@ -259,7 +259,7 @@ TEST_F(EditCursorTest, MisuseIsToldClearly)
     EXPECT_EQ(error_of([&] { open(Access::write); }), "");  // the lock is free
     expect_whole();
 
-    // A cursor keeps what it needs, whoever lets go of the cloud.
+    // A cursor works after its cloud is released.
     auto kept = open(Access::write)->edit(query);
     ASSERT_TRUE(kept.getNextData(view));
     view.set(0, 0, 77);
@@ -272,7 +272,7 @@ TEST_F(EditCursorTest, ACursorKeepsADroppedCloudOpenAndItsEndClosesIt)
     Query query;
     query.attributes = {"intensity"};
     {
-        auto cursor = open(Access::write)->edit(query);  // nobody else holds the cloud
+        auto cursor = open(Access::write)->edit(query);  // only the cursor holds the cloud
         EXPECT_THROW(open(Access::write), Error);        // still locked
         for (EditView view; cursor.getNextData(view); view.mark_written())
             for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 5);

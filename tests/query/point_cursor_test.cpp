@@ -1,8 +1,9 @@
-#include "pcm/point_cloud.h"
+#include "pcm/make_cloud.h"
 
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
+#include "tests/memory_reader.h"
 #include "tests/support.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
-class PointCloudTest : public testing::Test {
+class PointCursorTest : public testing::Test {
 protected:
     void SetUp() override
     {
@@ -34,7 +35,7 @@ protected:
     std::shared_ptr<PointCloud> cloud_;
 };
 
-TEST_F(PointCloudTest, AllPointsWithTheirAttributes)
+TEST_F(PointCursorTest, AllPointsWithTheirAttributes)
 {
     std::vector<std::array<std::int64_t, 5>> in, out;
     for (const LasRecord& p : points_) in.push_back({p.x, p.y, p.z, p.intensity, p.green});
@@ -56,7 +57,7 @@ TEST_F(PointCloudTest, AllPointsWithTheirAttributes)
     EXPECT_EQ(view.size(), 0u);
 }
 
-TEST_F(PointCloudTest, BoxesAgainstBruteForce)
+TEST_F(PointCursorTest, BoxesAgainstBruteForce)
 {
     std::mt19937_64 random(9);
     const Box3d bounds = cloud_->info().bounds();
@@ -82,7 +83,7 @@ TEST_F(PointCloudTest, BoxesAgainstBruteForce)
     }
 }
 
-TEST_F(PointCloudTest, ConditionsOnAttributesThatAreNotAskedForToo)
+TEST_F(PointCursorTest, ConditionsOnAttributesThatTheQueryDoesNotRead)
 {
     Query query;
     query.attributes = {"intensity"};
@@ -107,7 +108,7 @@ TEST_F(PointCloudTest, ConditionsOnAttributesThatAreNotAskedForToo)
     EXPECT_THROW(cloud_->points(query), Error);
 }
 
-TEST_F(PointCloudTest, LevelsAreSubsets)
+TEST_F(PointCursorTest, LevelsAreSubsets)
 {
     for (std::uint16_t level = 0; level < cloud_->info().levels; ++level) {
         Query query;
@@ -123,7 +124,7 @@ TEST_F(PointCloudTest, LevelsAreSubsets)
     EXPECT_GT(cloud_->tree()->points_to_level(static_cast<std::uint16_t>(level + 1)), 5000u);
 }
 
-TEST_F(PointCloudTest, UnknownAttributesAreNamed)
+TEST_F(PointCursorTest, UnknownAttributesAreNamed)
 {
     Query query;
     query.attributes = {"temperature"};
@@ -135,7 +136,7 @@ TEST_F(PointCloudTest, UnknownAttributesAreNamed)
     }
 }
 
-TEST_F(PointCloudTest, ACursorKeepsItsCloudAlive)
+TEST_F(PointCursorTest, ACursorKeepsItsCloudAlive)
 {
     auto cursor = cloud_->points();
     cloud_.reset();
@@ -143,6 +144,41 @@ TEST_F(PointCloudTest, ACursorKeepsItsCloudAlive)
     std::size_t points = 0;
     while (cursor.getNextData(view)) points += view.size();
     EXPECT_EQ(points, points_.size());
+}
+
+// Conditions compare raw * scale + offset; views read and write raw values.
+TEST(RawValues, AViewOfAScaledAttributeIsRaw)
+{
+    TemporaryFolder folder;
+    Schema schema;
+    schema.add({"temperature", ScalarType::u16, 1, 0.5, -40, ""});
+    MemoryCloud cloud = random_cloud(schema, std::nullopt, 3000, 7);
+    MemoryReader reader(cloud);
+    create_cloud(folder / "t.pct", reader);
+    Query query;
+    query.attributes = {"temperature"};
+    query.where = {parse_condition("temperature<=60")};  // raw: at most 200
+    {
+        const auto writing = PointCloud::open(folder / "t.pct", {}, Access::write);
+        Query all = query;
+        all.where.clear();
+        auto cursor = writing->edit(all);
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                view.set(i, 0, double(i % 401));
+                ASSERT_EQ(view.value(i, 0), double(i % 401));
+            }
+        writing->close();
+    }
+    const auto reading = PointCloud::open(folder / "t.pct");
+    double largest = 0;
+    auto cursor = reading->points(query);
+    for (PointView view; cursor.getNextData(view);)
+        for (std::size_t i = 0; i < view.size(); ++i) {
+            largest = std::max(largest, view.value(i, 0));
+            ASSERT_EQ(view.value(i, 0), view.column(0).as<std::uint16_t>()[view.index(i)]);
+        }
+    EXPECT_EQ(largest, 200);
 }
 
 }  // namespace

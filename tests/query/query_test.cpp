@@ -1,4 +1,4 @@
-// Queries of trees against a look at every point: regions, levels, conditions, estimates, neighbours, first hits.
+// Queries of trees against a test of every point: regions, levels, conditions, estimates, neighbours, first hits.
 
 #include "pcm/build/builder.h"
 #include "pcm/cloud/vector.h"
@@ -279,7 +279,7 @@ INSTANTIATE_TEST_SUITE_P(Clouds, QueryTest,
                                          Cloud::wide, Cloud::single),
                          [](const auto& info) { return name(info.param); });
 
-TEST_P(QueryTest, FindsWhatIsThere)
+TEST_P(QueryTest, FindsTheSelectedPoints)
 {
     Random random{std::mt19937_64(1)};
     for (int round = 0; round < 500 && !HasFatalFailure(); ++round) check(query(random));
@@ -319,7 +319,7 @@ TEST_P(QueryTest, NeighboursInOrderTiesAndAll)
         const auto wanted = neighbours(q, k, options);
         ASSERT_EQ(result.points.size(), wanted.size());
         ASSERT_TRUE(same(result.points.data(), wanted.data(), wanted.size())) << "round " << round << " k " << k;
-        // What is promised of the whole cloud.
+        // The promises about the whole cloud.
         if (k == 0) continue;
         const auto whole = neighbours(q, k, {});
         ASSERT_LE(result.least_distance, whole[0].distance() * (1 + 1e-12));
@@ -389,138 +389,6 @@ TEST_P(QueryTest, FirstHits)
         hits += wanted.has_value();
     }
     if (GetParam() != Cloud::single) EXPECT_GT(hits, 20u);
-}
-
-class QueryLimits : public testing::Test {
-protected:
-    void SetUp() override
-    {
-        write_las(folder_ / "in.las", records(Shape::volume, 40000, 3), {{0.01, 0.01, 0.01}, {5e6, 4.8e6, 0}});
-        BuildOptions options;
-        options.chunk_points = 1000;
-        build_tree({folder_ / "in.las"}, folder_ / "t.pct", options);
-        cloud_ = PointCloud::open(folder_ / "t.pct");
-    }
-    TemporaryFolder folder_;
-    std::shared_ptr<PointCloud> cloud_;
-};
-
-TEST_F(QueryLimits, ACursorIsCancelledAndDroppedAtAnyTime)
-{
-    Query query;
-    query.region = Region::sphere({5e6, 4.8e6, 0}, 450);
-    query.reads_in_flight = 8;
-    int calls = 0;
-    double last = -1;
-    query.progress = [&](const ProgressUpdate& update) {
-        EXPECT_GE(update.fraction, last);
-        EXPECT_LE(update.fraction, 1.0);
-        last = update.fraction;
-        return ++calls < 4;
-    };
-    auto cursor = cloud_->points(query);
-    PointView view;
-    try {
-        while (cursor.getNextData(view)) {
-        }
-        ADD_FAILURE() << "not cancelled";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::cancelled);
-    }
-    EXPECT_EQ(calls, 4);
-    query.progress = {};
-    for (int chunks = 0; chunks < 30; ++chunks) {
-        auto dropped = cloud_->points(query);
-        for (int i = 0; i < chunks && dropped.getNextData(view); ++i) {
-        }
-    }
-    // The last one that holds the cloud is the cursor.
-    auto last_one = cloud_->points(query);
-    EXPECT_TRUE(last_one.getNextData(view));
-    cloud_.reset();
-    EXPECT_TRUE(last_one.getNextData(view));
-}
-
-TEST_F(QueryLimits, ReadsOnlyWhatIsNear)
-{
-    Query query;
-    query.region = Region::sphere({5e6 + 100, 4.8e6 - 50, 30}, 20);
-    const Estimate before = cloud_->estimate(query);
-    EXPECT_FALSE(before.seconds);
-    auto cursor = cloud_->points(query);
-    PointView view;
-    while (cursor.getNextData(view)) {
-    }
-    EXPECT_LT(cursor.statistics().points_read, 10000u);
-    EXPECT_LE(cursor.statistics().points_read, before.points_read);
-    EXPECT_GT(cursor.statistics().bytes_read, 0u);
-    EXPECT_LE(cursor.statistics().bytes_read, before.bytes);
-    // What was cut is not kept in the cache.
-    EXPECT_EQ(cloud_->cache().statistics().resident_chunks, 0u);
-    const Estimate after = cloud_->estimate(query);
-    ASSERT_TRUE(after.seconds);
-    EXPECT_GT(*after.seconds, 0);
-    // What the cache holds is used from there.
-    auto everything = cloud_->points();
-    while (everything.getNextData(view)) {
-    }
-    auto again = cloud_->points(query);
-    while (again.getNextData(view)) {
-    }
-    EXPECT_EQ(again.statistics().chunks_cached, again.statistics().chunks);
-    EXPECT_EQ(again.statistics().bytes_read, 0u);
-    EXPECT_EQ(cloud_->estimate(query).bytes, 0u);
-}
-
-TEST_F(QueryLimits, WhatIsNoQuestionIsRefused)
-{
-    EXPECT_THROW(cloud_->nearest({NAN, 0, 0}, 1), Error);
-    EXPECT_THROW(cloud_->nearest(std::vector<Vec3d>{{0, 0, 0}, {0, INFINITY, 0}}, 1), Error);
-    NearestOptions options;
-    options.max_distance = -1;
-    EXPECT_THROW(cloud_->nearest({0, 0, 0}, 1, options), Error);
-    EXPECT_THROW(cloud_->first_hit(Region::sphere({0, 0, 0}, 1)), Error);
-    Query query;
-    query.attributes = {"temperature"};
-    EXPECT_THROW(cloud_->estimate(query), Error);
-    EXPECT_TRUE(cloud_->nearest(std::vector<Vec3d>{}, 3).points.empty());
-    options.max_distance = INFINITY;
-    options.threads = 2;
-    options.progress = [](const ProgressUpdate&) { return false; };
-    const std::vector<Vec3d> many(200000, Vec3d{5e6, 4.8e6, 0});
-    try {
-        cloud_->nearest(many, 8, options);
-        ADD_FAILURE() << "not cancelled";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::cancelled);
-    }
-}
-
-TEST_F(QueryLimits, DamageReachesTheOneWhoAsked)
-{
-    cloud_.reset();
-    // Bytes of columns, behind the first header.
-    std::fstream file(folder_ / "t.pct" / "chunks-000.bpc", std::ios::in | std::ios::out | std::ios::binary);
-    file.seekg(0, std::ios::end);
-    const auto size = static_cast<std::size_t>(file.tellg());
-    for (std::size_t at = 3000; at < size; at += 500) {
-        file.seekp(static_cast<std::streamoff>(at));
-        file.put('\x55');
-    }
-    file.close();
-    cloud_ = PointCloud::open(folder_ / "t.pct");
-    Query query;
-    query.region = Region::sphere({5e6, 4.8e6, 0}, 300);
-    PointView view;
-    auto cursor = cloud_->points(query);
-    EXPECT_THROW(
-        {
-            while (cursor.getNextData(view)) {
-            }
-        },
-        Error);
-    EXPECT_THROW(cloud_->nearest({5e6, 4.8e6, 0}, 40000), Error);
-    EXPECT_THROW(cloud_->nearest(std::vector<Vec3d>(1000, Vec3d{5e6, 4.8e6, 0}), 1000), Error);
 }
 
 }  // namespace
