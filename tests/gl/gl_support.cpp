@@ -2,6 +2,7 @@
 
 #include "pcm/build/builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -185,6 +186,12 @@ FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, co
     }
     ADD_FAILURE() << "still refining after " << most << " frames";
     return report;
+}
+
+std::size_t count_lit(const std::vector<Pixel>& pixels)
+{
+    return static_cast<std::size_t>(
+        std::count_if(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.a > 0; }));
 }
 
 }  // namespace pcm::test

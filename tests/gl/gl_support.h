@@ -82,9 +82,27 @@ private:
 // no budgets.
 inline constexpr Vec3d map_offset{500000, 5000000, 100};
 std::vector<LasPoint> random_points(std::size_t count, std::int32_t extent, std::uint64_t seed);
+// `count` x `count` points, 0.1 apart, in a plane z = height(x).
+template <class Height>
+std::vector<LasPoint> sheet(std::int32_t count, const Height& height)
+{
+    std::vector<LasPoint> points;
+    for (std::int32_t y = 0; y < count; ++y)
+        for (std::int32_t x = 0; x < count; ++x) {
+            LasPoint p;
+            p.x = 100 * x;
+            p.y = 100 * y;
+            p.z = height(x);
+            points.push_back(p);
+        }
+    return points;
+}
+
 inline Grid grid_at(const Vec3d& offset, double scale = 0.001) { return {{scale, scale, scale}, offset}; }
 Matrix overview(double extent);  // of the cube of this side at the local origin
 RenderOptions everything();
+
+std::size_t count_lit(const std::vector<Pixel>& pixels);
 
 // Draws until nothing more will come; the last report. Fails the test after `most` frames.
 FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const Camera& view, const Vec3d& origin,

@@ -1,7 +1,7 @@
 #include "tests/gl/gl_support.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/shader_program.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <string>

@@ -1,0 +1,173 @@
+// How a picture comes into the host's framebuffer: depth, multisampling, eye-dome lighting.
+#include "tests/gl/gl_support.h"
+
+#include <algorithm>
+
+using namespace pcm;
+using namespace pcm::test;
+
+namespace {
+
+std::vector<float> depths_of(const Framebuffer& framebuffer)
+{
+    std::vector<float> depths(static_cast<std::size_t>(framebuffer.width() * framebuffer.height()));
+    glReadPixels(0, 0, framebuffer.width(), framebuffer.height(), GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+    return depths;
+}
+
+double mean_brightness(const std::vector<Pixel>& pixels)
+{
+    double sum = 0, lit = 0;
+    for (const Pixel& p : pixels)
+        if (p.a) {
+            sum += p.g;
+            ++lit;
+        }
+    return lit > 0 ? sum / lit : 0;
+}
+
+}  // namespace
+
+// The host's own things before and behind the cloud; the depth that is left is the host's.
+TEST(Compositor, IsComposedWithWhatTheHostHasDrawn)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
+    const Framebuffer framebuffer(100, 100);
+    const Matrix projection = perspective(0.9, 1, 0.5, 100);
+    const Camera view = view_of(translation(-5, -5, -10), projection, 100, 100);
+    const auto window_depth = [&](double z) { return ((projection[10] * z + projection[14]) / -z + 1) / 2; };
+    for (const unsigned samples : {1u, 4u})
+        for (const float eye_dome : {0.0f, 1.0f})
+            for (const double range_end : {1.0, 0.5}) {
+                Drawing drawing(cloud);
+                drawing.style.point_size_px = 4;
+                RenderOptions options = everything();
+                options.samples = samples;
+                options.eye_dome = eye_dome;
+                FrameReport report;
+                for (int frame = 0; frame < 1000; ++frame) {
+                    framebuffer.clear();
+                    // Left half: something of the host's 2 before the sheet; right half: 2 behind it.
+                    glEnable(GL_SCISSOR_TEST);
+                    for (const bool right : {false, true}) {
+                        glScissor(right ? 50 : 0, 0, 50, 100);
+                        glClearColor(1, 0, 0, 1);
+                        glClearDepth(range_end * window_depth(right ? -12 : -8));
+                        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+                    }
+                    glClearDepth(1);
+                    glScissor(10, 10, 80, 80);  // it is not ours, and does not cut us
+                    glDepthRange(0, range_end);
+                    report = drawing.draw(view, {0, 0, 0}, options);
+                    EXPECT_TRUE(glIsEnabled(GL_SCISSOR_TEST));
+                    glDepthRange(0, 1);
+                    glDisable(GL_SCISSOR_TEST);
+                    ASSERT_EQ(report.error, "");
+                    if (!report.refining) break;
+                }
+                EXPECT_TRUE(report.full_resolution);
+                EXPECT_EQ(report.samples, samples);
+                const auto pixels = framebuffer.read();
+                const auto depths = depths_of(framebuffer);
+                const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * 100 + x); };
+                for (int y = 20; y < 80; y += 7) {
+                    EXPECT_EQ(pixels[at(30, y)].g, 0) << "the sheet shines through";
+                    EXPECT_NEAR(depths[at(30, y)], range_end * window_depth(-8), 1e-6);
+                    EXPECT_GT(pixels[at(70, y)].g, 200) << "the sheet is not there";
+                    EXPECT_NEAR(depths[at(70, y)], range_end * window_depth(-10), 1e-6);
+                }
+                drawing.release();
+            }
+}
+
+// Partly covered pixels at the edges of squares, none inside.
+TEST(Compositor, SeveralSamplesSmoothEdges)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    std::vector<LasPoint> points(1);
+    points[0].x = points[0].y = 5033;
+    points.push_back({});
+    points[1].x = points[1].y = 1000;
+    const auto cloud = make_cloud(folder, "two", grid_at({0, 0, 0}), points, 1000);
+    const Framebuffer framebuffer(100, 100);
+    const Camera view = view_of(translation(-5, -5, -10), orthographic(5, 5, 1, 100), 100, 100);
+    for (const unsigned samples : {1u, 4u, 1000u}) {
+        Drawing drawing(cloud);
+        drawing.style.point_size_px = 20;
+        RenderOptions options = everything();
+        options.samples = samples;
+        const FrameReport report = draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+        if (samples > 4) {
+            EXPECT_LT(report.samples, samples);  // what the driver has
+            EXPECT_GE(report.samples, 4u);
+        }
+        std::size_t partly = 0, whole = 0;
+        for (const Pixel& p : framebuffer.read()) {
+            partly += p.a > 0 && p.a < 255;
+            whole += p.a == 255;
+            if (p.a == 255) EXPECT_EQ(p.r, 255);
+        }
+        EXPECT_GE(whole, 2u * 19 * 19);
+        if (samples == 1)
+            EXPECT_EQ(partly, 0u);
+        else
+            EXPECT_GT(partly, 15u);
+        drawing.release();
+    }
+}
+
+// A plane seen face on stays as it is, a step gets a shadow on its lower side, whatever the unit of length and the
+// projection.
+TEST(Compositor, EyeDomeLightingShowsSteps)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto flat = make_cloud(folder, "flat", grid_at({0, 0, 0}), sheet(101, [](std::int32_t) { return 0; }), 2000);
+    const auto step = make_cloud(folder, "step", grid_at({0, 0, 0}),
+                                 sheet(101, [](std::int32_t x) { return x < 50 ? 0 : 1500; }), 2000);
+    const Framebuffer framebuffer(100, 100);
+    double darkest = 1e9;
+    for (const bool parallel : {false, true})
+        for (const double unit : {1.0, 1e-4, 1e4})
+            for (const unsigned samples : {1u, 4u}) {
+                Matrix scaled = translation(-5 * unit, -5 * unit, -12 * unit);
+                for (const std::size_t k : {0u, 5u, 10u}) scaled[k] = unit;
+                const Matrix projection = parallel ? orthographic(4 * unit, 4 * unit, unit, 100 * unit)
+                                                   : perspective(0.7, 1, 0.1 * unit, 100 * unit);
+                const Camera view = view_of(scaled, projection, 100, 100);
+                const auto brightness = [&](const std::shared_ptr<PointCloud>& cloud, float strength) {
+                    Drawing drawing(cloud);
+                    drawing.style.point_size_px = 5;
+                    RenderOptions options = everything();
+                    options.samples = samples;
+                    options.eye_dome = strength;
+                    draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+                    const auto pixels = framebuffer.read();
+                    drawing.release();
+                    return pixels;
+                };
+                EXPECT_NEAR(mean_brightness(brightness(flat, 1)), 255, 1);
+                EXPECT_NEAR(mean_brightness(brightness(step, 0)), 255, 1);
+                const auto shaded = brightness(step, 1);
+                const auto stronger = brightness(step, 3);
+                EXPECT_LT(mean_brightness(shaded), 254);
+                EXPECT_LT(mean_brightness(stronger), mean_brightness(shaded));
+                // Row in the middle: dark on the lower side of the step alone.
+                int least = 255, place = 0;
+                for (int x = 5; x < 95; ++x) {
+                    const int g = shaded[static_cast<std::size_t>(50 * 100 + x)].g;
+                    if (g < least) {
+                        least = g;
+                        place = x;
+                    }
+                }
+                EXPECT_LT(least, 200) << parallel << " " << unit << " " << samples;
+                EXPECT_NEAR(place, 48, 6);
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 250);
+                darkest = std::min(darkest, static_cast<double>(least));
+            }
+    EXPECT_GE(darkest, 0);
+}
