@@ -3,12 +3,12 @@
 #include "pcm/build/builder.h"
 
 #include "pcm/system/error.h"
-#include "tests/clouds.h"
-#include "tests/memory_reader.h"
-#include "tests/support.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/verify.h"
 #include "pcm/tree/verify_levels.h"
+#include "tests/clouds.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
