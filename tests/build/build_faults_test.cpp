@@ -4,11 +4,11 @@
 #include "pcm/build/builder.h"
 
 #include "pcm/system/error.h"
+#include "pcm/tree/tree_index.h"
 #include "tests/clouds.h"
 #include "tests/faults.h"
-#include "tests/support.h"
 #include "tests/paths.h"
-#include "pcm/tree/tree_index.h"
+#include "tests/support.h"
 
 #include <fstream>
 #include <map>

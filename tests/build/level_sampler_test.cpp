@@ -1,8 +1,8 @@
 #include "pcm/build/levels/level_sampler.h"
 
+#include "pcm/build/levels/morton_sort.h"
 #include "pcm/system/error.h"
 #include "tests/support.h"
-#include "pcm/build/levels/morton_sort.h"
 
 #include <gtest/gtest.h>
 

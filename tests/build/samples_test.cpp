@@ -1,9 +1,9 @@
 // Every real LAS and PLY cloud builds, with the count and the box that its manifest states.
 
-#include "tests/clouds.h"
-#include "tests/support.h"
 #include "pcm/build/builder.h"
 #include "pcm/tree/verify.h"
+#include "tests/clouds.h"
+#include "tests/support.h"
 
 #include <cmath>
 #include <sstream>
