@@ -1,6 +1,7 @@
 #include "pcm/bpc/array_chunk.h"
 
 #include "pcm/bpc/batch_chunk.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/system/error.h"
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pcm/bpc/bpc_file.h"
-#include "pcm/system/file.h"
 #include "pcm/cloud/point_batch.h"
+#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>

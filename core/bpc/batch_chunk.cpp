@@ -1,5 +1,6 @@
 #include "pcm/bpc/batch_chunk.h"
 
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

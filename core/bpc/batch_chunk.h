@@ -1,7 +1,8 @@
 // Points of a batch as an encoded chunk, and the points of a decoded chunk in a batch.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/cloud/point_batch.h"
 
 #include <array>

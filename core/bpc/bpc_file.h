@@ -2,7 +2,7 @@
 // of a tree there may also be tombstones and commit records: they are passed over.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
 #include "pcm/bpc/chunk_index.h"
 #include "pcm/bpc/cloud_block.h"
 #include "pcm/system/error.h"

@@ -1,7 +1,6 @@
 // Writes a file of a whole cloud: cloud block, chunks, chunk table.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
 #include "pcm/bpc/cloud_block.h"
 #include "pcm/system/output_file.h"
 

@@ -3,8 +3,8 @@
 
 #include "pcm/cloud/attribute.h"
 #include "pcm/cloud/geometry.h"
-#include "pcm/system/page_allocator.h"
 #include "pcm/cloud/point_batch.h"
+#include "pcm/system/page_allocator.h"
 
 #include <array>
 #include <cstdint>

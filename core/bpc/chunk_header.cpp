@@ -1,5 +1,8 @@
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_header.h"
+
+#include "pcm/bpc/attribute_bytes.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
 #include "pcm/bpc/read_head.h"
@@ -7,38 +10,11 @@
 #include "pcm/bpc/segments.h"
 #include "pcm/system/error.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
 namespace pcm {
-
-std::uint64_t checksum(const void* data, std::size_t bytes) { return XXH3_64bits(data, bytes); }
-
-void put_attribute(ByteWriter& out, const Attribute& attribute)
-{
-    out.put(static_cast<std::uint8_t>(attribute.type));
-    out.put(attribute.components);
-    out.put(attribute.scale);
-    out.put(attribute.offset);
-    out.put_string(attribute.name);
-    out.put_string(attribute.description);
-}
-
-Attribute get_attribute(ByteReader& in)
-{
-    Attribute attribute;
-    attribute.type = static_cast<ScalarType>(in.get<std::uint8_t>());
-    attribute.components = in.get<std::uint32_t>();
-    attribute.scale = in.get<double>();
-    attribute.offset = in.get<double>();
-    attribute.name = in.get_string();
-    attribute.description = in.get_string();
-    return attribute;
-}
 
 namespace {
 
@@ -263,30 +239,6 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     else
         rest.read_whole_columns(attributes);
     return header;
-}
-
-// The first bytes of a chunk, its whole header among them.
-std::vector<std::byte> read_head(const File& file, std::uint64_t offset, std::uint64_t available, std::size_t guess)
-{
-    std::vector<std::byte> head(static_cast<std::size_t>(std::min<std::uint64_t>(available, guess)));
-    file.read_at(head.data(), head.size(), offset);
-    if (head.size() >= 28 && std::memcmp(head.data(), bpc_layout::magic, 4) == 0) {
-        std::uint32_t header_bytes;
-        std::memcpy(&header_bytes, head.data() + bpc_layout::header_bytes_at, 4);
-        if (header_bytes > head.size() && header_bytes <= available && header_bytes <= bpc_layout::most_header_bytes) {
-            const std::size_t have = head.size();
-            head.resize(header_bytes);
-            file.read_at(head.data() + have, header_bytes - have, offset + have);
-        }
-    }
-    return head;
-}
-
-// Errors from inside the chunk's bytes name no file: adds it, and where the chunk lies.
-[[noreturn]] void rethrow_naming(const Error& error, const File& file, std::uint64_t offset)
-{
-    if (!error.path().empty()) throw;
-    throw Error(error.code(), file.path(), "chunk at byte " + std::to_string(offset) + ": " + error.what());
 }
 
 BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available)

@@ -1,18 +1,15 @@
 #include "pcm/bpc/cloud_block.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/attribute_bytes.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <string>
 
 namespace pcm {
@@ -184,14 +181,12 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
         fail(ErrorCode::corrupt, "stray bytes behind its end" + at(start + table_overhead + row_bytes * chunks));
 
     // Piece by piece: there may be many chunks.
-    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
-    if (!state) throw std::bad_alloc();
-    XXH3_64bits_reset(state.get());
+    RunningChecksum sum;
     std::array<std::byte, 8> magic;
     file.read_at(magic.data(), magic.size(), start);
     if (std::memcmp(magic.data(), table_magic.data(), magic.size()) != 0)
         fail(ErrorCode::corrupt, "there is none" + at(start));
-    XXH3_64bits_update(state.get(), magic.data(), magic.size());
+    sum.add(magic.data(), magic.size());
 
     ChunkIndex index(block.bytes);
     std::vector<std::byte> piece;
@@ -199,7 +194,7 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
         const std::uint64_t now = std::min<std::uint64_t>(chunks - row, 4096);
         piece.resize(static_cast<std::size_t>(now) * row_bytes);
         file.read_at(piece.data(), piece.size(), start + 8 + row * row_bytes);
-        XXH3_64bits_update(state.get(), piece.data(), piece.size());
+        sum.add(piece.data(), piece.size());
         ByteReader in(piece.data(), piece.size(), file.path());
         for (std::uint64_t i = 0; i < now; ++i, ++row) {
             const auto chunk_points = in.get<std::uint64_t>(), chunk_bytes = in.get<std::uint64_t>();
@@ -213,8 +208,7 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
     }
     std::uint64_t stored;
     file.read_at(&stored, 8, file_bytes - 8);
-    if (stored != XXH3_64bits_digest(state.get()))
-        fail(ErrorCode::corrupt, "its checksum" + at(file_bytes - 8) + " does not hold");
+    if (stored != sum.value()) fail(ErrorCode::corrupt, "its checksum" + at(file_bytes - 8) + " does not hold");
     if (index.end().offset != start || index.end().first_point != block.cloud.points)
         fail(ErrorCode::corrupt, "its chunks have " + std::to_string(index.end().first_point) + " points and end" +
                                      at(index.end().offset) + "; the cloud block says " +

@@ -4,9 +4,9 @@
 
 #include "pcm/bpc/chunk_index.h"
 #include "pcm/cloud/attribute.h"
-#include "pcm/system/file.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
+#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>

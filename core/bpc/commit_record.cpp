@@ -1,7 +1,7 @@
 #include "pcm/bpc/commit_record.h"
 
-#include "pcm/bpc/chunk_codec.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/read_head.h"
 #include "pcm/system/error.h"
 

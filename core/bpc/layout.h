@@ -1,7 +1,7 @@
 // Numbers of the chunk layout that its writer and its reader share; FORMAT.md has the layout.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_identity.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,13 +1,16 @@
 // How the points of a tree's chunk are cut in segments. The rule is part of the format.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_header.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
 namespace pcm {
+
+// A segment has at most this many points; in a chunk of more than 16 million a 4096th of them, in whole blocks of 128.
+inline constexpr std::uint32_t most_segment_points = 4096;
 
 // Even parts of a level, in whole blocks of the codec but for the last.
 struct SegmentRule {

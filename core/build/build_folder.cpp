@@ -1,6 +1,6 @@
 #include "pcm/build/build_folder.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"

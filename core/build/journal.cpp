@@ -1,6 +1,6 @@
 #include "pcm/build/journal.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 
 #include <unistd.h>

@@ -1,6 +1,6 @@
 #include "pcm/query/estimate.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/query/chunk_stream.h"
 #include "pcm/query/read_rates.h"
 #include "pcm/tree/selected_nodes.h"

@@ -1,6 +1,7 @@
 #include "pcm/tree/about.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/attribute_bytes.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
 

@@ -1,6 +1,6 @@
 #include "pcm/tree/tree.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
 #include "pcm/system/error.h"
 #include "pcm/build/build_folder.h"
 #include "pcm/tree/data_file_pool.h"

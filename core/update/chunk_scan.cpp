@@ -1,5 +1,6 @@
 #include "pcm/update/chunk_scan.h"
 
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/tree_index.h"

@@ -1,9 +1,9 @@
 #include "pcm/update/erase.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_encoder.h"
+#include "pcm/system/error.h"
 #include "pcm/build/bins/observed.h"
 #include "pcm/build/bins/row.h"
-#include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"

@@ -1,7 +1,7 @@
 // The nodes of a tree by themselves, as an update changes them, and how they become a node vector again.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_identity.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>

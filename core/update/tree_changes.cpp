@@ -1,7 +1,9 @@
 #include "pcm/update/tree_changes.h"
 
-#include "pcm/build/bins/row.h"
+#include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/system/error.h"
+#include "pcm/build/bins/row.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 

@@ -1,5 +1,6 @@
 #include "pcm/update/tree_update.h"
 
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/bpc/layout.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"

@@ -1,4 +1,5 @@
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_encoder.h"
 
 #include "pcm/system/error.h"
 #include "tests/support.h"

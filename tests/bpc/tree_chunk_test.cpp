@@ -1,6 +1,8 @@
 // Chunks of version 3: the node they name, their segments, and reading some of these alone.
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/bpc/bpc_file.h"
 #include "pcm/bpc/commit_record.h"
 #include "pcm/system/error.h"

@@ -2,7 +2,7 @@
 
 #include "pcm/build/nodes/node_builder.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
 #include "pcm/build/levels/morton_sort.h"
 #include "tests/build/schema_of.h"
 #include "tests/support.h"

@@ -1,4 +1,4 @@
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/io/bpc/bpc_reader.h"
 #include "tests/fuzz/reader_input.h"
 #include "tests/fuzz/seal_tree_chunk.h"

@@ -1,7 +1,8 @@
 // The records of a tree's data file: chunks, whole and in parts, and commit records.
 
 #include "pcm/bpc/batch_chunk.h"
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/bpc/commit_record.h"
 #include "pcm/system/error.h"
 #include "tests/fuzz/seal_tree_chunk.h"

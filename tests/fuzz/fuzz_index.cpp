@@ -1,6 +1,6 @@
 // The index of a tree. An accepted index is written again as the same bytes, and its nodes can be traversed.
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_index.h"
 

@@ -1,7 +1,8 @@
 // Corrects the checksums of a tree's chunk: otherwise a fuzzer would never reach the code after their check.
 #pragma once
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/system/error.h"
 
 #include <cstddef>

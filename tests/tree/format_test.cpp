@@ -1,6 +1,7 @@
 // What is on disk of a tree: parts, segments, many data files, and damage that only verifying finds.
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
 #include "tests/support.h"

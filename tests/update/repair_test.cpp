@@ -1,6 +1,6 @@
 #include "pcm/update/repair.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/system/error.h"
 #include "tests/update/model.h"
 #include "pcm/tree/about.h"

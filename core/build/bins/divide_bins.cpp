@@ -1,6 +1,6 @@
 #include "pcm/build/bins/divide_bins.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/build/bins/distribute.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "pcm/build/bins/row.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 
 namespace pcm {
 

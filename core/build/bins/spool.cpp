@@ -1,6 +1,6 @@
 #include "pcm/build/bins/spool.h"
 
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

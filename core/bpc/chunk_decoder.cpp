@@ -1,11 +1,12 @@
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_decoder.h"
 
+#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
 #include "pcm/bpc/read_head.h"
 #include "pcm/bpc/scalar_words.h"
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,11 +1,15 @@
-#include "pcm/bpc/chunk_codec.h"
+#include "pcm/bpc/chunk_encoder.h"
+
+#include "pcm/bpc/attribute_bytes.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
 #include "pcm/bpc/scalar_words.h"
 #include "pcm/bpc/segments.h"
-#include "pcm/system/error.h"
 #include "pcm/cloud/with_type.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,0 +1,27 @@
+#include "pcm/bpc/attribute_bytes.h"
+
+namespace pcm {
+
+void put_attribute(ByteWriter& out, const Attribute& attribute)
+{
+    out.put(static_cast<std::uint8_t>(attribute.type));
+    out.put(attribute.components);
+    out.put(attribute.scale);
+    out.put(attribute.offset);
+    out.put_string(attribute.name);
+    out.put_string(attribute.description);
+}
+
+Attribute get_attribute(ByteReader& in)
+{
+    Attribute attribute;
+    attribute.type = static_cast<ScalarType>(in.get<std::uint8_t>());
+    attribute.components = in.get<std::uint32_t>();
+    attribute.scale = in.get<double>();
+    attribute.offset = in.get<double>();
+    attribute.name = in.get_string();
+    attribute.description = in.get_string();
+    return attribute;
+}
+
+}  // namespace pcm

@@ -1,0 +1,37 @@
+// Reads chunks from a file: whole chunks or some of their segments, and only the columns that the caller asks for.
+#pragma once
+
+#include "pcm/bpc/chunk.h"
+#include "pcm/bpc/chunk_header.h"
+#include "pcm/system/file.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+struct DecodedChunk {
+    BpcHeader header;
+    Chunk chunk;
+};
+enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
+// Reads the chunk of `bytes` bytes at `offset` of `file`. Only the columns in `columns` are read and decoded; their
+// checksums are verified. `header_bytes` is the header's length where the caller knows it, else 0. Throws
+// Error(corrupt | truncated | io), naming the file and the byte. Version 2 is Error(unsupported) unless `positions`
+// allows doubles.
+DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                        const ColumnSet& columns, ChunkPositionsMayBe positions = ChunkPositionsMayBe::on_grid);
+
+struct DecodedPart {
+    BpcHeader header;
+    Chunk chunk;                      // the points of the kept segments, in their order
+    std::vector<std::uint32_t> kept;  // numbers in header.segments
+    std::uint64_t bytes_read = 0;     // the header included
+};
+using WantedSegment = std::function<bool(const Box3i& box, std::uint16_t level)>;
+// The same for the segments for which `wanted` returns true. Pieces that lie near each other are read together.
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+                            const ColumnSet& columns, const WantedSegment& wanted);
+
+}  // namespace pcm
