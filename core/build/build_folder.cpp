@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"
+#include "pcm/tree/unfinished_build.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -20,13 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* publishing_name = "publishing";
-constexpr const char* old_name = "old";
-
-fs::path part_of(fs::path output)
-{
-    output += ".part";
-    return output;
-}
 
 fs::path parent_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
@@ -63,7 +57,7 @@ bool exchange(const fs::path& a, const fs::path& b)
 
 }  // namespace
 
-BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(output), part_(part_of(output))
+BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(output), part_(build_folder_of(output))
 {
     std::error_code error;
     const fs::path parent = parent_of(output_);
@@ -121,8 +115,8 @@ void BuildFolder::lock()
 // Puts back a tree that was being replaced, and removes what a finished build has left.
 void BuildFolder::settle()
 {
-    if (is_there(part_ / old_name) && !is_there(output_)) {
-        rename(part_ / old_name, output_, "putting back the tree that was being replaced");
+    if (is_there(part_ / replaced_tree_name) && !is_there(output_)) {
+        rename(part_ / replaced_tree_name, output_, "putting back the tree that was being replaced");
         sync_folder(parent_of(output_));
     }
     if (is_there(part_ / publishing_name)) {
@@ -204,12 +198,12 @@ void BuildFolder::publish()
             throw;
         }
     } else {
-        rename(output_, part_ / old_name, "moving the old tree out of the way");
+        rename(output_, part_ / replaced_tree_name, "moving the old tree out of the way");
         try {
             sync_folder(part_);
             rename(tree(), output_, "giving the finished tree its name");
         } catch (...) {
-            std::rename((part_ / old_name).c_str(), output_.c_str());
+            std::rename((part_ / replaced_tree_name).c_str(), output_.c_str());
             throw;
         }
         sync_folder(parent_of(output_));
@@ -218,17 +212,15 @@ void BuildFolder::publish()
     remove_quietly();
 }
 
-bool was_being_replaced(const fs::path& output) { return !is_there(output) && is_there(part_of(output) / old_name); }
-
 bool put_back_replaced(const fs::path& output)
 {
     if (!was_being_replaced(output)) return false;
-    const fs::path part = part_of(output);
+    const fs::path part = build_folder_of(output);
     const File lock(part / build_marker_name, File::Mode::create_or_truncate);
     if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
         throw Error(ErrorCode::exists, output, "a build is writing this tree at this moment");
     if (!was_being_replaced(output)) return false;
-    rename(part / old_name, output, "putting back the tree that was being replaced");
+    rename(part / replaced_tree_name, output, "putting back the tree that was being replaced");
     sync_folder(parent_of(output));
     return true;
 }

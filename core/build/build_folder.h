@@ -54,7 +54,4 @@ private:
 // when it did. Throws Error(exists) while a build is at work.
 bool put_back_replaced(const std::filesystem::path& output);
 
-// Whether that is the case. For messages.
-bool was_being_replaced(const std::filesystem::path& output);
-
 }  // namespace pcm

@@ -2,9 +2,9 @@
 
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/system/error.h"
-#include "pcm/build/build_folder.h"
 #include "pcm/tree/data_file_pool.h"
 #include "pcm/tree/tree_index.h"
+#include "pcm/tree/unfinished_build.h"
 
 #include <sys/stat.h>
 
@@ -66,10 +66,10 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
             throw Error(ErrorCode::interrupted_build, folder,
                         "a build was about to replace this tree when it was interrupted",
                         "build it again, or put the tree back with 'pcmlab repair'");
-        fs::path part = folder;
-        part += ".part";
         throw Error(ErrorCode::not_found, folder, "no such tree",
-                    fs::exists(part, error) ? "a build of it was interrupted or is still running: build it again" : "");
+                    fs::exists(build_folder_of(folder), error)
+                        ? "a build of it was interrupted or is still running: build it again"
+                        : "");
     }
     if (status.type() == fs::file_type::none) throw Error::from_errno(error.value(), folder, "opening");
     if (!fs::is_directory(status))

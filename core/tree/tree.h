@@ -18,9 +18,9 @@
 #include "pcm/bpc/chunk_identity.h"
 #include "pcm/bpc/commit_record.h"
 #include "pcm/cloud/attribute.h"
-#include "pcm/system/file.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/file.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -100,7 +100,7 @@ struct TreeInfo {
     std::array<Vec3i, 6> extremes;     // points of the cloud with the smallest x, largest x, smallest y, ...
     double position_error = 0;         // largest distance an input coordinate was moved by, source units; 0 for LAS
     std::uint64_t points_skipped = 0;  // input points without a finite position
-    std::uint64_t content_hash = 0;    // of all points with all attributes, whatever their order (build/bins/row.h)
+    std::uint64_t content_hash = 0;    // of all points with all attributes, whatever their order (point_hash.h)
     Sampling sampling = Sampling::poisson;
     bool coverage_kept =
         true;  // false after a deletion: a point's neighbour of a coarser level may be gone, up to compaction

@@ -8,8 +8,7 @@
 
 namespace pcm {
 
-inline constexpr const char* build_marker_name = "building";  // present while a folder is being built
-std::string data_file_name(std::uint32_t number);             // "chunks-000.bpc"
+std::string data_file_name(std::uint32_t number);  // "chunks-000.bpc"
 
 struct TreeIndex {
     TreeInfo info;

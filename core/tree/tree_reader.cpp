@@ -1,8 +1,8 @@
 #include "pcm/tree/tree_reader.h"
 
+#include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/io/pipe/batch_shape.h"
 
 #include <algorithm>
 #include <cstring>

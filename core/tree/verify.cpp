@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/tree/about.h"
+#include "pcm/tree/point_hash.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/tree_lock.h"
 

@@ -1,8 +1,8 @@
 #include "pcm/update/clone.h"
 
+#include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
-#include "pcm/build/build_folder.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"
 

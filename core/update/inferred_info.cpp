@@ -1,7 +1,7 @@
 #include "pcm/update/inferred_info.h"
 
-#include "pcm/build/levels/lattice.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/build/levels/lattice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,9 @@
 #include "pcm/build/bins/row.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
+#include "pcm/threads/in_turn.h"
+#include "pcm/tree/point_hash.h"
+#include <thread>
 
 namespace pcm {
 

@@ -9,6 +9,7 @@
 #include "tests/faults.h"
 #include "tests/paths.h"
 #include "tests/support.h"
+#include "pcm/tree/unfinished_build.h"
 
 #include <fstream>
 #include <map>

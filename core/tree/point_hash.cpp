@@ -1,6 +1,8 @@
-#include "pcm/build/bins/row.h"
+#include "pcm/tree/point_hash.h"
 
 #include "pcm/bpc/checksum.h"
+
+#include <cstring>
 
 namespace pcm {
 

@@ -1,0 +1,18 @@
+// The names by which a build that is running or was interrupted is recognised. The folder NAME.part, beside the tree
+// NAME that it will become, belongs to the build (build/build_folder.h).
+#pragma once
+
+#include <filesystem>
+
+namespace pcm {
+
+inline constexpr const char* build_marker_name = "building";  // in the folder of a build while it is unfinished
+inline constexpr const char* replaced_tree_name = "old";      // there: the tree that the build was about to replace
+
+// NAME.part for the tree NAME.
+std::filesystem::path build_folder_of(std::filesystem::path tree);
+
+// Whether an interrupted build has moved the tree out of its place and nothing stands there now.
+bool was_being_replaced(const std::filesystem::path& tree);
+
+}  // namespace pcm
