@@ -4,7 +4,6 @@
 #include "pcm/bpc/bpc_file_writer.h"
 #include "pcm/system/error.h"
 
-#include <chrono>
 #include <string>
 
 namespace pcm {
@@ -17,7 +16,7 @@ void BpcArray::State::set_up(const BpcCloud& cloud)
     shape = array::columns_of(cloud);
     for (const Attribute& column : shape) row_bytes += column.bytes();
     for (const Metadata& block : cloud.metadata) metadata_bytes += block.key.size() + block.value.size() + 64;
-    chunk_points = options.chunk_points ? options.chunk_points : default_chunk_points(cloud.schema);
+    chunk_points = options.chunk_points ? options.chunk_points : default_cloud_chunk_points(cloud.schema);
     expected.resize(shape.size());
     for (std::uint64_t c = 0; c < chunks(); ++c) largest_chunk = std::max(largest_chunk, capacity(c));
     largest_chunk = std::max(largest_chunk, chunk_points);
@@ -32,7 +31,7 @@ void BpcArray::State::check_memory() const
     if (options.memory_bytes < least)
         throw Error(ErrorCode::invalid_argument, path,
                     "an array of " + std::to_string(chunks()) + " chunks of up to " + std::to_string(largest_chunk) +
-                        " points takes at least " + std::to_string(least) + " bytes of memory; " +
+                        " points needs at least " + std::to_string(least) + " bytes of memory; " +
                         std::to_string(options.memory_bytes) + " were given");
 }
 
@@ -54,7 +53,7 @@ array::ChunkSource BpcArray::State::source(std::uint64_t chunk) const
 
 std::uint64_t BpcArray::State::chunk_of(std::uint64_t index) const
 {
-    // Most clouds have chunks of one size.
+    // In most clouds all chunks have the same size.
     const auto guess = static_cast<std::uint64_t>(static_cast<double>(index) * chunks_a_point);
     if (guess < chunks() && first[guess] <= index && index < first[guess + 1]) return guess;
     return static_cast<std::uint64_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
@@ -72,7 +71,7 @@ void BpcArray::State::spill(Resident& resident, Statistics& statistics)
         }
 }
 
-// In front, without columns.
+// Adds a resident without columns, as the most recently used.
 void BpcArray::State::add_resident(std::uint64_t chunk)
 {
     Resident resident;
@@ -84,7 +83,7 @@ void BpcArray::State::add_resident(std::uint64_t chunk)
     residents.push_front(std::move(resident));
 }
 
-// Evicts until there is room for so many bytes more; the first resident stays.
+// Evicts residents until `bytes` more fit; the first resident stays.
 void BpcArray::State::make_room(std::size_t bytes, Statistics& statistics)
 {
     const std::size_t limit = resident_limit();
@@ -110,7 +109,7 @@ void BpcArray::State::install(Resident& resident, Columns columns, Statistics& s
     statistics.most_resident_bytes = std::max(statistics.most_resident_bytes, resident_bytes);
 }
 
-// Of the wanted columns of the first resident those that are not there.
+// Loads the wanted columns that the first resident lacks.
 void BpcArray::State::load_missing(ColumnFlags wanted, Statistics& statistics)
 {
     Resident& window = residents.front();
@@ -128,21 +127,17 @@ void BpcArray::State::read_ahead_of(std::uint64_t chunk)
 {
     if (chunk >= chunks() || where[static_cast<std::size_t>(chunk)] != residents.end() || !reads_ahead()) return;
     if (ahead.valid()) {
-        if (ahead_chunk == chunk || ahead.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+        if (ahead_chunk == chunk || !ahead.done()) return;
         drop_ahead();
     }
     if (std::none_of(expected.begin(), expected.end(), [](std::uint8_t e) { return e != 0; })) return;
     ahead_chunk = chunk;
-    ahead = std::async(std::launch::async, [this, source = source(chunk), wanted = expected] {
+    ahead = Pending<Columns>(pool, 1, [this, source = source(chunk), wanted = expected] {
         return array::load_columns(source, shape, wanted);
     });
 }
 
-void BpcArray::State::drop_ahead()
-{
-    if (ahead.valid()) ahead.wait();
-    ahead = {};
-}
+void BpcArray::State::drop_ahead() { ahead = {}; }
 
 bool BpcArray::State::is_changed(std::uint64_t chunk) const
 {

@@ -1,15 +1,15 @@
-// The inside of a BpcArray: which chunks' columns are in memory, and where the changed ones wait. For bpc_array.cpp and
-// array_state.cpp alone.
+// The inside of BpcArray: the columns in memory, and the scratch file for changed columns that were evicted. For
+// bpc_array.cpp and array_state.cpp only.
 #pragma once
 
 #include "pcm/bpc/array_chunk.h"
 #include "pcm/bpc/bpc_array.h"
+#include "pcm/threads/task_pool.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <future>
 #include <limits>
 #include <list>
 #include <memory>
@@ -18,20 +18,20 @@
 
 namespace pcm {
 
-// A chunk of which columns are in memory.
+// A chunk with columns in memory.
 struct BpcArray::Resident {
     std::uint64_t chunk = 0;
     std::size_t capacity = 0;  // points that its columns have room for
     array::Columns columns;
-    std::vector<std::byte*> data;  // of the columns that were touched
+    std::vector<std::byte*> data;  // of the columns that were used
     array::ColumnFlags changed;
-    std::size_t bytes = 0;  // of all columns that are there
-    bool grows = false;     // all columns are there, touched and changed
+    std::size_t bytes = 0;  // of all loaded columns
+    bool grows = false;     // all columns are loaded, used and changed
 };
 
-// Invariants. first has one element more than there are chunks; the last one is size_. A changed column is in memory or
-// in the scratch file, and the one in memory is newer. The window is the first of the residents, or there is none
-// (count_ == 0). The chunk that is read ahead is not resident.
+// Invariants. `first` has one element more than there are chunks; the last one is size_. A changed column is in memory
+// or in the scratch file; the one in memory is newer. The window is the first resident, or there is none (count_ == 0).
+// The chunk that is read ahead is not resident.
 struct BpcArray::State {
     using Place = std::list<Resident>::iterator;
 
@@ -50,25 +50,26 @@ struct BpcArray::State {
     std::unique_ptr<BpcFile> base;
     std::vector<std::uint64_t> first{0};
     double chunks_a_point = 0;      // of the first chunk
-    std::list<Resident> residents;  // used last, first
-    std::vector<Place> where;       // by chunk; residents.end() for none
+    std::list<Resident> residents;  // most recently used first
+    std::vector<Place> where;       // by chunk; residents.end() if not resident
     std::size_t resident_bytes = 0;
     std::unordered_map<std::uint64_t, array::Spilled> spilled;
     array::ScratchFile scratch;
-    array::ColumnFlags expected;  // the columns that were touched of the last window
+    array::ColumnFlags expected;  // the columns that were used of the last window
     std::uint64_t last_opened = std::numeric_limits<std::uint64_t>::max() - 1;
     std::uint64_t ahead_chunk = 0;
-    std::future<array::Columns> ahead;  // last, for its destructor waits: all that it uses is still there
+    TaskPool pool;
+    Pending<array::Columns> ahead;  // last: its destructor waits while all that the task uses still exists
 
     std::uint64_t chunks() const { return first.size() - 1; }
     std::size_t count(std::uint64_t chunk) const { return static_cast<std::size_t>(first[chunk + 1] - first[chunk]); }
-    // Only the last chunk grows.
+    // Only the last chunk can grow.
     std::size_t capacity(std::uint64_t chunk) const
     {
         return chunk + 1 == chunks() ? std::max(count(chunk), chunk_points) : count(chunk);
     }
-    // Memory that is not for resident columns: what is known about chunks, coding, the output's buffer, and the chunk
-    // read ahead.
+    // Memory for everything but resident columns: the tables of chunks, encoding, the output's buffer, and the chunk
+    // that is read ahead.
     std::size_t overhead(bool with_ahead) const
     {
         const std::size_t coding = array::coding_bytes(shape, largest_chunk);

@@ -4,6 +4,8 @@
 #include "pcm/system/error.h"
 
 #include <algorithm>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace pcm {
@@ -19,11 +21,30 @@ L2Cache::L2Cache(std::shared_ptr<ChunkStore> store, const L2Options& options) : 
     state_->trees.push_back(state_->store->tree());
     state_->tree = state_->trees.back().get();
     state_->capacity = options.capacity_bytes;
-    for (unsigned t = 0; t < std::max(1u, options.threads); ++t)
-        state_->threads.emplace_back([state = state_.get()] { state->loader(); });
+    start_loaders(std::max(1u, options.threads));
 }
 
-L2Cache::~L2Cache()
+// Where the system gives fewer threads, the cache works with those; without any, request() would never be served.
+void L2Cache::start_loaders(unsigned threads)
+{
+    state_->threads.reserve(threads);
+    for (unsigned t = 0; t < threads; ++t) {
+        try {
+            state_->threads.emplace_back([state = state_.get()] { state->loader(); });
+        } catch (const std::system_error& error) {
+            if (t > 0) return;
+            throw Error(ErrorCode::io, state_->store->tree()->folder(),
+                        std::string("no thread can be started to load chunks: ") + error.what());
+        } catch (...) {
+            end_loaders();
+            throw;
+        }
+    }
+}
+
+L2Cache::~L2Cache() { end_loaders(); }
+
+void L2Cache::end_loaders()
 {
     {
         const std::lock_guard lock(state_->mutex);
@@ -119,7 +140,7 @@ void L2Cache::request(std::vector<ChunkRequest> list, std::function<void(NodeId)
 
 void L2Cache::prefetch(const ChunkRequest& request)
 {
-    constexpr std::size_t most = 16;  // older hints than that are of no use to anybody
+    constexpr std::size_t most = 16;  // older hints are of no use
     {
         const std::lock_guard lock(state_->mutex);
         if (request.node >= state_->tree.load()->nodes().size() || state_->closed) return;
@@ -176,7 +197,8 @@ Column& L2Cache::Edit::column(std::size_t attribute)
 {
     if (attribute >= inner_->changed.size() || !inner_->asked.test(attribute))
         throw Error(ErrorCode::invalid_argument, inner_->handle.state_->store->tree()->folder(),
-                    "attribute number " + std::to_string(attribute) + " was to be changed, which was not asked for");
+                    "attribute number " + std::to_string(attribute) +
+                        " is not one of the columns that the edit was opened with");
     std::shared_ptr<Column>& column = inner_->changed[attribute];
     if (!column) column = std::make_shared<Column>(*inner_->handle->attributes[attribute]);
     return *column;
@@ -201,7 +223,7 @@ void L2Cache::Edit::mark_written()
     std::unique_lock lock(state.mutex);
     state.check_open(inner_->node);
     Entry& entry = *inner_->handle.entry_;
-    // Others may have had more columns loaded meanwhile.
+    // Other clients may have loaded more columns meanwhile.
     auto chunk = std::make_shared<Chunk>(*entry.chunk);
     const std::uint64_t dirty_before = entry.dirty_bytes();
     for (std::size_t k = 0; k < inner_->changed.size(); ++k)
@@ -257,7 +279,7 @@ void L2Cache::flush()
         throw Error(
             ErrorCode::invalid_argument, state_->store->tree()->folder(),
             "points of node " + std::to_string(node) + " were changed and not marked as written; the change is dropped",
-            "mark them with mark_written() before going on");
+            "call mark_written() before the edit ends");
     }
     std::vector<NodeId> dirty;
     for (const auto& [node, entry] : state_->entries)

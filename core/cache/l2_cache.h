@@ -1,15 +1,15 @@
-// L2: decoded chunks of one tree in RAM, between the disk and everybody who reads or changes points.
+// L2: decoded chunks of one tree in RAM, between the disk and all readers and writers of points.
 //
-// Bytes are charged for the decoded columns an entry holds; when the sum exceeds the capacity, the least recently used
-// entries that nobody holds are dropped. A handle pins its entry. Loads run on the cache's own threads or the caller's;
-// a chunk that several clients ask for at once is loaded once.
+// An entry is charged the bytes of its decoded columns. When the sum exceeds the capacity, the least recently used
+// entries that are not pinned are dropped. A handle pins its entry. Loads run on the cache's own threads or on the
+// caller's. A chunk that several clients request at the same time is loaded once.
 //
-// Changed chunks are written to the store before they are dropped, by whoever needs the room, and all of them by
-// flush(). One that cannot be written stays, however much there is; flush() says why, and edit() when there is no room
-// left for more.
+// A changed chunk is written to the store before it is dropped, by the thread that needs the room; flush() writes all
+// of them. A chunk that cannot be written stays in memory beyond the capacity; flush() throws the reason, and so does
+// edit() when there is no room left.
 //
-// Errors of a load are thrown to the caller that asked (get, edit) or counted and kept for error_of() (request). All
-// members are safe to call from any number of threads.
+// Errors of a load are thrown to the caller (get, edit), or counted and kept for error_of() (request). Any number of
+// threads may call all members.
 #pragma once
 
 #include "pcm/cache/chunk_store.h"
@@ -27,11 +27,11 @@ namespace pcm {
 
 struct L2Options {
     std::uint64_t capacity_bytes = std::uint64_t(512) << 20;
-    unsigned threads = 1;  // loader threads
+    unsigned threads = 1;  // loader threads; where the system gives fewer, the cache works with those, at least one
 };
 
-// What the cache did since it was made. A miss is compulsory when the columns were never loaded before, capacity when
-// they had been and were dropped, forced when a synchronous caller had to wait for a load.
+// Counts since the cache was made. A miss is compulsory when the columns were never loaded before, and a capacity miss
+// when they were loaded and dropped. It is also forced when a synchronous caller had to wait for the load.
 struct L2Statistics {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
@@ -44,9 +44,9 @@ struct L2Statistics {
     LoadTimes load_times;
     std::uint64_t resident_bytes = 0;
     std::uint64_t resident_chunks = 0;
-    std::uint64_t dirty_bytes = 0;  // of changed columns that are not written yet
+    std::uint64_t dirty_bytes = 0;  // of changed columns that were not written yet
     std::uint64_t written_chunks = 0;
-    std::uint64_t written_bytes = 0;  // of the columns that had been changed, decoded
+    std::uint64_t written_bytes = 0;  // of the changed columns, decoded
     std::uint64_t failed_writes = 0;
     double write_seconds = 0;  // summed over threads
 };
@@ -61,7 +61,7 @@ class L2Cache {
     struct State;
 
 public:
-    // Keeps the chunk in the cache while it lives, as it was when it was asked for. May outlive the cache.
+    // Pins a chunk in the cache and keeps it as it was when the handle was made. May outlive the cache.
     class Handle {
     public:
         Handle() = default;
@@ -80,21 +80,22 @@ public:
         Entry* entry_ = nullptr;
     };
 
-    // A chunk in change. One thread.
+    // A chunk that is being changed. For one thread.
     class Edit {
     public:
         Edit(Edit&&) noexcept;
         Edit& operator=(Edit&&) noexcept;
-        ~Edit();  // what was changed and not marked is dropped; unless an exception is on its way, the next flush()
-                  // says so
-        const Chunk& chunk() const;  // with what was marked so far
-        // A copy of one's own to change; of a column that was asked for. Its size must stay.
+        // Drops changes that were not marked; the next flush() throws an error for them unless an exception is being
+        // thrown now.
+        ~Edit();
+        const Chunk& chunk() const;  // with the changes that were marked so far
+        // A private copy of one of the edit's columns, to be changed. Its size must stay.
         Column& column(std::size_t attribute);
-        // The changed columns become the cache's. Whoever holds the chunk keeps what he has. Throws
+        // Hands the changed columns to the cache. Existing handles keep the old values (a snapshot). Throws
         // Error(invalid_argument) when the cache is closed.
         void mark_written();
-        void discard();        // the changed columns are dropped
-        bool changed() const;  // and not marked since
+        void discard();        // drops the changes that were not marked
+        bool changed() const;  // whether there are changes that were not marked
 
     private:
         friend class L2Cache;
@@ -103,62 +104,63 @@ public:
         std::unique_ptr<Inner> inner_;
     };
 
+    // Throws Error(io) when the system gives no thread.
     explicit L2Cache(std::shared_ptr<const Tree> tree, const L2Options& options = {});
     explicit L2Cache(std::shared_ptr<ChunkStore> store, const L2Options& options = {});
-    ~L2Cache();  // flushes nothing
+    ~L2Cache();  // does not flush
     L2Cache(const L2Cache&) = delete;
     L2Cache& operator=(const L2Cache&) = delete;
 
-    // The chunk with at least these columns; waits for the load. Throws what the load threw.
+    // The chunk with at least these columns; waits for the load. Throws what the load throws.
     Handle get(NodeId node, const ColumnSet& columns);
 
     // The chunk if it is resident with these columns, else an empty handle; never waits for a load.
     Handle find(NodeId node, const ColumnSet& columns);
 
-    // Some segments of a chunk, as Tree::read_chunk_part; past the cache. Nothing when the chunk is in the cache and
-    // changed: get() it.
+    // Some segments of a chunk, as Tree::read_chunk_part, read past the cache. None when the cache holds changes of the
+    // chunk: use get().
     std::optional<ChunkPart> read_part(NodeId node, const ColumnSet& columns,
                                        const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted);
 
-    // Asks for chunks in the background, first ones first. A newer list replaces the older one: what the older list
-    // asked for and no loader has begun is forgotten. `on_loaded` (may be empty) is called on a loader thread each time
-    // a chunk of the list has arrived (or was there already) or failed; it must return quickly and must not call the
-    // cache's destructor.
+    // Requests chunks in the background, in the order of the list. A new list replaces the previous one: chunks of the
+    // old list whose load has not begun are forgotten. `on_loaded` (may be empty) is called on a loader thread for each
+    // chunk of the list, when it was loaded, was resident already, or failed. It must return quickly and must not call
+    // the cache's destructor.
     void request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded = {});
 
-    // Asks for one more chunk in the background, beside and before the current list: for those who read chunk after
-    // chunk.
+    // Requests one more chunk in the background, before the current list: for sequential readers.
     void prefetch(const ChunkRequest& request);
 
     // The error of the last failed background load of this node, if any; a later success clears it.
     std::optional<std::string> error_of(NodeId node) const;
 
-    // The chunk with these columns, to be changed. One Edit a node at a time: a second caller waits, so a thread that
-    // holds one must not ask for another one of the same node. Throws what get() throws, Error(invalid_argument) when
-    // the store cannot be written to, and, when the cache is full of changes that could not be written, why not.
+    // The chunk with these columns, to be changed. There is one Edit per node at a time; a second caller waits, so a
+    // thread must not request a second Edit of a node. Throws what get() throws, Error(invalid_argument) when the store
+    // is read-only, and, when the cache is full of changes that could not be written, the reason.
     Edit edit(NodeId node, const ColumnSet& columns);
-    // Writes all that is changed to the store and commits it. Throws the first error; nothing is committed then, and
-    // what could not be written stays for another flush(). Throws Error(invalid_argument) when an Edit was dropped with
-    // changes that were not marked.
+    // Writes all changes to the store and commits them. Throws the first error; then nothing is committed, and another
+    // flush() tries again. Throws Error(invalid_argument) when an Edit was dropped with changes that were not marked.
     void flush();
-    // flush(), and from then on every call that wants points throws Error(invalid_argument).
+    // Flushes; from then on every call that returns points throws Error(invalid_argument).
     void close();
-    // The same without flush(): what was not committed is dropped.
+    // Closes without flush(): changes that were not committed are dropped.
     void abandon();
-    // The store's tree has got attributes.
+    // To be called after attributes were added to the store's tree.
     void take_schema();
 
-    // Waits until the current list has been worked off, and the writing that letting go of chunks has brought about.
+    // Waits until the current list is done, and the writes that were started to make room.
     void wait_idle();
-    // Drops every entry that nobody holds and that is not changed.
+    // Drops every entry that is neither pinned nor changed.
     void clear();
-    // Takes effect at once; entries are dropped if need be.
+    // Takes effect immediately; drops entries as necessary.
     void set_capacity(std::uint64_t bytes);
     L2Statistics statistics() const;
-    // Its nodes and, as far as take_schema() was told, its schema; lives as long as the cache.
+    // The store's tree as of the last take_schema(); lives as long as the cache.
     const Tree& tree() const;
 
 private:
+    void start_loaders(unsigned threads);
+    void end_loaders();
     std::shared_ptr<State> state_;
 };
 

@@ -29,7 +29,7 @@ void gather(const std::byte* from, const std::uint32_t* points, std::size_t coun
     for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * Size, from + points[i] * Size, Size);
 }
 
-// Points [first, first + count) of a column, or those of them that `points` lists.
+// Copies points [first, first + count) of a column, or, given `points`, those with the numbers points[first], ....
 void copy_points(const Column& column, const std::uint32_t* points, std::size_t first, std::size_t count, Column& to)
 {
     const std::size_t size = column.point_bytes();
@@ -66,7 +66,7 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
       chunks_ahead_(std::max(1u, chunks_ahead))
 {
     const TreeInfo& tree_info = tree_->info();
-    // Floats are rounded, and so must be the boxes that their positions are compared with.
+    // Positions that were floats are rounded to floats, and so must be the boxes that they are compared with.
     single_precision_ = tree_info.position_type == ScalarType::f32;
     nodes_ = selected_nodes(*tree_, selector_, level, single_precision_);
     std::uint64_t points = 0;
@@ -105,14 +105,14 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         info_.notes.push_back(grouped(tree_info.points_skipped) +
                               " points without a finite position were left out when the tree was built");
     if (tree_info.position_error > 0 && !single_precision_)
-        info_.notes.push_back("positions are up to " + brief(tree_info.position_error) +
-                              " from those that the tree was built from");
+        info_.notes.push_back("positions differ by up to " + brief(tree_info.position_error) +
+                              " from those of the tree's source");
 }
 
 Vec3d TreeReader::position(std::size_t i) const
 {
     Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
-    // The grid is much finer than floats are: rounding gives the source's own number back.
+    // The grid is much finer than floats: rounding restores the source's own number.
     if (single_precision_)
         for (double& c : p) c = static_cast<double>(static_cast<float>(c));
     return p;
@@ -123,16 +123,15 @@ bool TreeReader::next_chunk()
     chunk_ = Chunk();
     while (next_node_ < nodes_.size()) {
         for (; next_ahead_ < nodes_.size() && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
-            ahead_.push_back(
-                std::async(std::launch::async, [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
-                    return tree->read_chunk(id, columns);
-                }));
-        std::future<Chunk> next = std::move(ahead_.front());
+            ahead_.emplace_back(pool_, static_cast<unsigned>(chunks_ahead_),
+                                [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
+                                    return tree->read_chunk(id, columns);
+                                });
+        Pending<Chunk> next = std::move(ahead_.front());
         ahead_.pop_front();
         const SelectedNode node = nodes_[next_node_++];
         chunk_ = next.get();
         chunk_points_ = node.points;
-        seen_ += chunk_points_;
         all_ = node.relation == BoxRelation::inside && !selector_.tests_attributes();
         next_point_ = 0;
         if (!all_) {
@@ -183,12 +182,12 @@ void TreeReader::seek(std::uint64_t index)
     if (!seekable()) return PointReader::seek(index);
     if (index > info_.points)
         throw Error(ErrorCode::invalid_argument, tree_->folder(),
-                    "point " + std::to_string(index) + " asked for, the cloud has " + std::to_string(info_.points));
+                    "cannot seek to point " + std::to_string(index) + " of a cloud of " + std::to_string(info_.points));
     const auto node = static_cast<std::size_t>(std::upper_bound(first_.begin(), first_.end(), index) - first_.begin());
     const std::size_t wanted = node ? node - 1 : 0;
     if (nodes_.empty()) return;
     if (next_node_ == 0 || wanted != next_node_ - 1 || !chunk_.positions) {
-        ahead_.clear();  // waits for those on their way
+        ahead_.clear();  // waits for running tasks
         next_node_ = next_ahead_ = wanted;
         next_chunk();
     }

@@ -1,8 +1,9 @@
 #include "pcm/tree/verify.h"
 
-#include "pcm/build/bins/row.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
 #include "pcm/tree/about.h"
 #include "pcm/tree/point_hash.h"
 #include "pcm/tree/tree_index.h"
@@ -11,15 +12,15 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <mutex>
-#include <thread>
 
 namespace pcm {
 namespace {
 
 namespace fs = std::filesystem;
 
-// No byte belongs to two chunks.
+// Finds bytes that belong to two chunks.
 void check_extents(const std::vector<Node>& nodes, VerifyReport& report)
 {
     std::vector<const Node*> by_place;
@@ -37,19 +38,20 @@ void check_extents(const std::vector<Node>& nodes, VerifyReport& report)
     }
 }
 
-// about.pct says what the index says, or an update that was interrupted before its index was in place has written it.
+// about.pct must agree with the index, or be one generation ahead of it: then an update was interrupted before it
+// replaced the index.
 void check_about(const Tree& tree, VerifyReport& report)
 {
     try {
         const TreeInfo about = read_about(tree.folder());
         const std::string name = (tree.folder() / about_file_name).string();
         if (about.generation == tree.info().generation) {
-            if (!same_info(about, tree.info())) report.around.push_back(name + ": it does not say what the index says");
+            if (!same_info(about, tree.info())) report.around.push_back(name + ": it differs from the index");
         } else if (about.generation == tree.info().generation + 1) {
-            report.notes.push_back(name + ": it is of an update that was interrupted");
+            report.notes.push_back(name + ": it was written by an interrupted update");
         } else {
             report.around.push_back(name + ": it is of generation " + std::to_string(about.generation) +
-                                    ", the index of " + std::to_string(tree.info().generation));
+                                    ", the index is of generation " + std::to_string(tree.info().generation));
         }
     } catch (const Error& error) {
         if (error.code() == ErrorCode::permission || error.code() == ErrorCode::io) throw;
@@ -57,7 +59,7 @@ void check_about(const Tree& tree, VerifyReport& report)
     }
 }
 
-// The record at the end of the newest data file in use.
+// Checks the commit record at the end of the newest data file in use.
 void check_commit(const Tree& tree, VerifyReport& report)
 {
     const std::vector<DataFile>& files = tree.data_files();
@@ -65,7 +67,7 @@ void check_commit(const Tree& tree, VerifyReport& report)
     while (last > 0 && files[last - 1].bytes == 0) --last;
     if (last == 0) return;
     const fs::path path = tree.folder() / data_file_name(static_cast<std::uint32_t>(last - 1));
-    const std::string missing = path.string() + ": it does not end with the record of its generation";
+    const std::string missing = path.string() + ": it does not end with the commit record of its generation";
     try {
         const std::uint64_t size = commit_bytes(last), end = files[last - 1].bytes;
         std::uint64_t bytes = 0;
@@ -76,15 +78,15 @@ void check_commit(const Tree& tree, VerifyReport& report)
         if (commit->generation == info.generation &&
             (commit->points != info.points || commit->content_hash != info.content_hash ||
              commit->coverage_kept != info.coverage_kept || commit->data_files != files))
-            report.notes.push_back(path.string() + ": the record of generation " + std::to_string(info.generation) +
-                                   " does not say what the index says");
+            report.notes.push_back(path.string() + ": the commit record of generation " +
+                                   std::to_string(info.generation) + " differs from the index");
     } catch (const Error& error) {
         if (error.code() == ErrorCode::io) throw;
         report.notes.push_back(error.what());
     }
 }
 
-// What the index does not name.
+// Lists the files and bytes that the index does not name.
 void list_strays(const Tree& tree, VerifyReport& report)
 {
     std::vector<std::string> known{index_file_name, about_file_name, lock_file_name};
@@ -96,16 +98,16 @@ void list_strays(const Tree& tree, VerifyReport& report)
         const std::uint64_t size = fs::file_size(path, error);
         if (!error && used > 0 && size > used)
             report.notes.push_back(path.string() + ": " + std::to_string(size - used) +
-                                   " bytes behind those that the index names");
+                                   " bytes after those that the index names");
         if (!error && used == 0) report.notes.push_back(path.string() + ": nothing in it is in use; it can be removed");
     }
     std::sort(known.begin(), known.end());
     for (const auto& entry : fs::directory_iterator(tree.folder()))
         if (!std::binary_search(known.begin(), known.end(), entry.path().filename().string()))
-            report.notes.push_back(entry.path().string() + ": it is no part of the tree");
+            report.notes.push_back(entry.path().string() + ": it does not belong to the tree");
 }
 
-// Reads a node's chunk segment by segment and checks that each one's box is tight. Returns the box of all.
+// Reads a node's chunk segment by segment and checks that the box of each segment is tight; adds them to `own`.
 Chunk read_checked(const Tree& tree, NodeId id, const ColumnSet& columns, Box3i& own)
 {
     std::vector<Box3i> boxes;
@@ -125,6 +127,81 @@ Chunk read_checked(const Tree& tree, NodeId id, const ColumnSet& columns, Box3i&
     return std::move(part.chunk);
 }
 
+// Reads every chunk, and compares what the chunks hold, as a set, with what the build and the updates recorded: the sum
+// of all points' hashes, the nodes' boxes and the number of points.
+class ChunkVerification {
+public:
+    ChunkVerification(const Tree& tree, VerifyReport& report)
+        : tree_(tree), nodes_(tree.nodes()), report_(report), own_box_(nodes_.size())
+    {
+    }
+
+    // Adds the faults of single chunks. Returns the number of points read.
+    std::uint64_t read(unsigned threads, const ProgressFunction& progress)
+    {
+        Watch watch(progress);
+        const auto show = [&](bool at_once) {
+            const std::size_t done = std::min(next_.load(), nodes_.size());
+            watch.report("Verifying chunks",
+                         static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, nodes_.size())),
+                         at_once);
+        };
+        show(true);
+        Crew crew(signal_);
+        for (unsigned t = 0; t < threads; ++t) crew.add([this] { work(); });
+        crew.join([&] { show(false); });
+        return points_;
+    }
+
+    // Adds the faults of the tree as a whole; for a tree whose chunks are all without fault.
+    void compare_totals()
+    {
+        const TreeInfo& info = tree_.info();
+        std::vector<std::string>& faults = report_.faults;
+        if (points_ != info.points)
+            faults.push_back(std::to_string(points_) + " points in the chunks, " + std::to_string(info.points) +
+                             " in the index");
+        if (hash_ != info.content_hash) faults.push_back("the points are not, bit for bit, the ones that were stored");
+        std::vector<Box3i> tight = own_box_;
+        for (std::size_t id = nodes_.size(); id-- > 0;) {
+            if (!(tight[id] == nodes_[id].box))
+                faults.push_back("node " + std::to_string(id) + ": its box is not tight around its points");
+            if (id > 0) tight[nodes_[id].parent].extend(tight[id]);
+        }
+        for (const Vec3i& extreme : info.extremes)
+            if (!nodes_.empty() && !info.box.contains(extreme))
+                faults.push_back("an extreme point lies outside the box");
+    }
+
+private:
+    // One thread's share. What is not damage of the tree, such as too little memory, ends all of them.
+    void work()
+    {
+        const RowLayout layout(tree_.info().schema, tree_.info().wide);
+        const ColumnSet all = ColumnSet::all(tree_.info().schema);
+        std::vector<std::byte> scratch;
+        for (std::size_t id; !signal_.stopped && (id = next_++) < nodes_.size();) {
+            if (nodes_[id].points == 0) continue;
+            try {
+                const Chunk chunk = read_checked(tree_, static_cast<NodeId>(id), all, own_box_[id]);
+                hash_ += hash_chunk(chunk, layout, scratch);
+                points_ += chunk.points;
+            } catch (const Error& error) {
+                const std::lock_guard lock(signal_.mutex);
+                report_.faults.push_back("node " + std::to_string(id) + ": " + error.what());
+            }
+        }
+    }
+
+    const Tree& tree_;
+    const std::vector<Node>& nodes_;
+    VerifyReport& report_;
+    std::vector<Box3i> own_box_;  // of each node's own points
+    std::atomic<std::size_t> next_{0};
+    std::atomic<std::uint64_t> hash_{0}, points_{0};
+    Signal signal_;  // its mutex guards the faults while threads run
+};
+
 }  // namespace
 
 VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, const ProgressFunction& progress)
@@ -132,77 +209,21 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     const auto start = std::chrono::steady_clock::now();
     const std::shared_ptr<const Tree> tree = Tree::open(path);
     const TreeInfo& info = tree->info();
-    const std::vector<Node>& nodes = tree->nodes();
     VerifyReport report;
     report.position_error = info.position_error;
     report.bytes = info.bytes;
     report.outcome.points_in = info.points;
 
-    check_extents(nodes, report);
+    check_extents(tree->nodes(), report);
     check_about(*tree, report);
     check_commit(*tree, report);
     list_strays(*tree, report);
+    ChunkVerification chunks(*tree, report);
+    report.outcome.points_out = chunks.read(thread_count(threads), progress);
+    if (report.faults.empty()) chunks.compare_totals();
 
-    // Chunks are whole, and what they hold is, as a set, what the build and the updates were given: the sum of all
-    // points' hashes is the one recorded, their tight boxes are the nodes' boxes, and points are as many as the nodes
-    // say.
-    const RowLayout layout(info.schema, info.wide);
-    const ColumnSet all = ColumnSet::all(info.schema);
-    std::vector<Box3i> own_box(nodes.size());
-    std::atomic<std::size_t> next{0};
-    std::atomic<std::uint64_t> hash{0}, points{0};
-    std::atomic<bool> stop{false};
-    std::mutex mutex;
-    const auto work = [&] {
-        std::vector<std::byte> scratch;
-        for (std::size_t id; !stop && (id = next++) < nodes.size();) {
-            if (nodes[id].points == 0) continue;
-            try {
-                const Chunk chunk = read_checked(*tree, static_cast<NodeId>(id), all, own_box[id]);
-                hash += hash_chunk(chunk, layout, scratch);
-                points += chunk.points;
-            } catch (const std::exception& error) {
-                const std::lock_guard lock(mutex);
-                report.faults.push_back("node " + std::to_string(id) + ": " + error.what());
-            }
-        }
-    };
-    threads = thread_count(threads);
-    std::vector<std::thread> crew;
-    for (unsigned t = 0; t < threads; ++t) crew.emplace_back(work);
-    bool cancelled = false;
-    while (next < nodes.size() && !cancelled) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-        if (!progress) continue;
-        ProgressUpdate update;
-        update.stage = "Verifying chunks";
-        update.fraction = static_cast<double>(std::min(next.load(), nodes.size())) / static_cast<double>(nodes.size());
-        if (!progress(update)) {
-            cancelled = true;
-            stop = true;
-        }
-    }
-    for (std::thread& thread : crew) thread.join();
-    if (cancelled) throw Error(ErrorCode::cancelled, path, "verifying was cancelled");
-
-    if (report.faults.empty()) {
-        if (points != info.points)
-            report.faults.push_back(std::to_string(points) + " points in the chunks, " + std::to_string(info.points) +
-                                    " in the index");
-        if (hash != info.content_hash) report.faults.push_back("the points are not, bit for bit, those that went in");
-        std::vector<Box3i> tight = own_box;
-        for (std::size_t id = nodes.size(); id-- > 0;) {
-            if (!(tight[id] == nodes[id].box))
-                report.faults.push_back("node " + std::to_string(id) + ": its box is not tight around its points");
-            if (id > 0) tight[nodes[id].parent].extend(tight[id]);
-        }
-        for (const Vec3i& extreme : info.extremes)
-            if (!nodes.empty() && !info.box.contains(extreme))
-                report.faults.push_back("an extreme point lies outside the box");
-    }
     std::sort(report.faults.begin(), report.faults.end());
     std::sort(report.notes.begin(), report.notes.end());
-    report.outcome.points_out = points;
     report.outcome.error = info.position_error;
     report.outcome.error_meaning = "largest position error, source units";
     report.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

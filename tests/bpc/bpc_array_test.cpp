@@ -4,6 +4,7 @@
 #include "pcm/bpc/bpc_file.h"
 #include "pcm/bpc/bpc_file_writer.h"
 #include "pcm/system/error.h"
+#include "tests/bpc/array_rows.h"
 #include "tests/support.h"
 
 #include <malloc.h>
@@ -24,7 +25,7 @@
 
 namespace {
 
-// What operator new has given out, and the most of it and of the columns' pages since it was last set.
+// Bytes allocated by operator new, and the largest sum of these and the columns' pages since it was last set.
 std::atomic<std::size_t> live{0}, most{0};
 
 }  // namespace
@@ -50,106 +51,9 @@ std::atomic<std::size_t> live{0}, most{0};
 namespace pcm {
 namespace {
 
-using test::TemporaryFolder;
+using namespace test;
 
-struct Row {
-    Vec3d position{0, 0, 0};
-    std::uint16_t intensity = 0;
-    std::array<float, 3> normal{0, 0, 0};
-    double time = 0;
-    bool operator==(const Row& o) const
-    {
-        return std::memcmp(position.data(), o.position.data(), sizeof position) == 0 && intensity == o.intensity &&
-               std::memcmp(normal.data(), o.normal.data(), sizeof normal) == 0 &&
-               std::memcmp(&time, &o.time, sizeof time) == 0;
-    }
-};
-
-BpcCloud cloud_of_rows(bool gridded)
-{
-    BpcCloud cloud;
-    cloud.schema.add({"intensity", ScalarType::u16, 1, 1, 0, ""});
-    cloud.schema.add({"normal", ScalarType::f32, 3, 1, 0, "unit length"});
-    cloud.schema.add({"gps_time", ScalarType::f64, 1, 1, 0, ""});
-    cloud.metadata = {{"key", {std::byte{1}}}};
-    if (gridded) {
-        cloud.grid = Grid{{0.5, 0.25, 0.125}, {1000, 0, -3}};
-        cloud.position_type = ScalarType::i32;
-    }
-    return cloud;
-}
-
-// Coordinates that lie on the grid above, and doubles of all kinds where there is none.
-Row random_row(std::mt19937_64& random, bool gridded)
-{
-    Row row;
-    const Grid grid = *cloud_of_rows(true).grid;
-    for (std::size_t a = 0; a < 3; ++a) {
-        row.position[a] = grid.to_source(static_cast<std::int32_t>(random()) >> (random() % 30), a);
-        if (!gridded && random() % 4 == 0)
-            row.position[a] = random() % 2 ? -0.0 : std::numeric_limits<double>::quiet_NaN();
-    }
-    row.intensity = static_cast<std::uint16_t>(random());
-    for (float& n : row.normal) n = static_cast<float>(random() % 1000) / 1000;
-    row.time = static_cast<double>(random() % 1000000) / 1e3;
-    return row;
-}
-
-struct Columns {
-    explicit Columns(const BpcArray& array)
-        : intensity(array.column<std::uint16_t>("intensity")),
-          normal(array.column<float>("normal")),
-          time(array.column<double>("gps_time"))
-    {
-    }
-    BpcColumnOf<std::uint16_t> intensity;
-    BpcColumnOf<float> normal;
-    BpcColumnOf<double> time;
-};
-
-void put(BpcArray& array, std::uint64_t i, const Row& row, const Columns& columns)
-{
-    const auto point = array[i];
-    point.set_position(row.position);
-    point.set(columns.intensity, row.intensity);
-    for (std::uint32_t c = 0; c < 3; ++c) point.set(columns.normal, row.normal[c], c);
-    point.set(columns.time, row.time);
-}
-
-Row get(BpcArray& array, std::uint64_t i, const Columns& columns)
-{
-    Row row;
-    const auto point = array[i];
-    row.position = point.position();
-    row.intensity = point.get(columns.intensity);
-    for (std::uint32_t c = 0; c < 3; ++c) row.normal[c] = point.get(columns.normal, c);
-    row.time = point.get(columns.time);
-    return row;
-}
-
-// A cloud of `points` numbered points in chunks of `chunk_points`; what intensity and time say follows from the number.
-void write_numbered(const std::filesystem::path& path, std::size_t points, std::size_t chunk_points,
-                    bool gridded = true)
-{
-    BpcArrayOptions options;
-    options.chunk_points = chunk_points;
-    BpcArray array(path, cloud_of_rows(gridded), options);
-    const Columns columns(array);
-    for (std::size_t i = 0; i < points; ++i) {
-        const auto point = array.push_back();
-        point.set_position({1000 + static_cast<double>(i), 0.25, -3});
-        point.set(columns.intensity, static_cast<std::uint16_t>(i));
-        point.set(columns.time, static_cast<double>(i));
-    }
-    array.flush();
-}
-
-std::size_t files_in(const std::filesystem::path& folder)
-{
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
-
-// The memory that an array needs at least, from the error of one that is given nothing.
+// The smallest memory for an array, from the error of an array without memory.
 std::size_t least_memory(const std::filesystem::path& path, BpcArrayOptions options)
 {
     options.memory_bytes = 1;
@@ -157,7 +61,7 @@ std::size_t least_memory(const std::filesystem::path& path, BpcArrayOptions opti
         BpcArray array(path, options);
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
-        const std::string text = error.what(), before = "takes at least ";
+        const std::string text = error.what(), before = "needs at least ";
         return std::stoul(text.substr(text.find(before) + before.size()));
     }
     ADD_FAILURE() << "an array with a byte of memory";
@@ -312,7 +216,7 @@ TEST(BpcArray, MemoryStaysWithinTheBudget)
     }
 }
 
-TEST(BpcArray, OnlyColumnsThatAreTouchedAreRead)
+TEST(BpcArray, OnlyUsedColumnsAreRead)
 {
     TemporaryFolder folder;
     write_numbered(folder / "a.bpc", 1000, 100);
@@ -437,86 +341,6 @@ TEST(BpcArray, IteratorsAreRandomAccess)
     EXPECT_TRUE(none.begin() == none.end());
     none.flush();
     EXPECT_TRUE(BpcArray(folder / "b.bpc").empty());
-}
-
-// A disk that is full (by a limit on file sizes) loses nothing: neither the file nor what was changed.
-TEST(BpcArray, AFailedFlushLeavesBothAsTheyWere)
-{
-    TemporaryFolder folder;
-    const auto path = folder / "a.bpc";
-    write_numbered(path, 20000, 1000);
-    BpcArray array(path);
-    const Columns columns(array);
-    std::mt19937_64 random(5);
-    for (auto point : array) point.set(columns.time, static_cast<double>(random()));
-    const auto bytes = std::filesystem::file_size(path);
-    rlimit old;
-    getrlimit(RLIMIT_FSIZE, &old);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit small{bytes / 2, old.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
-    EXPECT_THROW(array.flush(), Error);
-    setrlimit(RLIMIT_FSIZE, &old);
-    std::signal(SIGXFSZ, handler);
-    EXPECT_EQ(files_in(folder.path()), 1u);
-    BpcArray untouched(path);
-    EXPECT_EQ(untouched.get(777, columns.time), 777);
-    array.flush();
-    random.seed(5);
-    BpcArray changed(path);
-    for (auto point : changed) ASSERT_EQ(point.get(columns.time), static_cast<double>(random()));
-}
-
-// A process that does nothing but change all points and flush is killed at many instants: the file is whole, and all of
-// its points are of one flush, none older than one that was seen before.
-TEST(BpcArray, KilledAtAnyInstantTheOldOrTheNew)
-{
-    TemporaryFolder folder;
-    const auto path = folder / "a.bpc";
-    write_numbered(path, 3000, 500);
-    {
-        BpcArray array(path);
-        const Columns columns(array);
-        for (auto point : array) point.set(columns.time, 0);
-        array.flush();
-    }
-    std::mt19937_64 random(6);
-    double newest = 0;
-    for (int round = 0; round < 40; ++round) {
-        const pid_t child = fork();
-        ASSERT_GE(child, 0);
-        if (child == 0) {
-            try {
-                BpcArrayOptions options;
-                options.read_ahead = false;
-                options.chunk_points = 500;
-                BpcArray array(path, options);
-                const Columns columns(array);
-                for (double value = array.get(0, columns.time) + 1;; ++value) {
-                    for (auto point : array) point.set(columns.time, value);
-                    array.flush();
-                }
-            } catch (...) {
-                _exit(1);
-            }
-        }
-        usleep(static_cast<useconds_t>(random() % 30000));
-        kill(child, SIGKILL);
-        int status = 0;
-        ASSERT_EQ(waitpid(child, &status, 0), child);
-        ASSERT_TRUE(WIFSIGNALED(status)) << "the child failed by itself";
-        BpcArray array(path);
-        const Columns columns(array);
-        ASSERT_EQ(array.size(), 3000u);
-        const double value = array.get(0, columns.time);
-        EXPECT_GE(value, newest);
-
-        newest = value;
-        for (auto point : array) {
-            ASSERT_EQ(point.get(columns.time), value) << "points of two flushes in one file";
-            ASSERT_EQ(point.get(columns.intensity), static_cast<std::uint16_t>(point.index()));
-        }
-    }
 }
 
 }  // namespace

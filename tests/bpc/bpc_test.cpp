@@ -111,7 +111,7 @@ TEST(Bpc, OnlyWhatIsAskedForIsRead)
         pcm::ColumnSet columns;
         columns.positions = random() & 1;
         for (std::size_t i = 0; i < schema.size(); ++i) columns.attributes.set(i, random() & 1);
-        // Damage every column that is not asked for: nobody may notice.
+        // Damage every column that is not read: that must not matter.
         std::vector<std::byte> damaged = bytes;
         const auto damage = [&](const pcm::BpcColumn& column) {
             damaged[column.offset + column.bytes / 2] ^= std::byte(1);

@@ -27,7 +27,7 @@ void expect_round_trip(const std::vector<Word>& values, const std::string& what)
     EXPECT_EQ(back, values) << what;
 }
 
-// Sequences like those in chunks and worse: constant, small steps, multiples of a power of two, full range, extremes.
+// Sequences as in chunks, and harder ones: constant, small steps, multiples of a power of two, full range, extremes.
 template <class Word>
 std::vector<Word> sequence(std::mt19937_64& random, std::size_t count, int kind)
 {

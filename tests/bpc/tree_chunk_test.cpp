@@ -1,12 +1,12 @@
 // Chunks of version 3: the node they name, their segments, and reading some of these alone.
 
+#include "pcm/bpc/bpc_file.h"
 #include "pcm/bpc/checksum.h"
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/bpc/chunk_encoder.h"
-#include "pcm/bpc/bpc_file.h"
 #include "pcm/bpc/commit_record.h"
-#include "pcm/system/error.h"
 #include "pcm/io/bpc/bpc_reader.h"
+#include "pcm/system/error.h"
 #include "tests/support.h"
 
 #include <cstring>
@@ -115,7 +115,7 @@ TEST(TreeChunk, ComesBackWithItsNode)
         }
 }
 
-// The rule of FORMAT.md, said another way: as few segments of a level as may be, all of nearly one size, none across
+// The rule of FORMAT.md in other words: as few segments per level as possible, all of nearly one size, none across
 // levels.
 TEST(TreeChunk, SegmentsAreEvenAndTight)
 {
@@ -227,7 +227,7 @@ TEST(TreeChunk, ASmallPartReadsLittle)
                                          [](const Box3i&, std::uint16_t) { return false; });
     EXPECT_EQ(nothing.chunk.points, 0u);
     EXPECT_EQ(nothing.bytes_read, header.header_bytes);
-    // Damage that lies outside of what is read goes unnoticed, inside it does not.
+    // Damage is an error inside of what is read, and not outside.
     std::vector<std::byte> damaged = bytes;
     damaged[header.positions.pieces[9].offset] ^= std::byte(1);
     const File bad = written(folder / "bad", damaged);
@@ -256,7 +256,7 @@ TEST(TreeChunk, AColumnOfOneValueTakesNoPlace)
     EXPECT_LE(encode_chunk(chunk, many, Grid(), identity_of({50000})).size(), without + 10 * 50);
 }
 
-TEST(TreeChunk, WhatMakesNoSenseIsNotEncoded)
+TEST(TreeChunk, InvalidChunksAreNotEncoded)
 {
     std::mt19937_64 random(6);
     const Chunk chunk = walk({}, 100, false, random);
@@ -308,9 +308,9 @@ TEST(TreeChunk, AnyChangedOrMissingByteIsRefused)
     }
 }
 
-// A header whose checksum holds but whose bytes are not as written: an error, or a chunk that is whole; no crash, and
+// A header with a matching checksum and other bytes than were written: an error, or a valid chunk; no crash, and
 // no point outside of its segment's box.
-TEST(TreeChunk, AHeaderThatMakesNoSenseIsRefused)
+TEST(TreeChunk, AnInvalidHeaderIsRefused)
 {
     const TemporaryFolder folder;
     std::mt19937_64 random(8);

@@ -1,11 +1,12 @@
-// The cache against a naive model, from one thread and from many, with a tree that is damaged under its hands.
+// The cache against a naive model, from one thread and from many, and over a damaged tree.
 
 #include "pcm/cache/l2_cache.h"
 
+#include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
+#include "tests/failing_threads.h"
 #include "tests/support.h"
-#include "pcm/build/builder.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -49,7 +50,7 @@ protected:
     ColumnSet positions_ = ColumnSet::only_positions(), intensity_, colour_;
 };
 
-// What the header says, in the plainest way.
+// The promises of the header, in the plainest way.
 struct Model {
     struct Entry {
         ColumnSet columns, ever;
@@ -218,7 +219,7 @@ TEST_F(L2CacheTest, ManyThreadsSeeTheRightPoints)
     EXPECT_LE(cache.statistics().resident_bytes, options.capacity_bytes);
 }
 
-TEST_F(L2CacheTest, ChunksAreLoadedOnceThoughManyAsk)
+TEST_F(L2CacheTest, AChunkIsLoadedOnceForManyClients)
 {
     L2Cache cache(tree_);
     std::vector<std::thread> clients;
@@ -250,7 +251,7 @@ TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
         std::unique_lock lock(mutex);
         wake.wait(lock, [&] { return !arrived.empty(); });
     }
-    // The loader stands in the first callback; what it has not begun is forgotten.
+    // The loader waits in the first callback; requests that it has not begun are forgotten.
     cache.request({{20, positions_}, {21, positions_}}, gate);
     {
         const std::lock_guard lock(mutex);
@@ -263,7 +264,7 @@ TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
     EXPECT_TRUE(cache.find(21, positions_));
 }
 
-TEST_F(L2CacheTest, ErrorsReachWhoAsked)
+TEST_F(L2CacheTest, ErrorsReachTheCaller)
 {
     // Damage one chunk in the middle of its positions.
     const NodeId victim = 3;
@@ -306,7 +307,7 @@ TEST_F(L2CacheTest, ErrorsReachWhoAsked)
     EXPECT_THROW(cache.get(static_cast<NodeId>(tree_->nodes().size()), positions_), Error);
 }
 
-// Who asks in the background hears of every chunk, also of one that is there already or that another client is loading.
+// on_loaded is called for every requested chunk, also for one that is resident or that another client is loading.
 TEST_F(L2CacheTest, EveryRequestedChunkIsAnnounced)
 {
     L2Cache cache(tree_);
@@ -337,6 +338,40 @@ TEST_F(L2CacheTest, HandlesOutliveTheCache)
         handle = cache.get(0, positions_);
     }
     EXPECT_EQ(handle->positions->size(), tree_->node(0).points);
+}
+
+TEST_F(L2CacheTest, WorksWithFewerThreadsThanItAskedFor)
+{
+    L2Options options;
+    options.threads = 4;
+    for (int allowed = 1; allowed < 4; ++allowed) {
+        std::unique_ptr<L2Cache> cache;
+        {
+            const FailingThreads failing(allowed);
+            cache = std::make_unique<L2Cache>(tree_, options);
+            EXPECT_EQ(failing.refused(), 1);
+        }
+        std::vector<ChunkRequest> list;
+        for (NodeId id = 0; id < 20; ++id) list.push_back({id, positions_});
+        cache->request(list);
+        cache->wait_idle();
+        for (NodeId id = 0; id < 20; ++id) EXPECT_TRUE(cache->find(id, positions_)) << id;
+    }
+}
+
+TEST_F(L2CacheTest, IsRefusedWithoutAnyThread)
+{
+    L2Options options;
+    options.threads = 3;
+    const FailingThreads failing(0);
+    try {
+        L2Cache cache(tree_, options);
+        ADD_FAILURE() << "nobody would load what is requested";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::io);
+        EXPECT_NE(std::string(error.what()).find("thread"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(failing.refused(), 1);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(TreeLock, EndsWithTheProcessThatHoldsIt)
     EXPECT_EQ(locking(folder.path()), ErrorCode::cancelled);
 }
 
-TEST(TreeLock, TellsWhyItCannotBe)
+TEST(TreeLock, NamesTheReasonWhenItCannotLock)
 {
     const TemporaryFolder folder;
     EXPECT_EQ(locking(folder / "none"), ErrorCode::not_found);

@@ -1,14 +1,14 @@
-// What a tree gives back when it is read like a file, against the cloud that it was built from.
+// A tree that is read like a file, against the cloud that it was built from.
 
 #include "pcm/tree/tree_reader.h"
 
 #include "pcm/io/pipe/selected_reader.h"
+#include "pcm/build/builder.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/verify.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
 #include "tests/support.h"
-#include "pcm/build/builder.h"
-#include "pcm/tree/verify.h"
 
 #include <cmath>
 #include <fstream>
@@ -180,7 +180,7 @@ TEST_P(TreeReaderTest, ATreeOfATreeHasTheSamePoints)
     EXPECT_TRUE(verify_tree(again->folder()).faults.empty());
 }
 
-// A hole in a chunk that is not needed goes unnoticed; one in a chunk that is needed does not.
+// Damage of a chunk is an error only if the chunk is needed.
 TEST_P(TreeReaderTest, ReadsOnlyWhatTheBoxTouches)
 {
     const NodeId last = static_cast<NodeId>(tree_->nodes().size() - 1);

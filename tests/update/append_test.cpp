@@ -1,9 +1,9 @@
 #include "pcm/update/append.h"
 
 #include "pcm/system/error.h"
-#include "tests/update/model.h"
-#include "pcm/tree/tree_reader.h"
 #include "pcm/tree/tree_lock.h"
+#include "pcm/tree/tree_reader.h"
+#include "tests/update/model.h"
 
 #include <cmath>
 #include <fstream>
@@ -54,7 +54,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Samplings, Append, testing::Values(Sampling::poisson, Sampling::grid),
                          [](const auto& info) { return info.param == Sampling::poisson ? "poisson" : "grid"; });
 
-TEST_P(Append, BesideAcrossAndOverWhatIsThere)
+TEST_P(Append, BesideAcrossAndOverTheExistingPoints)
 {
     start(surface(20000, 0, 0, 50, 31));
     append_and_check(surface(15000, 50, 0, 50, 32), "beside");

@@ -1,8 +1,8 @@
 #include "pcm/update/erase.h"
 
 #include "pcm/system/error.h"
-#include "tests/update/model.h"
 #include "pcm/tree/tree_lock.h"
+#include "tests/update/model.h"
 
 #include <random>
 
@@ -42,7 +42,7 @@ protected:
         grid_ = Tree::open(path_)->info().grid;
         add(rows_, rows_of(cloud, grid_));
     }
-    // Takes the rows out of the model for which `gone` holds; returns how many.
+    // Removes the rows for which `gone` returns true from the model; returns their number.
     template <class Gone>
     std::uint64_t model_erase(const Gone& gone)
     {
@@ -100,7 +100,7 @@ TEST_P(Erase, NodesOutsideStayWhereTheyAre)
         std::count_if(before->nodes().begin(), before->nodes().end(), [](const Node& n) { return n.points > 0; }));
     EXPECT_GT(same, 10u);
     EXPECT_EQ(after->info().generation, 2u);
-    // The old one is still there for who has it open.
+    // Open readers keep reading the old tree.
     EXPECT_EQ(rows_of(*before), rows_);
 }
 

@@ -1,12 +1,12 @@
 // Updates that are killed, or whose disk fails them, at any of their file-changing calls.
 
 #include "tests/faults.h"
-#include "tests/clouds.h"
-#include "tests/paths.h"
 #include "pcm/build/builder.h"
 #include "pcm/tree/tree.h"
-#include "pcm/update/tree_update.h"
 #include "pcm/tree/verify.h"
+#include "pcm/update/tree_update.h"
+#include "tests/clouds.h"
+#include "tests/paths.h"
 
 #include <fstream>
 #include <map>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using Files = std::map<std::string, std::string>;
 
-// All there is in a folder but the lock file.
+// All files in a folder but the lock file.
 Files files_in(const fs::path& folder)
 {
     Files files;
@@ -91,12 +91,13 @@ protected:
     {
         const std::string name = GetParam();
         if (name == "append")
-            return {paths::command, "append",         tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m",
-                    "64M",   "--chunk-points", "1000"};
+            return {
+                paths::command, "append",         tree_.string(), (folder_ / "second.las").string(), "-t", "1", "-m",
+                "64M",          "--chunk-points", "1000"};
         // A cache of few chunks: most are written long before the end.
         if (name == "set")
-            return {paths::command,       "set",     tree_.string(),        "--new",   "height:f32", "height=1.5",
-                    "intensity=7", "--where", "classification=1..9", "--cache", "100K"};
+            return {paths::command, "set",     tree_.string(),        "--new",   "height:f32", "height=1.5",
+                    "intensity=7",  "--where", "classification=1..9", "--cache", "100K"};
         return {paths::command, "delete", tree_.string(), "--where", "classification=1..9", "-t", "1"};
     }
 
@@ -142,7 +143,7 @@ TEST_P(UpdateFaults, KilledAtAnyCall)
             start_again();
             ASSERT_TRUE(run_with_fault(command(), tree_, kind, at).killed) << when;
             ++instants;
-            // Another run costs as much as all else; every third, and around the last calls, is run.
+            // Another run is half of the test's time: only every third, and those near the last calls.
             if (!expect_old_or_new(when) && (instants % 3 == 0 || at + 12 > calls_)) {
                 expect_new_after_another_run(when);
                 ++runs;

@@ -1,14 +1,14 @@
-// A tree's points as a plain multiset of rows, and clouds to append: what updates are checked against.
+// A tree's points as a plain multiset of rows, against which updates are checked, and clouds to append.
 #pragma once
 
 #include "pcm/bpc/chunk.h"
-#include "pcm/cloud/selection.h"
-#include "tests/memory_reader.h"
-#include "tests/support.h"
 #include "pcm/build/builder.h"
+#include "pcm/cloud/selection.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/verify.h"
 #include "pcm/tree/verify_levels.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
 
 #include <algorithm>
 #include <cstring>
@@ -43,7 +43,7 @@ inline std::vector<Row> rows_of(const Tree& tree)
     return rows;
 }
 
-// Of a cloud whose positions are on `grid`, or are to be put there; in the order of the cloud.
+// The points of a cloud, rounded to `grid`, in the order of the cloud.
 inline std::vector<Row> rows_of(const MemoryCloud& cloud, const Grid& grid)
 {
     std::vector<Row> rows;
@@ -64,7 +64,7 @@ inline void add(std::vector<Row>& rows, std::vector<Row> more)
     std::sort(rows.begin(), rows.end());
 }
 
-// Every check there is of a tree, and that its points are those of the model.
+// All checks of a tree; its points must be those of the model.
 inline void expect_tree(const std::filesystem::path& path, const std::vector<Row>& rows, const std::string& when)
 {
     SCOPED_TRACE(when);

@@ -2,9 +2,9 @@
 
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/system/error.h"
-#include "tests/update/model.h"
 #include "pcm/tree/about.h"
 #include "pcm/update/erase.h"
+#include "tests/update/model.h"
 
 #include <fstream>
 
@@ -75,8 +75,8 @@ TEST_P(RepairTest, ALostIndexComesBackToTheByte)
         if (step) erase_class(path_, step);
         const std::string before = bytes_of_file(index_);
         fs::remove(index_);
-        const RepairReport told = repair_tree(path_, options_of(true));
-        EXPECT_TRUE(told.index_written);
+        const RepairReport checked = repair_tree(path_, options_of(true));
+        EXPECT_TRUE(checked.index_written);
         EXPECT_FALSE(fs::exists(index_));
         const RepairReport report = repair_tree(path_, options_of());
         EXPECT_EQ(report.points_lost, 0u);
@@ -96,7 +96,7 @@ TEST_P(RepairTest, ADamagedIndexIsKept)
     EXPECT_TRUE(bytes_of_file(path_ / damaged_index_name) == damaged);
 }
 
-TEST_P(RepairTest, DamagedChunksAreLeftOutAndTold)
+TEST_P(RepairTest, DamagedChunksAreLeftOutAndReported)
 {
     const auto tree = Tree::open(path_);
     std::uint64_t lost = 0;
@@ -165,14 +165,14 @@ TEST_P(RepairTest, LeftoversOfAnInterruptedUpdate)
 {
     const std::string before = bytes_of_file(index_), about = bytes_of_file(path_ / about_file_name);
     erase_class(path_, 2);
-    // As if it had been killed before the index: everything is there but that.
+    // As if the process had been killed before it replaced the index.
     std::ofstream(index_, std::ios::binary | std::ios::trunc) << before;
     ASSERT_EQ(Tree::open(path_)->info().generation, 1u);
-    const RepairReport told = repair_tree(path_, options_of(true));
-    EXPECT_EQ(told.healed.size(), 1u);
+    const RepairReport checked = repair_tree(path_, options_of(true));
+    EXPECT_EQ(checked.healed.size(), 1u);
     const RepairReport report = repair_tree(path_, options_of());
     EXPECT_TRUE(report.whole());
-    EXPECT_EQ(report.healed, told.healed);
+    EXPECT_EQ(report.healed, checked.healed);
     EXPECT_FALSE(fs::exists(path_ / report.healed.at(0)));
     EXPECT_TRUE(bytes_of_file(path_ / about_file_name) == about);
     expect_tree(path_, rows_, "healed");
@@ -194,7 +194,7 @@ TEST_P(RepairTest, AnUnfinishedGenerationIsNotTaken)
     EXPECT_FALSE(fs::exists(path_ / name));
 }
 
-// Whole chunks, as far as checksums go, that say what no tree's chunk says.
+// Chunks with matching checksums and values that no tree's chunk has.
 TEST_P(RepairTest, ImpossibleNumbersAreDamage)
 {
     const std::string before = bytes_of_file(index_);

@@ -1,10 +1,10 @@
 // Updates in any order, against a plain list of rows.
 
-#include "tests/update/model.h"
 #include "pcm/update/append.h"
 #include "pcm/update/compact.h"
 #include "pcm/update/erase.h"
 #include "pcm/update/repair.h"
+#include "tests/update/model.h"
 
 #include <atomic>
 #include <fstream>
@@ -147,7 +147,7 @@ TEST_P(Sequences, AgainstAPlainList)
     Sequence(static_cast<std::uint64_t>(GetParam()), GetParam() % 3 == 2 ? Sampling::grid : Sampling::poisson).run(12);
 }
 
-TEST(Compact, IsWhatABuildMakes)
+TEST(Compact, MakesTheSameTreeAsABuild)
 {
     const TemporaryFolder folder;
     const fs::path path = folder / "tree.pct";
