@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t axes = 3;
 
-// Where a column's values lie in a chunk's room.
+// The offset of a column in the place of a chunk.
 std::uint64_t offset_of(const std::vector<Attribute>& shape, std::size_t column, std::size_t capacity)
 {
     std::uint64_t offset = 0;
@@ -43,7 +43,7 @@ void take_from_base(const ChunkSource& source, const std::vector<Attribute>& sha
     }
     for (std::size_t k = axes; k < shape.size(); ++k)
         if (wanted[k]) {
-            // Decoded for this call: nobody else has it.
+            // Decoded for this call: it is not shared.
             columns[k] = std::const_pointer_cast<Column>(decoded.chunk.attributes[k - axes]);
             if (columns[k]->size() != source.capacity) columns[k]->resize(source.capacity);
         }
@@ -76,8 +76,9 @@ Columns load_columns(const ChunkSource& source, const std::vector<Attribute>& sh
         source.scratch->read_at(columns[k]->data(), bytes,
                                 source.spilled->offset + offset_of(shape, k, source.capacity));
         if (checksum(columns[k]->data(), bytes) != source.spilled->checksums[k])
-            throw Error(ErrorCode::corrupt, source.scratch->path(),
-                        "the scratch file does not hold what was written to it: column '" + shape[k].name + "'");
+            throw Error(
+                ErrorCode::corrupt, source.scratch->path(),
+                "the scratch file does not have the bytes that were written to it: column '" + shape[k].name + "'");
     }
     if (std::any_of(from_base.begin(), from_base.end(), [](std::uint8_t w) { return w != 0; }))
         take_from_base(source, shape, from_base, columns);
@@ -97,8 +98,8 @@ Spilled ScratchFile::slot(const std::vector<Attribute>& shape, std::size_t capac
         if (!folder_.empty()) path = folder_ / beside_.filename();
         path += ".scratch-" + std::to_string(::getpid()) + "-" + std::to_string(count++);
         file_ = File(path, File::Mode::create_new);
-        // Open it stays usable; without a name nothing is left behind when the process ends.
-        if (::unlink(path.c_str()) != 0) throw Error::from_errno(errno, path, "taking the scratch file's name away");
+        // The open file stays usable; without a name nothing stays on disk when the process ends.
+        if (::unlink(path.c_str()) != 0) throw Error::from_errno(errno, path, "removing the scratch file's name");
     }
     Spilled slot;
     slot.offset = end_;
@@ -126,15 +127,15 @@ void ScratchFile::clear()
 
 std::size_t coding_bytes(const std::vector<Attribute>& shape, std::size_t points)
 {
-    // The codec fills blocks up and adds a few bytes to each; the payload grows by doubling and is copied once behind
-    // its header.
+    // The codec pads blocks and adds a few bytes to each; the payload grows by doubling and is copied once, after its
+    // header.
     const std::size_t filled = (points + codec_block - 1) / codec_block * codec_block;
     std::size_t encoded = 0, headers = 0;
     for (const Attribute& column : shape) {
         encoded += filled * column.bytes() * 17 / 16 + std::size_t{64} * column.components;
         headers += 128 + column.name.size() + column.description.size();
     }
-    // Integers of positions, twice, and a column's words.
+    // The integers of the positions, twice, and the words of a column.
     return points * (24 + 24 + 16) + 4 * encoded + 8 * headers + (std::size_t{64} << 10);
 }
 

@@ -11,7 +11,7 @@
 namespace pcm {
 namespace {
 
-// Codes of one axis less the smallest of them.
+// Stores the codes of one axis relative to the smallest of them.
 void put_axis(const std::vector<std::int64_t>& codes, std::size_t axis, ChunkPositions& positions)
 {
     const auto origin = static_cast<std::uint64_t>(positions.origin[axis]);
@@ -69,10 +69,10 @@ std::vector<std::byte> encode_points(const PointColumns& points, const Schema& s
                 points.gridded == grid.has_value() && points.attributes.size() == schema.size();
     for (std::size_t a = 0; a < 3; ++a)
         same = same && (points.gridded ? points.grid_xyz[a] != nullptr : points.xyz[a] != nullptr);
-    if (!same) throw Error(ErrorCode::invalid_argument, {}, "points of another shape than the cloud's");
+    if (!same) throw Error(ErrorCode::invalid_argument, {}, "the points have another shape than the cloud");
     Chunk chunk;
     chunk.points = static_cast<std::uint32_t>(points.size);
-    for (const Column* column : points.attributes)  // these pointers own nothing
+    for (const Column* column : points.attributes)  // pointers without ownership
         chunk.attributes.push_back(std::shared_ptr<const Column>(std::shared_ptr<const Column>(), column));
     if (points.gridded) {
         chunk.positions = std::make_shared<ChunkPositions>(positions_on_grid(points));

@@ -38,7 +38,7 @@ BpcArray::BpcArray(const std::filesystem::path& path, const BpcCloud& cloud, con
 {
     cloud_.points = cloud_.chunks = 0;
     cloud_.box.reset();
-    encode_cloud_block(cloud_, 0);  // refuses now what could not be written later
+    encode_cloud_block(cloud_, 0);  // throws now what would prevent writing later
     state_->set_up(cloud_);
 }
 
@@ -55,10 +55,10 @@ void BpcArray::open_window(std::uint64_t index)
     if (place != s.residents.end()) {
         s.residents.splice(s.residents.begin(), s.residents, place);
     } else {
-        // What the last window needed, this one needs too, probably.
+        // This window probably needs the same columns as the last one.
         if (count_)
             for (std::size_t k = 0; k < s.shape.size(); ++k) s.expected[k] = s.residents.front().data[k] != nullptr;
-        count_ = 0;  // until all has gone well
+        count_ = 0;  // until the window is open
         std::optional<Columns> ahead;
         if (s.ahead.valid() && s.ahead_chunk == chunk) ahead = s.ahead.get();
         s.add_resident(chunk);
@@ -83,7 +83,7 @@ void BpcArray::open_window(std::uint64_t index)
 
 std::byte* BpcArray::load(std::size_t column)
 {
-    // The axes are one column in the file.
+    // The three axes are one column in the file.
     ColumnFlags wanted(state_->shape.size());
     wanted[column] = 1;
     if (column < positions_) std::fill_n(wanted.begin(), positions_, std::uint8_t{1});
@@ -101,7 +101,7 @@ std::size_t BpcArray::find(std::string_view name, ScalarType type) const
         std::string known;
         for (const Attribute& attribute : schema()) known += (known.empty() ? "" : ", ") + attribute.name;
         throw Error(ErrorCode::invalid_argument, state_->path, "no attribute '" + std::string(name) + "'",
-                    known.empty() ? "the points have no attributes" : "there are " + known);
+                    known.empty() ? "the points have no attributes" : "its attributes are " + known);
     }
     if (schema()[*found].type != type)
         throw Error(ErrorCode::invalid_argument, state_->path,
@@ -132,7 +132,8 @@ void BpcArray::set_position(std::uint64_t index, const Vec3d& position)
 
 std::array<std::int32_t, 3> BpcArray::grid_position(std::uint64_t index)
 {
-    if (!cloud_.grid) throw Error(ErrorCode::invalid_argument, state_->path, "the points are on no grid");
+    if (!cloud_.grid)
+        throw Error(ErrorCode::invalid_argument, state_->path, "the positions are doubles, not on a grid");
     std::array<std::int32_t, 3> position;
     for (std::size_t a = 0; a < 3; ++a) {
         const std::byte* data = at(index, a);
@@ -143,7 +144,8 @@ std::array<std::int32_t, 3> BpcArray::grid_position(std::uint64_t index)
 
 void BpcArray::set_grid_position(std::uint64_t index, const std::array<std::int32_t, 3>& position)
 {
-    if (!cloud_.grid) throw Error(ErrorCode::invalid_argument, state_->path, "the points are on no grid");
+    if (!cloud_.grid)
+        throw Error(ErrorCode::invalid_argument, state_->path, "the positions are doubles, not on a grid");
     for (std::size_t a = 0; a < 3; ++a) {
         std::byte* data = at_for_change(index, a);
         reinterpret_cast<std::int32_t*>(data)[index - first_] = position[a];
@@ -157,15 +159,15 @@ double BpcArray::value(std::uint64_t index, std::size_t attribute, std::uint32_t
                                                                             component);
 }
 
-// Up to `points` more, 0 in every column, in the last chunk or a new one, which becomes the window; how many there were
-// room for.
+// Appends up to `points` points, 0 in every column, to the last chunk or a new one, which becomes the window. Returns
+// how many fitted.
 std::size_t BpcArray::grow(std::size_t points)
 {
     State& s = *state_;
     if (s.chunks() == 0 || s.count(s.chunks() - 1) >= s.capacity(s.chunks() - 1)) {
         if (s.chunks() == ChunkIndex::most_places)
             throw Error(ErrorCode::unsupported, s.path, "an array can have " + std::to_string(s.chunks()) + " chunks");
-        // All that can fail comes first: beside the first resident, which stays, there is always room for a second.
+        // Whatever can fail comes first. Beside the first resident, which stays, there is always room for a second.
         s.make_room(s.chunk_points * s.row_bytes, statistics_);
         s.first.push_back(size_);
         s.where.push_back(s.residents.end());
@@ -262,7 +264,7 @@ void BpcArray::flush()
     sync_folder(s.path.has_parent_path() ? s.path.parent_path() : std::filesystem::path("."));
     auto base = std::make_unique<BpcFile>(s.path);
     if (base->index().end().number != s.chunks() || base->index().end().first_point != size_)
-        throw Error(ErrorCode::io, s.path, "the file was changed by somebody else while it was being written");
+        throw Error(ErrorCode::io, s.path, "another process changed the file while it was being written");
     s.base = std::move(base);
     s.spilled.clear();
     s.scratch.clear();

@@ -1,4 +1,4 @@
-// An out-of-core array of points over a BPC file: what a vector of points would be if memory were large enough.
+// An out-of-core array of points over a BPC file, with the interface of a vector of points.
 //
 //   pcm::BpcArray cloud("city.bpc");
 //   const auto intensity = cloud.column<std::uint16_t>("intensity");
@@ -6,10 +6,10 @@
 //       if (point.position()[2] > 100) point.set(intensity, 0);
 //   cloud.flush();
 //
-// Cost. A point of a chunk in memory: some nanoseconds. A point of another chunk: reading and decoding the columns that
-// are used of that chunk (100,000 points: about a millisecond a column); reading on in order, the next chunk is decoded
-// on another thread meanwhile. So go through the points in order where there is a choice, or chunk by chunk. Only
-// columns that are touched are read. Changed columns that memory has no room for go to a scratch file, uncompressed.
+// Cost. A point of a chunk in memory takes some nanoseconds. A point of another chunk takes reading and decoding the
+// used columns of that chunk (about a millisecond per column of 100,000 points). During sequential access another
+// thread decodes the next chunk. So access the points in order, or chunk by chunk, where possible. Only columns that
+// are used are read. Changed columns for which memory has no room go to a scratch file, uncompressed.
 #pragma once
 
 #include "pcm/bpc/cloud_block.h"
@@ -29,18 +29,18 @@
 namespace pcm {
 
 struct BpcArrayOptions {
-    // All that the array may allocate: decoded chunks, coding buffers, what it knows about chunks (some 200 bytes
-    // each).
+    // Limit of all that the array allocates: decoded chunks, buffers for encoding, tables of chunks (some 200 bytes per
+    // chunk).
     std::size_t memory_bytes = std::size_t{256} << 20;
-    // Of chunks that push_back() begins; 0: default_chunk_points().
+    // Size of the chunks that push_back() begins; 0: default_cloud_chunk_points().
     std::size_t chunk_points = 0;
-    // Where changed points wait; empty: beside the file. The scratch file has no name while it is used: nothing of it
-    // stays behind, however the process ends.
+    // Where changed points are kept; empty: beside the file. The scratch file has no name while it is used, so nothing
+    // of it stays on disk when the process ends, also after a crash.
     std::filesystem::path scratch_folder;
-    bool read_ahead = true;  // on a thread of its own, where the memory allows it
+    bool read_ahead = true;  // on another thread, where the memory allows it
 };
 
-// An attribute of an array's points whose scalars are of type T: made by BpcArray::column, for that array only.
+// An attribute with scalars of type T, made by BpcArray::column for that array only.
 template <class T>
 struct BpcColumnOf {
     std::size_t attribute = 0;
@@ -50,8 +50,8 @@ struct BpcColumnOf {
 template <class T>
 constexpr ScalarType scalar_type_of();
 
-// One thread at a time, reading too, for reading loads. Nothing on disk changes before flush(); the destructor drops
-// what was not flushed. Not to be moved: points and iterators refer to it.
+// One thread at a time, also for reading, since reading loads chunks. Nothing on disk changes before flush(); the
+// destructor drops changes that were not flushed. Cannot be moved: points and iterators refer to it.
 class BpcArray {
     struct Resident;
 
@@ -59,11 +59,11 @@ public:
     class Point;
     class Iterator;
 
-    // The cloud in a file: with a cloud block, or bare chunks (at most ChunkIndex::most_places of them). Throws what
-    // BpcFile throws, and Error(invalid_argument) when the memory is not enough for two of its chunks and the coding of
-    // one.
+    // The cloud in a file, with a cloud block or as bare chunks (at most ChunkIndex::most_places). Throws what BpcFile
+    // throws, and Error(invalid_argument) when the memory is too small for two of its chunks and the encoding of one.
     explicit BpcArray(const std::filesystem::path& path, const BpcArrayOptions& options = {});
-    // No points yet, to be a file of that name; of `cloud` position type, grid, schema and metadata are taken.
+    // An empty array that flush() writes to a file of that name. Position type, grid, schema and metadata are taken
+    // from `cloud`.
     BpcArray(const std::filesystem::path& path, const BpcCloud& cloud, const BpcArrayOptions& options = {});
     ~BpcArray();
     BpcArray(const BpcArray&) = delete;
@@ -72,26 +72,26 @@ public:
     std::uint64_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
     const Schema& schema() const { return cloud_.schema; }
-    // Present when positions are integers on it; else they are doubles.
+    // Present when positions are integers on this grid; else they are doubles.
     const std::optional<Grid>& grid() const { return cloud_.grid; }
     const std::vector<Metadata>& metadata() const { return cloud_.metadata; }
 
-    // Indices must be less than size(). Throws Error(truncated | corrupt | io) when a chunk cannot be read,
-    // Error(no_space | io) when one cannot be spilled; the array is as it was then, and the call may be repeated.
+    // Indices must be less than size(). Throws Error(truncated | corrupt | io) when a chunk cannot be read, and
+    // Error(no_space | io) when one cannot be spilled; then the array is unchanged, and the call may be repeated.
     Point operator[](std::uint64_t index);
     Iterator begin();
     Iterator end();
 
     // Exact, in source units.
     Vec3d position(std::uint64_t index);
-    // On a grid: the nearest position of it. Throws Error(invalid_argument) for one that is not finite or beyond 32
-    // bits of steps. Doubles keep every bit.
+    // On a grid the position is rounded to the nearest place; throws Error(invalid_argument) for one that is not finite
+    // or needs more than 32 bits. Doubles keep every bit.
     void set_position(std::uint64_t index, const Vec3d& position);
     // Only on a grid; else Error(invalid_argument).
     std::array<std::int32_t, 3> grid_position(std::uint64_t index);
     void set_grid_position(std::uint64_t index, const std::array<std::int32_t, 3>& position);
 
-    // Throws Error(invalid_argument), naming what there is, when no attribute has the name or its scalars are of
+    // Throws Error(invalid_argument), naming the existing attributes, when none has the name or its scalars are of
     // another type.
     template <class T>
     BpcColumnOf<T> column(std::string_view name) const
@@ -115,19 +115,19 @@ public:
 
     // A new last point: 0 in every column (on a grid that is the grid's offset).
     Point push_back();
-    // All points of a batch, behind the last. Throws Error(invalid_argument) for a batch of another shape.
+    // Appends all points of a batch. Throws Error(invalid_argument) for a batch of another shape.
     void append(const PointBatch& batch);
 
-    // Makes the file what the array is: writes the whole of it beside, syncs and renames, so that at any instant,
-    // whatever happens to the process or the machine, the name stands for the old cloud or for the new one. Chunks
-    // without changes are copied as they are. After an error the array and the old file are as they were.
+    // Replaces the file atomically by the array's points: a new file is written beside it, synced and renamed, so that
+    // also after a crash the name refers to the old cloud or to the new one. Chunks without changes are copied as they
+    // are. After an error the array and the old file are unchanged.
     void flush();
-    // The same under another name; the array stays with its own.
+    // Writes the points to another file; the array keeps its own.
     void save_as(const std::filesystem::path& path);
 
     struct Statistics {
-        std::uint64_t chunks_decoded = 0;     // with or without reading ahead
-        std::uint64_t chunks_read_ahead = 0;  // of them, those that were wanted afterwards
+        std::uint64_t chunks_decoded = 0;     // on any thread
+        std::uint64_t chunks_read_ahead = 0;  // of these, read ahead and then used
         std::uint64_t chunks_evicted = 0;
         std::uint64_t columns_spilled = 0;
         std::size_t most_resident_bytes = 0;  // of decoded columns
@@ -139,7 +139,7 @@ private:
 
     struct State;
 
-    // The bytes of a column of the chunk that holds the point; the chunk becomes the window first_, count_.
+    // The bytes of a column of the point's chunk, which becomes the window (first_, count_).
     std::byte* at(std::uint64_t index, std::size_t column)
     {
         if (index - first_ >= count_) open_window(index);
@@ -159,17 +159,17 @@ private:
 
     BpcCloud cloud_;
     std::uint64_t size_ = 0;
-    // The chunk that was used last.
+    // The window: the most recently used chunk.
     std::uint64_t first_ = 0;
     std::uint64_t count_ = 0;
-    std::byte** window_data_ =
-        nullptr;  // null for columns that nobody has touched since the chunk was loaded; x, y, z as one
-    std::uint8_t* window_changed_ = nullptr;  // by column
+    // By column. Data is null for columns that were not used since the chunk was loaded; x, y, z count as one.
+    std::byte** window_data_ = nullptr;
+    std::uint8_t* window_changed_ = nullptr;
     Statistics statistics_;
     std::unique_ptr<State> state_;
 };
 
-// A point of an array: an index that knows its array. Cheap to copy, valid while the array lives.
+// A reference to a point: an array and an index. Cheap to copy, valid while the array lives.
 class BpcArray::Point {
 public:
     Point(BpcArray& array, std::uint64_t index) : array_(&array), index_(index) {}
@@ -234,7 +234,7 @@ inline BpcArray::Iterator BpcArray::end() { return {*this, size_}; }
 
 inline Vec3d BpcArray::position(std::uint64_t index)
 {
-    // The three axes are touched together.
+    // The three axes are loaded together.
     const std::byte* const axes[3] = {at(index, 0), window_data_[1], window_data_[2]};
     const std::uint64_t i = index - first_;
     Vec3d position;

@@ -13,7 +13,7 @@ BpcFile::BpcFile(const std::filesystem::path& path) : file_(path, File::Mode::re
 {
     has_block_ = has_cloud_block(file_);
     if (!has_block_) {
-        hop();
+        read_headers();
         return;
     }
     const std::uint64_t bytes = file_.size();
@@ -28,8 +28,8 @@ void BpcFile::fail(ErrorCode code, const ChunkPlace& place, const std::string& w
                 "chunk " + std::to_string(place.number) + " at byte " + std::to_string(place.offset) + ": " + what);
 }
 
-// Of a tombstone or a commit record at `offset`; 0 when a chunk with points begins there.
-std::uint64_t BpcFile::bytes_to_pass(std::uint64_t offset, std::uint64_t end) const
+// The size of a tombstone or a commit record at `offset`; 0 when a chunk with points begins there.
+std::uint64_t BpcFile::bytes_to_skip(std::uint64_t offset, std::uint64_t end) const
 {
     std::uint64_t bytes = 0;
     if (read_commit(file_, offset, end - offset, bytes)) return bytes;
@@ -37,17 +37,17 @@ std::uint64_t BpcFile::bytes_to_pass(std::uint64_t offset, std::uint64_t end) co
     return header.points == 0 ? header.total_bytes : 0;
 }
 
-// Chunk by chunk, what they have in common becomes the cloud.
-void BpcFile::hop()
+// Derives the cloud from what the headers of all chunks have in common.
+void BpcFile::read_headers()
 {
     const std::uint64_t bytes = file_.size();
     bool one_grid = true, finite = true;
     Box3d box;
     while (index_.end().offset < bytes) {
         const ChunkPlace place = index_.end();
-        std::uint64_t passed = 0;
-        if (read_commit(file_, place.offset, bytes - place.offset, passed)) {
-            index_.skip(passed);
+        std::uint64_t skipped = 0;
+        if (read_commit(file_, place.offset, bytes - place.offset, skipped)) {
+            index_.skip(skipped);
             continue;
         }
         const BpcHeader header = read_header(file_, place.offset, bytes - place.offset);
@@ -87,12 +87,12 @@ void BpcFile::check(const ChunkPlace& place, const BpcHeader& header) const
     const auto next = index_.at(place.number + 1);
     if (next && next->first_point != place.first_point + header.points)
         fail(ErrorCode::corrupt, place,
-             "its points are not as many as when the file was opened, or as the chunk table says");
+             "its number of points differs from the chunk table, or from when the file was opened");
     if (!has_block_) return;
     if (cloud_.grid && !(fits_gridded_batch(header) && header.grid == *cloud_.grid))
         fail(ErrorCode::corrupt, place, "its positions are not on the cloud's grid");
     if (next && next->offset != place.offset + header.total_bytes)
-        fail(ErrorCode::corrupt, place, "its bytes are not those in the chunk table");
+        fail(ErrorCode::corrupt, place, "its size differs from the chunk table");
 }
 
 ChunkPlace BpcFile::after(const ChunkPlace& place, const BpcHeader& header) const
@@ -101,7 +101,7 @@ ChunkPlace BpcFile::after(const ChunkPlace& place, const BpcHeader& header) cons
     ChunkPlace next{place.number + 1, place.first_point + header.points, place.offset + header.total_bytes};
     if (has_block_) return next;
     while (next.offset < index_.end().offset) {
-        const std::uint64_t bytes = bytes_to_pass(next.offset, index_.end().offset);
+        const std::uint64_t bytes = bytes_to_skip(next.offset, index_.end().offset);
         if (bytes == 0) break;
         next.offset += bytes;
     }
@@ -121,7 +121,7 @@ ChunkPlace BpcFile::find(std::uint64_t point) const
 
 BpcHeader BpcFile::header(const ChunkPlace& place) const
 {
-    if (place.offset >= index_.end().offset) fail(ErrorCode::corrupt, place, "behind the last chunk");
+    if (place.offset >= index_.end().offset) fail(ErrorCode::corrupt, place, "it is after the last chunk");
     BpcHeader header = read_header(file_, place.offset, index_.end().offset - place.offset);
     check(place, header);
     return header;

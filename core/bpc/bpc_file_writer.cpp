@@ -9,7 +9,7 @@
 namespace pcm {
 namespace {
 
-// Checked before a file is made.
+// The cloud without points. Checks the grid before a file is made.
 BpcCloud emptied(const std::filesystem::path& path, const BpcCloud& cloud)
 {
     for (std::size_t a = 0; cloud.grid && a < 3; ++a)
@@ -27,7 +27,7 @@ BpcCloud emptied(const std::filesystem::path& path, const BpcCloud& cloud)
 
 }  // namespace
 
-std::size_t default_chunk_points(const Schema& schema)
+std::size_t default_cloud_chunk_points(const Schema& schema)
 {
     constexpr std::size_t most_points = 100000, most_bytes = std::size_t{16} << 20;
     return std::clamp<std::size_t>(most_bytes / (3 * sizeof(double) + schema.point_bytes()), 1, most_points);

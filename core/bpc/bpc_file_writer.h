@@ -10,21 +10,20 @@
 
 namespace pcm {
 
-// As many points as a chunk of a cloud has unless there is a reason for another number: 100,000, fewer where points are
-// large.
-std::size_t default_chunk_points(const Schema& schema);
+// The default number of points in a chunk of a cloud: 100,000, fewer where points are large.
+std::size_t default_cloud_chunk_points(const Schema& schema);
 
-// One thread. The file appears under its name only when finish() returns: at any instant the name stands for what was
-// there before or for the whole new cloud. Memory: the cloud block twice and 16 bytes a chunk.
+// For one thread. finish() gives the file its name atomically: before it the name refers to the previous file, if any.
+// Memory: the cloud block twice and 16 bytes per chunk.
 class BpcFileWriter {
 public:
-    // Of `cloud` the position type, grid, schema and metadata are taken. Throws Error(invalid_argument) for a grid
+    // Position type, grid, schema and metadata are taken from `cloud`. Throws Error(invalid_argument) for a grid
     // without positive scales and finite offsets, Error(unsupported) for more metadata than a file can hold, and what
-    // opening can throw.
+    // opening a file throws.
     BpcFileWriter(const std::filesystem::path& path, const BpcCloud& cloud);
 
-    // A chunk that encode_batch() made or that stood in another file of a cloud of the same grid and schema; its header
-    // is decoded again for its numbers of points and its box.
+    // A chunk from encode_batch() or from another file of a cloud with the same grid and schema. Its header is decoded
+    // again for its number of points and its box.
     void append(const std::vector<std::byte>& chunk);
     std::uint64_t points() const { return cloud_.points; }
     void finish();

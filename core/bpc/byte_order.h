@@ -1,5 +1,5 @@
-// Little-endian scalars in byte buffers, for headers and tables. The library runs on little-endian machines only (that
-// is checked at compile time), so this is memcpy with a bounds check.
+// Little-endian scalars in byte buffers, for headers and tables. The library supports little-endian machines only
+// (checked at compile time), so this is memcpy with a bounds check.
 #pragma once
 
 #include "pcm/system/error.h"
@@ -50,7 +50,7 @@ private:
     std::vector<std::byte> bytes_;
 };
 
-// Reads what ByteWriter wrote; running over the end is Error(corrupt) that names the byte.
+// Reads what ByteWriter wrote. Reading past the end throws Error(corrupt), naming the byte.
 class ByteReader {
 public:
     ByteReader(const std::byte* data, std::size_t size, const std::filesystem::path& path)

@@ -5,24 +5,23 @@
 #include <cstdint>
 #include <memory>
 
-struct XXH3_state_s;
-
 namespace pcm {
 
 std::uint64_t checksum(const void* data, std::size_t bytes);
 
-// The same of bytes that come piece by piece. Throws std::bad_alloc.
+// The same for bytes that come piece by piece. One thread at a time.
 class RunningChecksum {
 public:
     RunningChecksum();
+    ~RunningChecksum();
+    RunningChecksum(const RunningChecksum&) = delete;
+    RunningChecksum& operator=(const RunningChecksum&) = delete;
     void add(const void* data, std::size_t bytes);
-    std::uint64_t value() const;  // of all pieces so far
+    std::uint64_t value() const;  // of all bytes so far
 
 private:
-    struct Free {
-        void operator()(XXH3_state_s* state) const;
-    };
-    std::unique_ptr<XXH3_state_s, Free> state_;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace pcm

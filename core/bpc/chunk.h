@@ -13,8 +13,8 @@
 
 namespace pcm {
 
-// Grid positions relative to the chunk's origin (the smallest coordinate on each axis), so they are never negative.
-// Narrow (32 bits an axis) whenever the chunk's extent allows, which for LAS sources is always.
+// Grid positions relative to the chunk's origin (the smallest coordinate of each axis), so they are never negative.
+// Narrow (32 bits per axis) when the chunk's extent allows it; for LAS sources it always does.
 struct ChunkPositions {
     Vec3i origin{0, 0, 0};
     bool wide = false;
@@ -35,18 +35,18 @@ struct ChunkPositions {
     std::size_t bytes() const { return size() * 3 * (wide ? 8u : 4u); }
 };
 
-// Columns that were not asked for are null. Immutable once shared; copies share the columns.
+// Columns that were not read are null. Immutable once shared; copies share the columns.
 struct Chunk {
     std::uint32_t points = 0;
     std::shared_ptr<const ChunkPositions> positions;
-    std::vector<std::shared_ptr<const Column>> attributes;  // one slot an attribute of the schema
+    std::vector<std::shared_ptr<const Column>> attributes;  // one slot per attribute of the schema
 
     std::size_t bytes() const;  // of the columns present
     ColumnSet columns() const;  // which are present
 };
 
-// Gives a chunk that was written before its cloud got the last attributes of `schema` a slot for each, and zeros in
-// those of them that are asked for.
+// A chunk may have been written before the last attributes of `schema` were added to its cloud. Adds their slots, and
+// columns of zeros for those in `asked`.
 void add_missing_columns(Chunk& chunk, const Schema& schema, const ColumnSet& asked);
 
 }  // namespace pcm

@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-// Decodes pieces of columns into the columns of a chunk, whose points are those of the kept segments.
+// Decodes pieces of columns into the columns of a chunk with the points of the kept segments.
 class ChunkDecoder {
 public:
     ChunkDecoder(const BpcHeader& header, const ColumnSet& columns, const std::vector<std::uint32_t>& kept)
@@ -38,7 +38,7 @@ public:
         }
     }
 
-    // A piece to be read: of which column, and which of the kept segments.
+    // A piece to read, its column and its kept segment.
     struct Wanted {
         const BpcPiece* piece;
         int attribute;  // -1: positions
@@ -51,7 +51,7 @@ public:
     {
         const auto size = static_cast<std::size_t>(wanted.piece->bytes);
         if (checksum(data, size) != wanted.piece->checksum)
-            throw Error(ErrorCode::corrupt, {}, "the checksum of '" + name(wanted) + "' does not hold");
+            throw Error(ErrorCode::corrupt, {}, "the checksum of '" + name(wanted) + "' does not match");
         const std::size_t used =
             wanted.attribute < 0 ? decode_positions(wanted.kept, data, size) : decode_scalars(wanted, data, size);
         if (used != size) throw Error(ErrorCode::corrupt, {}, "'" + name(wanted) + "' is followed by stray bytes");
@@ -115,7 +115,8 @@ private:
         const BpcSegment& segment = header_.segments[kept_[kept]];
         std::size_t used = 0;
         for (std::size_t a = 0; a < 3; ++a) {
-            if (axes[a].size() < points_) axes[a].resize(points_);  // once the first piece has proved whole
+            if (axes[a].size() < points_)
+                axes[a].resize(points_);  // only after the first piece was decoded: damage must not cost memory
             Word* to = axes[a].data() + at_[kept];
             used += unpack(data + used, size - used, to, segment.count, {});
             Word low = to[0], high = low;
@@ -127,7 +128,7 @@ private:
                 return static_cast<std::uint64_t>(corner) - static_cast<std::uint64_t>(header_.box.min[a]);
             };
             if (low < limit(segment.box.min[a]) || high > limit(segment.box.max[a]))
-                throw Error(ErrorCode::corrupt, {}, "a chunk's point lies outside the box that its header tells");
+                throw Error(ErrorCode::corrupt, {}, "a point lies outside the box in the chunk's header");
         }
         return used;
     }
@@ -157,7 +158,7 @@ private:
 
     const BpcHeader& header_;
     const std::vector<std::uint32_t>& kept_;
-    std::vector<std::size_t> at_;  // where the points of each kept segment go
+    std::vector<std::size_t> at_;  // the first point of each kept segment in the result
     std::size_t points_ = 0;
     std::vector<Wanted> wanted_;
     Chunk chunk_;
@@ -167,11 +168,11 @@ private:
     std::vector<std::uint64_t> wide_words_;
 };
 
-// Bytes between two pieces that are read along, since that takes less time than a second read.
+// Pieces with at most this many bytes between them are read together, since that is faster than a second read.
 constexpr std::uint64_t join_gap = 16384;
 
-// Reads and decodes the asked columns of the kept segments of the chunk at `offset`. Pieces that lie at most `gap`
-// bytes apart come in one read. Returns the bytes read.
+// Reads and decodes the given columns of the kept segments of the chunk at `offset`. Pieces at most `gap` bytes apart
+// are read together. Returns the number of bytes read.
 std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHeader& header, const ColumnSet& columns,
                             const std::vector<std::uint32_t>& kept, std::uint64_t gap, Chunk& chunk)
 {
@@ -196,14 +197,15 @@ std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHea
     return bytes_read;
 }
 
-// The header of a chunk of which the caller knows the length.
+// The header of a chunk whose length the caller knows.
 BpcHeader read_known_header(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes)
 {
     if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
     if (header_bytes > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
     const std::vector<std::byte> head = read_head(file, offset, bytes, header_bytes ? header_bytes : 65536);
     BpcHeader header = decode_header(head.data(), head.size(), {});
-    if (header.total_bytes != bytes) throw Error(ErrorCode::corrupt, {}, "its length is not the one in the index");
+    if (header.total_bytes != bytes)
+        throw Error(ErrorCode::corrupt, {}, "its length differs from the one in the index");
     return header;
 }
 

@@ -17,7 +17,7 @@
 namespace pcm {
 namespace {
 
-// How the integers of a chunk become coordinates, as its header says it.
+// How the integers of a chunk become coordinates, as stored in its header.
 struct Coding {
     std::uint16_t version;
     Vec3d first, second;  // scale and offset, or divisor and shift
@@ -55,7 +55,7 @@ std::vector<std::uint64_t> constant_of(const Column& column)
     const std::size_t n = column.components();
     const T* values = column.as<T>();
     const std::size_t scalars = column.size() * n;
-    // By their words: NaN equals itself, and zeros of two signs differ.
+    // Words are compared: NaN equals itself, and 0 differs from -0.
     for (std::size_t i = n; i < scalars; ++i)
         if (to_word(values[i]) != to_word(values[i - n])) return {};
     std::vector<std::uint64_t> words(n);
@@ -63,7 +63,7 @@ std::vector<std::uint64_t> constant_of(const Column& column)
     return words;
 }
 
-// The payload of a chunk, and where each piece of it lies, from the payload's start.
+// The payload of a chunk and the place of each piece, relative to the payload's start.
 class Payload {
 public:
     explicit Payload(std::size_t expected_bytes) { bytes.reserve(expected_bytes); }
@@ -126,7 +126,7 @@ void put_pieces(ByteWriter& out, const BpcColumn& column)
     }
 }
 
-// A chunk's header up to its columns.
+// The header of a chunk up to its columns.
 ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdentity* identity, const Box3i& box,
                     bool wide, const Schema& schema)
 {
@@ -204,7 +204,7 @@ std::vector<std::byte> encode(const Chunk& chunk, const Schema& schema, const Co
     for (const auto& column : chunk.attributes) payload.add(*column, segments, false);
 
     ByteWriter out = put_head(coding, chunk.points, nullptr, box, chunk.positions->wide, schema);
-    // The header's length shifts the columns' offsets, so their places are filled in when it is known.
+    // The columns' offsets depend on the header's length: they are filled in when it is known.
     std::vector<std::size_t> places;
     const auto put_column = [&](const BpcColumn& column) {
         places.push_back(out.size());

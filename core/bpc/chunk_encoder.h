@@ -1,4 +1,4 @@
-// Chunks to bytes. The layout is in FORMAT.md.
+// Encodes chunks. The layout is in FORMAT.md.
 #pragma once
 
 #include "pcm/bpc/chunk.h"
@@ -12,10 +12,10 @@ namespace pcm {
 
 // A chunk of version 1. `chunk` has at least one point and all its columns. Throws Error(invalid_argument) otherwise.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid);
-// The same for positions that are codes of doubles: a chunk of version 2, which is part of no tree.
+// The same for positions that are codes of doubles: a chunk of version 2, which trees never have.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const DoubleCodes& doubles);
-// A chunk of a tree: version 3. Its points are by level as identity.level_points says. A chunk without points becomes a
-// tombstone.
+// A chunk of a tree: version 3. Its points are sorted by level, with the counts in identity.level_points. A chunk
+// without points becomes a tombstone.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid,
                                     const ChunkIdentity& identity);
 

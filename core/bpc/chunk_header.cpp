@@ -36,7 +36,7 @@ bool fits(const Box3i& box, bool wide)
     return true;
 }
 
-// Reads a header behind its first 144 bytes.
+// Reads a header after its first 144 bytes.
 class HeaderReader {
 public:
     HeaderReader(ByteReader& in, BpcHeader& header, const std::filesystem::path& path)
@@ -56,7 +56,7 @@ public:
         }
     }
 
-    // Version 3, behind its path.
+    // Version 3, after its path.
     void read_segments(std::uint32_t attributes, const NodePath& path)
     {
         read_identity(path);
@@ -72,10 +72,10 @@ public:
             else if (mode == bpc_layout::in_segments)
                 header_.attributes.push_back(get_pieces(attribute.components, word_bytes_of(attribute.type), end));
             else
-                refuse("a column is stored in an unknown way");
+                refuse("a column has an unknown mode");
         }
-        if (end != header_.total_bytes) refuse("a chunk's columns do not end where the chunk does");
-        if (in_.position() + 8 != header_.header_bytes) refuse("a chunk's header does not end where it says");
+        if (end != header_.total_bytes) refuse("a chunk's columns do not end where the chunk ends");
+        if (in_.position() + 8 != header_.header_bytes) refuse("a chunk's header has another length than it states");
     }
 
 private:
@@ -106,13 +106,13 @@ private:
         identity.spacing = in_.get<double>();
         identity.first_level = in_.get<std::uint16_t>();
         const auto levels = in_.get<std::uint16_t>();
-        if (levels > 256) refuse("a chunk's header makes no sense");
+        if (levels > 256) refuse("a chunk's header is invalid");
         std::uint64_t points = 0;
         for (std::uint16_t k = 0; k < levels; ++k) {
             identity.level_points.push_back(in_.get<std::uint32_t>());
             points += identity.level_points.back();
         }
-        if (points != header_.points) refuse("the points of a chunk's levels are not all of its points");
+        if (points != header_.points) refuse("the numbers of points of a chunk's levels do not add up");
         if (const char* wrong = bpc_layout::wrong_with(identity)) refuse(std::string("a chunk has ") + wrong);
         header_.identity = std::move(identity);
     }
@@ -133,10 +133,10 @@ private:
                         refuse("a segment's box lies outside its chunk's");
                     (*corner)[a] = static_cast<std::int64_t>(static_cast<std::uint64_t>(whole.min[a]) + relative);
                 }
-            if (segment.box.empty()) refuse("a segment's box makes no sense");
+            if (segment.box.empty()) refuse("a segment's box is empty");
             all.extend(segment.box);
         }
-        if (!(all == whole)) refuse("a chunk's box is not that of its segments");
+        if (!(all == whole)) refuse("a chunk's box is not the box of its segments");
     }
 
     BpcColumn get_pieces(std::uint64_t sequences, std::uint64_t word_bytes, std::uint64_t& end)
@@ -186,7 +186,7 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
 {
     using namespace bpc_layout;
     if (size < fixed_header) throw Error(ErrorCode::corrupt, path, "a chunk is shorter than its header");
-    if (std::memcmp(data, magic, 4) != 0) throw Error(ErrorCode::corrupt, path, "no chunk where one should be");
+    if (std::memcmp(data, magic, 4) != 0) throw Error(ErrorCode::corrupt, path, "no chunk begins here");
     std::uint16_t version;
     std::memcpy(&version, data + 4, 2);
     if (version != version_on_grid && version != version_of_doubles && version != version_of_trees)
@@ -202,8 +202,8 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     std::uint64_t stored;
     std::memcpy(&stored, data + header.header_bytes - 8, 8);
     if (stored != checksum(data, header.header_bytes - 8))
-        throw Error(ErrorCode::corrupt, path, "the checksum of a chunk's header does not hold");
-    // From here on the bytes are as they were written; what follows guards against a writer gone wrong.
+        throw Error(ErrorCode::corrupt, path, "the checksum of a chunk's header does not match");
+    // The bytes are as they were written; the following checks guard against a faulty writer.
     ByteReader in(data, header.header_bytes - 8, path);
     in.get_bytes(6);
     NodePath node;
@@ -217,7 +217,7 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
         for (double& d : divisor) d = in.get<double>();
         for (double& s : shift) s = in.get<double>();
         header.doubles = DoubleCodes::checked(divisor, shift);
-        if (!header.doubles) throw Error(ErrorCode::corrupt, path, "a chunk's coding of doubles makes no sense");
+        if (!header.doubles) throw Error(ErrorCode::corrupt, path, "a chunk's coding of doubles is invalid");
     } else {
         for (double& s : header.grid.scale) s = in.get<double>();
         for (double& o : header.grid.offset) o = in.get<double>();
@@ -230,9 +230,9 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     const bool of_tree = version == version_of_trees;
     const bool tombstone = of_tree && header.points == 0;
     if (attributes > max_attributes || (header.points == 0 && !tombstone) || (of_tree && wide > 1))
-        throw Error(ErrorCode::corrupt, path, "a chunk's header makes no sense");
+        throw Error(ErrorCode::corrupt, path, "a chunk's header is invalid");
     if (tombstone ? header.wide || !(header.box == Box3i()) : !fits(header.box, header.wide))
-        throw Error(ErrorCode::corrupt, path, "a chunk's box makes no sense");
+        throw Error(ErrorCode::corrupt, path, "a chunk's box is invalid");
     HeaderReader rest(in, header, path);
     if (of_tree)
         rest.read_segments(attributes, node);
@@ -248,7 +248,7 @@ BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t avai
         BpcHeader header = decode_header(head.data(), head.size(), {});
         if (header.total_bytes > available)
             throw Error(ErrorCode::truncated, {},
-                        "its header says that it has " + std::to_string(header.total_bytes) + " bytes; " +
+                        "its header states " + std::to_string(header.total_bytes) + " bytes; " +
                             std::to_string(available) + " are left");
         return header;
     } catch (const Error& error) {

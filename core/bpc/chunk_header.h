@@ -1,6 +1,6 @@
-// The header of a chunk, decoded: what the chunk holds and where its bytes lie. The layout is in FORMAT.md. Versions 1
-// and 2 are chunks of clouds, version 3 is a tree's: it says which node it is of, and its points lie in segments that
-// can be read one by one.
+// The header of a chunk, decoded: what the chunk holds and where its bytes are. The layout is in FORMAT.md. Versions 1
+// and 2 are chunks of clouds. Version 3 is a chunk of a tree: it names its node, and its points are stored in segments
+// that can be read one by one.
 #pragma once
 
 #include "pcm/bpc/chunk_identity.h"
@@ -35,34 +35,33 @@ struct BpcPiece {
 struct BpcColumn {
     std::uint64_t offset = 0;  // from the start of the chunk
     std::uint64_t bytes = 0;
-    std::vector<BpcPiece> pieces;  // one a segment; none for a constant column
-    std::vector<std::uint64_t>
-        constant;  // a word a component when all points have the same values, which take no bytes
+    std::vector<BpcPiece> pieces;  // one per segment; none for a constant column
+    // One word per component when all points have the same values; a constant column takes no bytes.
+    std::vector<std::uint64_t> constant;
 };
 
 struct BpcHeader {
-    std::uint32_t points = 0;  // 0: a tombstone, which says that its node has no points from its generation on
+    std::uint32_t points = 0;  // 0: a tombstone, whose node has no points from its generation on
     std::uint32_t header_bytes = 0;
     std::uint64_t total_bytes = 0;
-    std::optional<ChunkIdentity> identity;  // of a chunk of version 3
-    Grid grid;                              // of a chunk of version 1 or 3
-    std::optional<DoubleCodes>
-        doubles;        // of a chunk of version 2: its positions are codes of doubles, and `grid` says nothing
-    Box3i box;          // tight, of grid positions or codes
-    bool wide = false;  // positions take 64 bits an axis when decoded
+    std::optional<ChunkIdentity> identity;  // version 3 only
+    Grid grid;                              // versions 1 and 3
+    std::optional<DoubleCodes> doubles;     // version 2: positions are codes of doubles, and `grid` has no meaning
+    Box3i box;                              // tight, of grid positions or codes
+    bool wide = false;                      // decoded positions have 64 bits per axis
     std::vector<BpcSegment> segments;
     Schema schema;
     BpcColumn positions;
     std::vector<BpcColumn> attributes;
 };
 
-// Checks magic, version, checksum, that all lies inside `total_bytes`, and that no piece has fewer or more bytes than
-// its points can take. `size` may be less than the whole chunk but must cover the header. Throws Error(corrupt |
-// unsupported).
+// Checks magic, version and checksum, that every piece lies inside `total_bytes`, and that no piece has fewer or more
+// bytes than its points can take. `size` may be less than the whole chunk but must cover the header. Throws
+// Error(corrupt | unsupported).
 BpcHeader decode_header(const std::byte* data, std::size_t size, const std::filesystem::path& path);
 
-// The header of the chunk at `offset` of `file`, of which `available` bytes are there to be read. Throws what
-// read_chunk throws.
+// The header of the chunk at `offset` of `file`, where `available` bytes can be read. Throws what decode_header throws
+// and Error(truncated | io), naming the file and the byte.
 BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available);
 
 }  // namespace pcm

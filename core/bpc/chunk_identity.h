@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// The way from the root to a node: bit i of the 128 tells which child is taken at depth i.
+// The path from the root to a node: bit i of the 128 is the side of the child at depth i.
 struct NodePath {
     static constexpr std::uint16_t max_depth = 128;
     std::uint16_t depth = 0;
@@ -23,13 +23,13 @@ struct NodePath {
     bool operator==(const NodePath& o) const { return depth == o.depth && bits == o.bits; }
 };
 
-// What a chunk of a tree says about its node, so that a tree can be put together from its chunks.
+// The identity of a tree's chunk, which allows the tree to be rebuilt from its chunks alone.
 struct ChunkIdentity {
     NodePath path;                  // from the root of its part
-    std::uint32_t part = 0;         // 0: what the build made; each append adds one
-    std::uint32_t generation = 1;   // of the tree when the chunk was written: 1 at the build, one more with each update
+    std::uint32_t part = 0;         // 0: made by the build; each append adds a part
+    std::uint32_t generation = 1;   // of the tree when the chunk was written: 1 for the build, one more for each update
     std::uint16_t first_level = 0;  // of its points
-    std::vector<std::uint32_t> level_points;  // how many of them are of first_level, of the next, ...
+    std::vector<std::uint32_t> level_points;  // number of points of first_level, of the next, ...
     double spacing = 0;                       // as Node::spacing
 
     bool operator==(const ChunkIdentity& o) const

@@ -1,4 +1,4 @@
-// Where the chunks of a file begin, in bounded memory however many there are.
+// Where the chunks of a file begin, in bounded memory for any number of chunks.
 #pragma once
 
 #include <algorithm>
@@ -33,10 +33,10 @@ public:
         end_.offset += bytes;
     }
 
-    // Bytes behind the last chunk that are none.
+    // Bytes after the last chunk that belong to no chunk.
     void skip(std::uint64_t bytes) { end_.offset += bytes; }
 
-    // Behind the last chunk: how many there are, their points, where their bytes end.
+    // The place after the last chunk: the number of chunks, their points, and where their bytes end.
     const ChunkPlace& end() const { return end_; }
     bool knows_every_chunk() const { return stride_ == 1; }
 
@@ -48,7 +48,7 @@ public:
                              [](std::uint64_t p, const ChunkPlace& place) { return p < place.first_point; });
         return *(after - 1);
     }
-    // The place of a chunk, or of the end, where it is known.
+    // The place of a chunk, or of the end; none where it is not known.
     std::optional<ChunkPlace> at(std::uint64_t number) const
     {
         if (number == end_.number) return end_;

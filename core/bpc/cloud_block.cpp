@@ -25,6 +25,41 @@ constexpr std::uint64_t least_chunk_bytes = 168 + 8 + 48;
 
 std::string at(std::uint64_t byte) { return " at byte " + std::to_string(byte); }
 
+[[noreturn]] void fail_block(const File& file, ErrorCode code, const std::string& what)
+{
+    throw Error(code, file.path(), "cloud block: " + what);
+}
+
+// The bytes of the block, whose length and checksum are right.
+std::vector<std::byte> read_block_bytes(const File& file, std::uint64_t file_bytes)
+{
+    const auto fail = [&](ErrorCode code, const std::string& what) { fail_block(file, code, what); };
+    std::array<std::byte, 24> start;
+    file.read_at(start.data(), start.size(), 0);
+    ByteReader first(start.data(), start.size(), file.path());
+    first.get_bytes(8);
+    const auto found = first.get<std::uint32_t>();
+    if (found != version)
+        fail(ErrorCode::unsupported,
+             "version " + std::to_string(found) + at(8) + ", this program reads version " + std::to_string(version));
+    first.get<std::uint32_t>();
+    const auto size = first.get<std::uint64_t>();
+    if (size < least_block_bytes || size > most_cloud_block_bytes)
+        fail(ErrorCode::corrupt, "a length of " + std::to_string(size) + " bytes" + at(16) + "; " +
+                                     std::to_string(least_block_bytes) + " to " +
+                                     std::to_string(most_cloud_block_bytes) + " were expected");
+    if (size > file_bytes)
+        fail(ErrorCode::truncated, "it has " + std::to_string(size) + " bytes, the file ends" + at(file_bytes));
+
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    file.read_at(bytes.data(), bytes.size(), 0);
+    std::uint64_t stored;
+    std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
+    if (stored != checksum(bytes.data(), bytes.size() - 8))
+        fail(ErrorCode::corrupt, "its checksum" + at(size - 8) + " does not match");
+    return bytes;
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t table_offset)
@@ -34,7 +69,7 @@ std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t t
     for (const Attribute& a : cloud.schema) payload += 32 + a.name.size() + a.description.size();
     if (payload > most_cloud_block_bytes - least_block_bytes)
         throw Error(ErrorCode::unsupported, {},
-                    "the cloud's metadata have " + std::to_string(payload) + " bytes; a BPC holds at most " +
+                    "the cloud's metadata have " + std::to_string(payload) + " bytes; a BPC can have at most " +
                         std::to_string(most_cloud_block_bytes));
     ByteWriter out;
     out.put_bytes(cloud_block_magic.data(), cloud_block_magic.size());
@@ -42,7 +77,7 @@ std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t t
     out.put(static_cast<std::uint8_t>(cloud.position_type));
     out.put(static_cast<std::uint8_t>(cloud.grid.has_value()));
     out.put(std::uint16_t{0});
-    out.put(std::uint64_t{0});  // bytes of the block, below
+    out.put(std::uint64_t{0});  // size of the block, set below
     out.put(cloud.points);
     out.put(cloud.chunks);
     out.put(table_offset);
@@ -74,35 +109,11 @@ bool has_cloud_block(const File& file)
 
 CloudBlock read_cloud_block(const File& file, std::uint64_t file_bytes)
 {
-    const auto fail = [&](ErrorCode code, const std::string& what) {
-        throw Error(code, file.path(), "cloud block: " + what);
-    };
-    std::array<std::byte, 24> start;
-    file.read_at(start.data(), start.size(), 0);
-    ByteReader first(start.data(), start.size(), file.path());
-    first.get_bytes(8);
-    const auto found = first.get<std::uint32_t>();
-    if (found != version)
-        fail(ErrorCode::unsupported,
-             "version " + std::to_string(found) + at(8) + ", this program reads version " + std::to_string(version));
-    first.get<std::uint32_t>();
+    const auto fail = [&](ErrorCode code, const std::string& what) { fail_block(file, code, what); };
+    const std::vector<std::byte> bytes = read_block_bytes(file, file_bytes);
     CloudBlock block;
-    block.bytes = first.get<std::uint64_t>();
-    if (block.bytes < least_block_bytes || block.bytes > most_cloud_block_bytes)
-        fail(ErrorCode::corrupt, "a length of " + std::to_string(block.bytes) + " bytes" + at(16) + "; " +
-                                     std::to_string(least_block_bytes) + " to " +
-                                     std::to_string(most_cloud_block_bytes) + " were expected");
-    if (block.bytes > file_bytes)
-        fail(ErrorCode::truncated, "it has " + std::to_string(block.bytes) + " bytes, the file ends" + at(file_bytes));
-
-    std::vector<std::byte> bytes(static_cast<std::size_t>(block.bytes));
-    file.read_at(bytes.data(), bytes.size(), 0);
-    std::uint64_t stored;
-    std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
-    if (stored != checksum(bytes.data(), bytes.size() - 8))
-        fail(ErrorCode::corrupt, "its checksum" + at(block.bytes - 8) + " does not hold");
-
-    // From here on the bytes are as they were written; what follows guards against a writer gone wrong.
+    block.bytes = bytes.size();
+    // The bytes are as they were written; the following checks guard against a faulty writer.
     ByteReader in(bytes.data(), bytes.size() - 8, file.path());
     in.get_bytes(12);
     BpcCloud& cloud = block.cloud;
@@ -132,7 +143,7 @@ CloudBlock read_cloud_block(const File& file, std::uint64_t file_bytes)
         const Attribute attribute = get_attribute(in);
         if (attribute.name.empty() || !is_valid(attribute.type) || attribute.components == 0 ||
             cloud.schema.find(attribute.name))
-            fail(ErrorCode::corrupt, "attribute " + std::to_string(i) + " makes no sense");
+            fail(ErrorCode::corrupt, "attribute " + std::to_string(i) + " is invalid");
         cloud.schema.add(attribute);
     }
     const auto blocks = in.get<std::uint32_t>();
@@ -140,12 +151,12 @@ CloudBlock read_cloud_block(const File& file, std::uint64_t file_bytes)
         Metadata metadata;
         metadata.key = in.get_string();
         const auto size = in.get<std::uint64_t>();
-        if (size > in.left()) fail(ErrorCode::corrupt, "metadata '" + metadata.key + "' run over its end");
+        if (size > in.left()) fail(ErrorCode::corrupt, "metadata '" + metadata.key + "' reach past its end");
         const std::byte* value = in.get_bytes(static_cast<std::size_t>(size));
         metadata.value.assign(value, value + size);
         cloud.metadata.push_back(std::move(metadata));
     }
-    if (in.left() != 0) fail(ErrorCode::corrupt, std::to_string(in.left()) + " stray bytes behind the metadata");
+    if (in.left() != 0) fail(ErrorCode::corrupt, std::to_string(in.left()) + " stray bytes after the metadata");
     return block;
 }
 
@@ -170,7 +181,7 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
     const std::uint64_t chunks = block.cloud.chunks, start = block.table_offset;
     if (start > file_bytes || start < block.bytes)
         fail(start < block.bytes ? ErrorCode::corrupt : ErrorCode::truncated,
-             "it is said to begin" + at(start) + "; the chunks begin" + at(block.bytes) + " and the file ends" +
+             "its offset is" + at(start) + "; the chunks begin" + at(block.bytes) + " and the file ends" +
                  at(file_bytes));
     const std::uint64_t bytes = file_bytes - start;
     const std::uint64_t rows = bytes < table_overhead ? 0 : (bytes - table_overhead) / row_bytes;
@@ -178,9 +189,9 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
         fail(ErrorCode::truncated, "the file ends" + at(file_bytes) + "; a table of " + std::to_string(chunks) +
                                        " chunks was expected from byte " + std::to_string(start));
     if (bytes != table_overhead + row_bytes * chunks)
-        fail(ErrorCode::corrupt, "stray bytes behind its end" + at(start + table_overhead + row_bytes * chunks));
+        fail(ErrorCode::corrupt, "stray bytes after its end" + at(start + table_overhead + row_bytes * chunks));
 
-    // Piece by piece: there may be many chunks.
+    // Piece by piece, since there may be many chunks.
     RunningChecksum sum;
     std::array<std::byte, 8> magic;
     file.read_at(magic.data(), magic.size(), start);
@@ -201,17 +212,17 @@ ChunkIndex read_chunk_table(const File& file, std::uint64_t file_bytes, const Cl
             if (chunk_points == 0 || chunk_points > std::numeric_limits<std::uint32_t>::max() ||
                 chunk_bytes < least_chunk_bytes || chunk_bytes > start - index.end().offset)
                 fail(ErrorCode::corrupt, "the row of chunk " + std::to_string(row) + at(start + 8 + row * row_bytes) +
-                                             " says " + std::to_string(chunk_points) + " points in " +
-                                             std::to_string(chunk_bytes) + " bytes, which cannot be");
+                                             " has " + std::to_string(chunk_points) + " points in " +
+                                             std::to_string(chunk_bytes) + " bytes, which is impossible");
             index.add(chunk_points, chunk_bytes);
         }
     }
     std::uint64_t stored;
     file.read_at(&stored, 8, file_bytes - 8);
-    if (stored != sum.value()) fail(ErrorCode::corrupt, "its checksum" + at(file_bytes - 8) + " does not hold");
+    if (stored != sum.value()) fail(ErrorCode::corrupt, "its checksum" + at(file_bytes - 8) + " does not match");
     if (index.end().offset != start || index.end().first_point != block.cloud.points)
         fail(ErrorCode::corrupt, "its chunks have " + std::to_string(index.end().first_point) + " points and end" +
-                                     at(index.end().offset) + "; the cloud block says " +
+                                     at(index.end().offset) + "; the cloud block has " +
                                      std::to_string(block.cloud.points) + " points that end" + at(start));
     return index;
 }

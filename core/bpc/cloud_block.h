@@ -1,5 +1,5 @@
-// What a file of a whole cloud says beside its chunks: the cloud block in front of them and the chunk table behind
-// them. The layout of both is in FORMAT.md.
+// The parts of a cloud's file that are not chunks: the cloud block before the chunks and the chunk table after them.
+// The layout of both is in FORMAT.md.
 #pragma once
 
 #include "pcm/bpc/chunk_index.h"
@@ -20,23 +20,23 @@ struct BpcCloud {
     std::uint64_t points = 0;
     std::uint64_t chunks = 0;
     ScalarType position_type = ScalarType::f64;  // of the source: i32 on a grid, else f32 or f64
-    std::optional<Grid> grid;                    // when all chunks have it and their integers fit 32 bits
-    std::optional<Box3d> box;  // of the points; none when there are none or not all coordinates are finite
+    std::optional<Grid> grid;                    // when all chunks are on it and their integers fit 32 bits
+    std::optional<Box3d> box;                    // none when there are no points or a coordinate is not finite
     Schema schema;
     std::vector<Metadata> metadata;
 };
 
-// A block is read at one go; no more is written either.
+// A block is read in one piece, so its size is limited; a larger one is not written either.
 inline constexpr std::uint64_t most_cloud_block_bytes = std::uint64_t{96} << 20;
 inline constexpr std::string_view cloud_block_magic = "BPCLOUD\n";
 
-// Throws Error(unsupported) when it would have more than most_cloud_block_bytes. The length does not depend on the
-// numbers of points and chunks, the box and the table's place: they are known, and written, last.
+// Throws Error(unsupported) when the block would have more than most_cloud_block_bytes. Its length does not depend on
+// the numbers of points and chunks, the box and the table's place, which are known, and written, last.
 std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t table_offset);
 
 struct CloudBlock {
     BpcCloud cloud;
-    std::uint64_t bytes = 0;  // of the block: the first chunk begins there
+    std::uint64_t bytes = 0;  // of the block, where the first chunk begins
     std::uint64_t table_offset = 0;
 };
 // Whether the file begins with a cloud block.

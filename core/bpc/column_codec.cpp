@@ -13,8 +13,9 @@ namespace pcm {
 namespace {
 
 // Stream: u8 mode, u8 base_bits, u16 0, u32 bytes of the whole stream, u64 smallest base (or the constant); then,
-// unless constant: a (u8 width, u8 shift) pair a block, the bases less the smallest in base_bits each, padded to a
-// byte, and a block's 128 differences in width bits each (16 * width bytes; the last block is filled up with zeros).
+// unless constant: a (u8 width, u8 shift) pair per block, the bases less the smallest in base_bits each, padded to a
+// byte, and the 128 differences of each block in width bits each (16 * width bytes; the last block is padded with
+// zeros).
 enum Mode : std::uint8_t { constant = 0, frame_of_reference = 1, delta = 2 };
 constexpr std::size_t stream_header = 16;
 
@@ -62,7 +63,7 @@ BlockShape shape_of_reference(const Word* v, std::size_t n)
 template <class Word>
 BlockShape shape_of_delta(const Word* v, std::size_t n)
 {
-    // zigzag(d >> s) has as many bits as zigzag(d) >> s, so one pass finds both.
+    // zigzag(d >> s) has as many bits as zigzag(d) >> s, so one pass finds width and shift.
     Word any = 0, any_zigzag = 0;
     for (std::size_t i = 1; i < n; ++i) {
         const Word d = static_cast<Word>(v[i] - v[i - 1]);
@@ -79,7 +80,7 @@ BlockShape shape_of_delta(const Word* v, std::size_t n)
 }
 
 // 128 values of `Width` bits, least significant bit first, are 16 * Width bytes, and eight of them are Width bytes.
-// With the width known when this is compiled all shifts are.
+// With Width a template parameter all shifts are constants.
 template <class Word, int Width>
 void pack_block(const Word* values, std::byte* to)
 {
@@ -138,7 +139,7 @@ constexpr BlockCoders<Word> block_coders_of(std::index_sequence<Width...>)
 template <class Word>
 constexpr BlockCoders<Word> block_coders = block_coders_of<Word>(std::make_index_sequence<BlockCoders<Word>::widths>());
 
-// Sequences of any length and width, for the bases.
+// For the bases: sequences of any length and width.
 void pack_bits(const std::vector<std::uint64_t>& values, int width, std::byte* to)
 {
     std::size_t bit = 0;
@@ -159,6 +160,35 @@ std::uint64_t bits_at(const std::byte* from, std::size_t bit, int width)
     if (const unsigned have = 64 - static_cast<unsigned>(bit & 7); have < static_cast<unsigned>(width))
         word |= static_cast<std::uint64_t>(from[(bit >> 3) + 8]) << have;
     return word & low_mask(width);
+}
+
+Error refused(const char* what, const std::filesystem::path& path)
+{
+    return Error(ErrorCode::corrupt, path, std::string("packed column: ") + what);
+}
+
+struct StreamHeader {
+    std::uint8_t mode;
+    int base_bits;
+    std::uint32_t bytes;
+    std::uint64_t low;
+};
+
+StreamHeader read_stream_header(const std::byte* data, std::size_t size, int word_bits,
+                                const std::filesystem::path& path)
+{
+    if (size < stream_header) throw refused("shorter than its header", path);
+    StreamHeader header;
+    header.mode = static_cast<std::uint8_t>(data[0]);
+    header.base_bits = static_cast<int>(data[1]);
+    std::memcpy(&header.bytes, data + 4, 4);
+    std::memcpy(&header.low, data + 8, 8);
+    if (header.bytes < stream_header || header.bytes > size) throw refused("its length does not fit the column", path);
+    if (header.low > low_mask(word_bits)) throw refused("a value does not fit its type", path);
+    if (header.mode == constant) return header;
+    if (header.mode != frame_of_reference && header.mode != delta) throw refused("unknown mode", path);
+    if (header.base_bits > word_bits) throw refused("base wider than its type", path);
+    return header;
 }
 
 }  // namespace
@@ -234,24 +264,12 @@ std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::s
                    const std::filesystem::path& path)
 {
     constexpr int word_bits = sizeof(Word) * 8;
-    const auto refuse = [&](const char* what) -> Error {
-        return Error(ErrorCode::corrupt, path, std::string("packed column: ") + what);
-    };
-    if (size < stream_header) throw refuse("shorter than its header");
-    const auto mode = static_cast<std::uint8_t>(data[0]);
-    const int base_bits = static_cast<int>(data[1]);
-    std::uint32_t bytes;
-    std::uint64_t low;
-    std::memcpy(&bytes, data + 4, 4);
-    std::memcpy(&low, data + 8, 8);
-    if (bytes < stream_header || bytes > size) throw refuse("its length does not fit the column");
-    if (low > low_mask(word_bits)) throw refuse("a value does not fit its type");
+    const auto refuse = [&](const char* what) { return refused(what, path); };
+    const auto [mode, base_bits, bytes, low] = read_stream_header(data, size, word_bits, path);
     if (mode == constant) {
         std::fill(values, values + count, static_cast<Word>(low));
         return bytes;
     }
-    if (mode != frame_of_reference && mode != delta) throw refuse("unknown mode");
-    if (base_bits > word_bits) throw refuse("base wider than its type");
     const std::size_t blocks = (count + codec_block - 1) / codec_block;
     const std::size_t base_bytes = (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
     std::size_t left = bytes - stream_header;

@@ -1,8 +1,8 @@
-// Packs a sequence of integers: blocks of 128 values, each against its own base with its own bit width.
+// Packs a sequence of integers in blocks of 128 values, each with its own base and bit width. Lossless.
 //
-// A block is stored either as differences from its smallest value (frame of reference) or as zigzag differences from
-// value to value; one choice for the whole sequence, whichever is smaller. Low bits that are zero in all differences of
-// a block are not stored. A sequence of one repeated value takes 16 bytes. The layout is in FORMAT.md. Lossless.
+// Blocks are stored either as differences from their smallest value (frame of reference) or as zigzag differences
+// between consecutive values, whichever is smaller for the whole sequence. Low bits that are zero in all differences of
+// a block are not stored. A sequence of one repeated value takes 16 bytes. The layout is in FORMAT.md.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +14,16 @@ namespace pcm {
 
 inline constexpr std::size_t codec_block = 128;
 
-// Bytes that must be readable after the end of what unpack() is given.
+// Number of bytes that must be readable after the input of unpack().
 inline constexpr std::size_t codec_slack = 16;
 
 // Appends `count` values (count > 0) to `out`. Word is std::uint32_t or std::uint64_t.
 template <class Word>
 void pack(const Word* values, std::size_t count, std::vector<std::byte>& out);
 
-// Reads `count` values from the `size` bytes at `data` and returns the bytes consumed. `data` must be followed by
-// codec_slack readable bytes. Never reads or writes outside, whatever the bytes are; throws Error(corrupt) naming
-// `path` for bytes that pack() cannot have written.
+// Reads `count` values from the `size` bytes at `data` and returns the number of bytes consumed. `data` must be
+// followed by codec_slack readable bytes. Never reads or writes out of bounds, whatever the bytes are; throws
+// Error(corrupt) naming `path` for bytes that pack() cannot have written.
 template <class Word>
 std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::size_t count,
                    const std::filesystem::path& path);

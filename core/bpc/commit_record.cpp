@@ -20,7 +20,7 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - checksum_bytes, checksum_bytes);
     if (stored != checksum(bytes.data(), bytes.size() - checksum_bytes))
-        throw Error(ErrorCode::corrupt, {}, "its checksum does not hold");
+        throw Error(ErrorCode::corrupt, {}, "its checksum does not match");
     const std::filesystem::path unnamed;
     ByteReader in(bytes.data(), bytes.size() - checksum_bytes, unnamed);
     in.get_bytes(sizeof magic);
@@ -30,7 +30,7 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
                     "its version is " + std::to_string(found) + ", this program reads version 1");
     CommitRecord record;
     const auto flags = in.get<std::uint16_t>();
-    if (flags > 1) throw Error(ErrorCode::corrupt, {}, "it makes no sense");
+    if (flags > 1) throw Error(ErrorCode::corrupt, {}, "it has invalid values");
     record.coverage_kept = flags & 1;
     in.get_bytes(4);
     record.generation = in.get<std::uint32_t>();
@@ -40,7 +40,7 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
     record.chunks = in.get<std::uint32_t>();
     const auto files = in.get<std::uint32_t>();
     if (record.generation == 0 || in.left() != std::uint64_t{files} * file_bytes)
-        throw Error(ErrorCode::corrupt, {}, "it makes no sense");
+        throw Error(ErrorCode::corrupt, {}, "it has invalid values");
     for (std::uint32_t i = 0; i < files; ++i) {
         CommitRecord::DataFile file;
         file.bytes = in.get<std::uint64_t>();
@@ -87,9 +87,8 @@ std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, 
         std::memcpy(&size, head + 8, 4);
         if (size < commit_bytes(0)) throw Error(ErrorCode::corrupt, {}, "its length is impossible");
         if (size > available)
-            throw Error(
-                ErrorCode::truncated, {},
-                "it says that it has " + std::to_string(size) + " bytes; " + std::to_string(available) + " are left");
+            throw Error(ErrorCode::truncated, {},
+                        "it states " + std::to_string(size) + " bytes; " + std::to_string(available) + " are left");
         std::vector<std::byte> record(size);
         file.read_at(record.data(), record.size(), offset);
         bytes = size;

@@ -35,14 +35,14 @@ double from_ordered(std::int64_t code, unsigned shift)
     return value;
 }
 
-// Whether the value is a quotient of the divisor; -0, NaN and infinities never are.
+// Whether the value is an integer over the divisor; -0, NaN and infinities never are.
 bool divides(double value, double divisor)
 {
     const double code = std::nearbyint(value * divisor);
     return std::fabs(code) <= largest_code && bits_of((code + 0.0) / divisor) == bits_of(value);
 }
 
-// The smallest power of ten of which all values are quotients, or 0.
+// The smallest power of ten that is a divisor for all values, or 0.
 double decimal_divisor(const double* values, std::size_t count)
 {
     double divisor = 1;
@@ -52,13 +52,13 @@ double decimal_divisor(const double* values, std::size_t count)
             if (++digits > most_digits) return 0;
             divisor *= 10;  // exact up to 10^22
         }
-    // A finer divisor need not divide what a coarser one did: the codes are larger.
+    // A finer divisor may fail for values for which a coarser one worked, since the codes are larger.
     for (std::size_t i = 0; i < count; ++i)
         if (!divides(values[i], divisor)) return 0;
     return divisor;
 }
 
-// The smallest power of two of which all values are quotients, or 0.
+// The smallest power of two that is a divisor for all values, or 0.
 double binary_divisor(const double* values, std::size_t count)
 {
     int lowest = std::numeric_limits<int>::max();  // exponent of the lowest bit that is set in any value
@@ -70,7 +70,7 @@ double binary_divisor(const double* values, std::size_t count)
             continue;
         }
         const int exponent = static_cast<int>(bits >> 52 & 0x7ff);
-        if (exponent == 0 || exponent == 0x7ff) return 0;  // NaN, infinities, and what is too small for a divisor
+        if (exponent == 0 || exponent == 0x7ff) return 0;  // NaN, infinities, subnormals
         const std::uint64_t mantissa = (bits & ((std::uint64_t{1} << 52) - 1)) | std::uint64_t{1} << 52;
         lowest = std::min(lowest, exponent - 1075 + __builtin_ctzll(mantissa));
         largest = std::max(largest, std::fabs(values[i]));
@@ -115,7 +115,7 @@ double DoubleCodes::to_source(std::int64_t code, std::size_t axis) const
 
 void code_doubles(const double* values, std::size_t count, std::size_t axis, DoubleCodes& codes, std::int64_t* to)
 {
-    // The fewest different codes between the smallest and the largest take the fewest bits, near enough.
+    // Approximately, the coding with the smallest range of codes takes the fewest bits.
     const unsigned shift = common_shift(values, count);
     std::vector<std::int64_t> best(count), other(count);
     for (std::size_t i = 0; i < count; ++i) best[i] = ordered_code(values[i], shift);

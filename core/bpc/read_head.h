@@ -1,4 +1,4 @@
-// The start of reading a chunk, and how its errors name where it lies.
+// Reading the first bytes of a chunk, and errors that name the file and the byte.
 #pragma once
 
 #include "pcm/system/error.h"
@@ -10,10 +10,11 @@
 
 namespace pcm {
 
-// The first bytes of a chunk, its whole header among them; `guess` of them in a first read.
+// The first bytes of a chunk, including its whole header. The first read takes `guess` bytes.
 std::vector<std::byte> read_head(const File& file, std::uint64_t offset, std::uint64_t available, std::size_t guess);
 
-// Errors from inside the chunk's bytes name no file: adds it, and where the chunk lies.
+// For errors that were found in the chunk's bytes and name no file: adds the file and the chunk's offset. To be called
+// while `error` is being handled.
 [[noreturn]] void rethrow_naming(const Error& error, const File& file, std::uint64_t offset);
 
 }  // namespace pcm

@@ -1,4 +1,5 @@
-// Raw scalars as unsigned words in the order of their values, so that near values have near words. Bijective.
+// Bijection between raw scalars and unsigned words that preserves the order of the values, so that near values have
+// near words.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -10,7 +11,7 @@
 
 namespace pcm {
 
-// The word that packs a scalar of type T.
+// The type of a scalar's word.
 template <class T>
 using WordOf = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
 

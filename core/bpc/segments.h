@@ -1,4 +1,4 @@
-// How the points of a tree's chunk are cut in segments. The rule is part of the format.
+// How the points of a tree's chunk are divided into segments. The rule is part of the format.
 #pragma once
 
 #include "pcm/bpc/chunk_header.h"
@@ -9,12 +9,13 @@
 
 namespace pcm {
 
-// A segment has at most this many points; in a chunk of more than 16 million a 4096th of them, in whole blocks of 128.
+// The largest number of points in a segment. In a chunk of more than 16 million points it is a 4096th of them, rounded
+// up to whole blocks of 128.
 inline constexpr std::uint32_t most_segment_points = 4096;
 
-// Even parts of a level, in whole blocks of the codec but for the last.
+// A level is divided into even segments of whole blocks of the codec; the last one has the remaining points.
 struct SegmentRule {
-    std::uint64_t most;  // points of a segment
+    std::uint64_t most;  // points in a segment
 
     explicit SegmentRule(std::uint32_t chunk_points)
         : most(std::max<std::uint64_t>(most_segment_points,
@@ -22,7 +23,7 @@ struct SegmentRule {
     {
     }
     std::uint64_t segments(std::uint32_t level_points) const { return (level_points + most - 1) / most; }
-    // Of each segment of a level but the last, which has the rest.
+    // In each segment of a level but the last.
     std::uint64_t points(std::uint32_t level_points) const
     {
         const std::uint64_t parts = segments(level_points);

@@ -1,6 +1,8 @@
-// Where a cache has its chunks from, and where it puts those that were changed.
+// The source of a cache's chunks, and the destination of those that were changed.
 #pragma once
 
+#include "pcm/bpc/chunk.h"
+#include "pcm/cloud/attribute.h"
 #include "pcm/tree/tree.h"
 
 #include <functional>
@@ -8,29 +10,29 @@
 
 namespace pcm {
 
-// Any number of threads.
+// Any number of threads may call.
 class ChunkStore {
 public:
     virtual ~ChunkStore() = default;
 
-    // Its nodes, whose chunks read() gives; the same nodes all the time, while the schema may get longer.
+    // The tree whose chunks read() gives. Its nodes never change; attributes may be added to its schema.
     virtual std::shared_ptr<const Tree> tree() const = 0;
 
-    // As Tree::read_chunk and read_chunk_part, of the chunk as it was written last.
+    // As Tree::read_chunk and read_chunk_part, for the chunk as it was last written.
     virtual Chunk read(NodeId node, const ColumnSet& columns) const = 0;
     virtual ChunkPart read_part(NodeId node, const ColumnSet& columns,
                                 const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const = 0;
 
     virtual bool writable() const { return false; }
-    // A chunk with all its columns, in place of the one that was there; `changed` are those that differ. Throws Error,
-    // and then the chunk is the one that was there.
+    // Replaces a chunk by one with all its columns; `changed` names the columns that differ. Throws Error, and then the
+    // old chunk stays.
     virtual void write(NodeId node, const Chunk& chunk, const ColumnSet& changed);
-    // What was written since the last commit() becomes part of the tree on disk, all at once. Throws Error; all is
-    // still there then, to be committed later.
+    // Makes everything written since the last commit() part of the tree on disk, atomically. Throws Error; nothing is
+    // lost then, and a later commit() may succeed.
     virtual void commit() {}
 };
 
-// Of a tree that nobody changes through this store.
+// The store of a tree that is only read.
 class TreeStore final : public ChunkStore {
 public:
     explicit TreeStore(std::shared_ptr<const Tree> tree) : tree_(std::move(tree)) {}

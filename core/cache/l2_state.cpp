@@ -12,7 +12,7 @@ double seconds_since(std::chrono::steady_clock::time_point start)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The columns of `chunk`, and of `more` those that it lacks.
+// The columns of `chunk`, and the columns of `more` that it lacks.
 std::shared_ptr<const Chunk> join(std::shared_ptr<const Chunk> chunk, Chunk more)
 {
     if (!chunk) return std::make_shared<const Chunk>(std::move(more));
@@ -57,7 +57,7 @@ void L2Cache::State::check_open(NodeId node) const
 L2Cache::Entry& L2Cache::State::entry_of(NodeId node)
 {
     const auto [place, made] = entries.try_emplace(node);
-    if (made) place->second.node = node;  // once: it is read without the lock
+    if (made) place->second.node = node;  // only once: it is read without the lock
     return place->second;
 }
 
@@ -102,7 +102,7 @@ void L2Cache::State::unpin(Entry& entry)
     list_as_newest(entry);
     while (charged > capacity && oldest && oldest->dirty.none()) drop(*oldest);
     if (charged > capacity && oldest && !closing) {
-        // Not by whoever lets go of a chunk: that must be quick, and cannot fail.
+        // A loader thread writes: releasing a handle must be quick and cannot fail.
         room_wanted = true;
         work.notify_one();
     }
@@ -210,7 +210,7 @@ L2Cache::Entry& L2Cache::State::get(NodeId node, const ColumnSet& columns, Lock&
 void L2Cache::State::load(Entry& entry, const ColumnSet& columns, Lock& lock)
 {
     entry.loading = true;
-    pin(entry);  // so that what it has, and is changed, is there when the rest has come
+    pin(entry);  // its columns, changed ones included, must stay until the others are read
     const ColumnSet lacking = missing(entry.chunk, columns);
     lock.unlock();
     const auto start = std::chrono::steady_clock::now();
@@ -274,7 +274,7 @@ void L2Cache::State::loader()
         const auto on_each = is_prefetch ? nullptr : on_loaded;
         ++active_loads;
         Entry& entry = entry_of(request.node);
-        // Another client may be loading it: what comes is looked at then.
+        // Another client may be loading the chunk: wait, then see which columns are missing.
         loaded.wait(lock, [&] { return closing || !entry.loading; });
         if (closing) return;
         if (!entry.has(request.columns)) {
@@ -283,7 +283,7 @@ void L2Cache::State::loader()
                 load(entry, request.columns, lock);
                 make_room(lock);
             } catch (const std::exception&) {
-                // Kept in the entry for error_of(), and counted.
+                // Counted, and kept in the entry for error_of().
             }
         }
         if (on_each && *on_each) {

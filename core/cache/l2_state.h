@@ -1,9 +1,9 @@
 // The inside of the L2 cache: its entries and what happens to them. For l2_cache.cpp and l2_state.cpp alone.
 #pragma once
 
-#include "pcm/threads/brief_mutex.h"
 #include "pcm/cache/l2_cache.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/brief_mutex.h"
 
 #include <atomic>
 #include <bitset>
@@ -20,23 +20,23 @@
 
 namespace pcm {
 
-// One node's place in the cache; guarded by State::mutex. It stays where it is as long as the cache lives.
+// A node's entry in the cache; guarded by State::mutex. It is never moved or removed while the cache lives.
 //
-// Invariants: charged == chunk ? chunk->bytes() : 0, and the sum of all `charged` is State::charged. An entry is in the
-// order of use exactly when it holds a chunk, nobody pins it, and it is not one that could not be written. `loading` is
-// set while one thread reads, `writing` while one thread writes; both pin it. Others wait for them on State::loaded. An
-// entry that is dirty holds all its dirty columns.
+// Invariants: charged == chunk ? chunk->bytes() : 0, and the sum of all `charged` is State::charged. An entry is listed
+// in the order of use exactly when it holds a chunk, is not pinned, and is not stuck. `loading` is set while one thread
+// reads, `writing` while one thread writes; both pin the entry. Other threads wait for their end on State::loaded. A
+// dirty entry holds all its dirty columns.
 struct L2Cache::Entry {
     NodeId node = no_node;
     std::shared_ptr<const Chunk> chunk;
     std::uint64_t charged = 0;
     std::size_t pins = 0;
     bool loading = false, writing = false, editing = false, listed = false;
-    bool stuck = false;                 // could not be written
+    bool stuck = false;                 // its changes could not be written
     ColumnSet columns;                  // of `chunk`
-    std::bitset<max_attributes> dirty;  // columns that the store has otherwise
-    std::uint64_t version = 0;          // one more with each change
-    ColumnSet once_loaded;              // ever since the cache was made; tells compulsory from capacity misses
+    std::bitset<max_attributes> dirty;  // columns that differ from the store's
+    std::uint64_t version = 0;          // incremented by each change
+    ColumnSet once_loaded;              // since the cache was made; distinguishes compulsory from capacity misses
     bool ever_loaded = false;
     Entry *older = nullptr, *newer = nullptr;  // in the order of use
     std::optional<std::string> error;
@@ -49,23 +49,23 @@ struct L2Cache::State {
     using Lock = std::unique_lock<BriefMutex>;
 
     std::shared_ptr<ChunkStore> store;
-    std::vector<std::shared_ptr<const Tree>> trees;  // all that tree() gave
+    std::vector<std::shared_ptr<const Tree>> trees;  // all that tree() has returned
     std::atomic<const Tree*> tree{nullptr};          // the last of them
     mutable BriefMutex mutex;
-    std::condition_variable_any work;    // for loader threads: there is something in the list, or the end has come
+    std::condition_variable_any work;    // for loader threads: the list has a request, or the cache is closing
     std::condition_variable_any loaded;  // a load, a write or an edit has ended
     std::unordered_map<NodeId, Entry> entries;
     Entry *oldest = nullptr, *newest = nullptr;  // of the order of use
     std::deque<ChunkRequest> wanted;
-    std::deque<ChunkRequest> soon;  // of prefetch(); goes before `wanted`
+    std::deque<ChunkRequest> soon;  // of prefetch(); served before `wanted`
     std::shared_ptr<const std::function<void(NodeId)>> on_loaded;
     std::size_t active_loads = 0;  // of loader threads
     std::uint64_t capacity = 0;
     std::uint64_t charged = 0;
-    bool closing = false;      // the loader threads' end
-    bool closed = false;       // to all who want points
-    bool room_wanted = false;  // a loader thread is to write what is changed, so that it can be dropped
-    // Each who is told of it gets an exception of his own.
+    bool closing = false;      // the loader threads are to end
+    bool closed = false;       // no points are given any more
+    bool room_wanted = false;  // a loader thread is to write changed chunks, so that they can be dropped
+    // Every throw makes a new exception: the same object must not be shared between threads.
     struct WriteFailure {
         ErrorCode code;
         std::string what;
@@ -76,7 +76,7 @@ struct L2Cache::State {
     L2Statistics statistics;
     std::vector<std::thread> threads;
 
-    // All below with the mutex held; those that take the lock let go of it while they read or write.
+    // To be called with the mutex held; functions that take the lock release it while they read or write.
     void check_open(NodeId node) const;
     void unlist(Entry& entry);
     void list_as_newest(Entry& entry);
@@ -89,11 +89,11 @@ struct L2Cache::State {
     Entry& entry_of(NodeId node);
     Entry& get(NodeId node, const ColumnSet& columns, Lock& lock);
     void load(Entry& entry, const ColumnSet& columns, Lock& lock);
-    // The entry is changed and nobody writes it. What could not be written stays changed; returns why, as write_failure
-    // does.
+    // Writes an entry that is changed and not being written. On failure it stays changed; returns the reason, which is
+    // also kept in write_failure.
     std::optional<WriteFailure> write_back(Entry& entry, Lock& lock);
 
-    void loader();  // a loader thread's life; without the mutex
+    void loader();  // what a loader thread runs; called without the mutex
 };
 
 }  // namespace pcm

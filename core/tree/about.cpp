@@ -67,15 +67,14 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
     info.box.max = get_vec(in);
     for (Vec3i& extreme : info.extremes) extreme = get_vec(in);
     const auto type = in.get<std::uint8_t>();
-    if (!is_valid(static_cast<ScalarType>(type))) throw refuse("the positions are of a type that does not exist");
+    if (!is_valid(static_cast<ScalarType>(type))) throw refuse("the type of the positions does not exist");
     info.position_type = static_cast<ScalarType>(type);
     const auto wide = in.get<std::uint8_t>();
     const auto sampling = in.get<std::uint8_t>();
     const auto flags = in.get<std::uint8_t>();
-    if (wide > 1 || flags > coverage_kept) throw refuse("it says what no tree has");
+    if (wide > 1 || flags > coverage_kept) throw refuse("a flag has a value that no tree has");
     info.wide = wide != 0;
-    if (sampling > static_cast<std::uint8_t>(Sampling::grid))
-        throw refuse("the levels are of a kind that does not exist");
+    if (sampling > static_cast<std::uint8_t>(Sampling::grid)) throw refuse("the kind of sampling does not exist");
     info.sampling = static_cast<Sampling>(sampling);
     info.coverage_kept = flags & coverage_kept;
     info.spacings.resize(info.levels);
@@ -94,7 +93,7 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
         Metadata block;
         block.key = in.get_string();
         const auto size = in.get<std::uint64_t>();
-        if (size > in.left()) throw refuse("a metadata block runs over the end");
+        if (size > in.left()) throw refuse("a metadata block reaches past the end");
         const std::byte* from = in.get_bytes(static_cast<std::size_t>(size));
         block.value.assign(from, from + size);
         info.metadata.push_back(std::move(block));
@@ -131,11 +130,11 @@ TreeInfo read_about(const std::filesystem::path& folder)
     std::vector<std::byte> bytes(static_cast<std::size_t>(size));
     file.read_at(bytes.data(), bytes.size(), 0);
     if (std::memcmp(bytes.data(), magic, sizeof magic) != 0)
-        throw Error(ErrorCode::corrupt, path, "this is not a file about a tree");
+        throw Error(ErrorCode::corrupt, path, "this is not the about.pct of a tree");
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))
-        throw Error(ErrorCode::corrupt, path, "the checksum does not hold");
+        throw Error(ErrorCode::corrupt, path, "the checksum does not match");
     ByteReader in(bytes.data(), bytes.size() - 8, path);
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint32_t>();
@@ -143,7 +142,7 @@ TreeInfo read_about(const std::filesystem::path& folder)
         throw Error(ErrorCode::unsupported, path,
                     "version " + std::to_string(found) + ", this program reads version " + std::to_string(version));
     TreeInfo info = get_tree_info(in, path);
-    if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the file does not end where it says");
+    if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the file has bytes after its end");
     return info;
 }
 

@@ -1,5 +1,5 @@
-// What a tree's chunks do not say about the tree: in the index, and in a file of its own that helps to make the index
-// again.
+// The properties of a tree as bytes (TreeInfo). They stand in the index and, since the chunks do not have them, a
+// second time in about.pct, from which a lost index is rebuilt.
 #pragma once
 
 #include "pcm/bpc/byte_order.h"
@@ -22,16 +22,16 @@ inline Vec3i get_vec(ByteReader& in)
     return v;
 }
 
-// All of the info but `bytes`, which the nodes' extents tell.
+// All of the info but `bytes`, which follows from the data files.
 void put_tree_info(ByteWriter& out, const TreeInfo& info);
-// Throws Error(corrupt) for what no tree has.
+// Throws Error(corrupt) for values that no tree has.
 TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path);
 
-// Whether both say the same, `bytes` aside.
+// Whether both are equal in everything but `bytes`.
 bool same_info(const TreeInfo& a, const TreeInfo& b);
 
-// Writes about.pct; at any instant it is the old file or the new one. It is written before the index: after an
-// interruption between the two it is one generation ahead.
+// Replaces about.pct atomically. It is written before the index: after an interruption between the two it is one
+// generation ahead of the index.
 void write_about(const std::filesystem::path& folder, const TreeInfo& info);
 // Throws Error(not_found | corrupt | unsupported | permission | io).
 TreeInfo read_about(const std::filesystem::path& folder);

@@ -1,6 +1,6 @@
-// How many points a chunk of a tree has at most unless there is a reason for another number: the largest size that the
-// caches' study (bench/results) found as good as the best. Larger ones show a coarser picture while a view moves and
-// take longer to load, smaller ones make a cold scan slower.
+// The default for the largest number of points in a chunk of a tree: the largest size that was as good as the best in
+// the study of the caches (bench/results). With larger chunks a moving view shows a coarser picture and chunks take
+// longer to load; smaller chunks make a cold scan slower.
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ std::shared_ptr<const File> DataFilePool::get(std::uint32_t number)
             return entry.file;
         }
     }
-    // Without the lock: opening may take long, and readers of open files need not wait.
+    // Without the lock: opening may take long, and readers of open files must not wait for it.
     return keep(number, std::make_shared<const File>(folder_ / data_file_name(number), File::Mode::read));
 }
 
@@ -47,10 +47,10 @@ std::size_t DataFilePool::open_files() const
 
 std::shared_ptr<const File> DataFilePool::keep(std::uint32_t number, std::shared_ptr<const File> file)
 {
-    std::shared_ptr<const File> closed;  // after the lock
+    std::shared_ptr<const File> closed;  // closed after the lock is released
     const std::lock_guard lock(mutex_);
     Entry& entry = entries_[number];
-    if (entry.file) return entry.file;  // another thread was quicker
+    if (entry.file) return entry.file;  // opened by another thread meanwhile
     if (by_use_.size() >= most_open_) {
         closed = std::move(entries_[by_use_.back()].file);
         entries_[by_use_.back()].file = nullptr;

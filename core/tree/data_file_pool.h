@@ -1,7 +1,7 @@
-// The data files of a tree, open for reading: a bounded number of them at once.
+// The data files of a tree, open for reading. A bounded number of them is open at a time.
 //
-// Any number of threads may call get(). A file that a caller holds stays open, so there are at most as many more open
-// files as callers.
+// Any number of threads may call get(). A file that a caller holds stays open, so the bound is exceeded by at most one
+// file per caller.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -19,19 +19,19 @@ namespace pcm {
 
 class DataFilePool {
 public:
-    // Checks that each file with bytes in use is there and as long as that. When there are at most `most_open` of them
-    // all are opened now, and stay open: what others do to the folder's names does not matter then. Throws
+    // Checks that every file with bytes in use exists and is long enough. Up to `most_open` files are all opened now
+    // and stay open, so that they can be read even after their names were removed from the folder. Throws
     // Error(not_found | permission | truncated | io).
     DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files, std::size_t most_open);
 
-    // Opens the file unless it is open, and closes the one not used for longest when that makes too many.
+    // Opens the file if necessary; when too many are open, the least recently used one is closed.
     std::shared_ptr<const File> get(std::uint32_t number);
     std::size_t open_files() const;
 
 private:
     struct Entry {
-        std::shared_ptr<const File> file;        // null while it is closed
-        std::list<std::uint32_t>::iterator use;  // in by_use_, while it is open
+        std::shared_ptr<const File> file;        // null while closed
+        std::list<std::uint32_t>::iterator use;  // in by_use_, while open
     };
 
     std::shared_ptr<const File> keep(std::uint32_t number, std::shared_ptr<const File> file);
@@ -40,7 +40,7 @@ private:
     std::size_t most_open_;
     mutable std::mutex mutex_;
     std::vector<Entry> entries_;
-    std::list<std::uint32_t> by_use_;  // last used first
+    std::list<std::uint32_t> by_use_;  // most recently used first
 };
 
 }  // namespace pcm

@@ -16,7 +16,8 @@ Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
 Box3i grid_box(const Tree& tree, const Box3d& box)
 {
     const TreeInfo& info = tree.info();
-    // The first number of [low, high] for which `holds`, which stays true from there on; high + 1 if there is none.
+    // The first number of [low, high] for which `holds` returns true, as it does for all larger ones; high + 1 if there
+    // is none.
     const auto first = [](std::int64_t low, std::int64_t high, const auto& holds) {
         auto from = static_cast<std::uint64_t>(low), count = static_cast<std::uint64_t>(high) - from + 1;
         while (count > 0) {
@@ -50,7 +51,7 @@ std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selec
         const Node& node = nodes[id];
         const BoxRelation above = node.parent == no_node ? BoxRelation::crosses : relations[node.parent];
         if (above == BoxRelation::outside) continue;
-        // Finer levels are below: a node that begins beyond the level ends the way down.
+        // The nodes below hold finer levels only.
         if (level && node.points > 0 && node.first_level > *level) continue;
         relations[id] = above == BoxRelation::inside
                             ? above

@@ -1,4 +1,4 @@
-// Which nodes of a tree a selection touches.
+// The nodes of a tree that a selection touches.
 #pragma once
 
 #include "pcm/cloud/selection.h"
@@ -12,19 +12,20 @@ namespace pcm {
 
 struct SelectedNode {
     NodeId node = no_node;
-    std::uint32_t points = 0;                     // the first ones of its chunk: those of the level asked for
+    std::uint32_t points = 0;                     // from the first of its chunk: those of the cloud at the given level
     BoxRelation relation = BoxRelation::crosses;  // of the node's box to box, region and conditions on coordinates
 };
 
-// The box of grid positions, where `single_precision` rounded to floats as positions are that come out as such.
+// The box in source coordinates. With `single_precision` its corners are rounded to floats, as the positions of a tree
+// built from floats are.
 Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision);
 
-// The grid positions of a tree whose source coordinates lie in a box: no others do.
+// The box of exactly those grid positions within the tree's box whose source coordinates lie in `box`.
 Box3i grid_box(const Tree& tree, const Box3d& box);
 
-// Nodes with points of the cloud at `level` (the whole cloud when absent) where selected ones can be, parents first.
-// Every selected point is in one of them. What lies below an untouched or inside of an all selected node is not
-// compared again.
+// The nodes that can have selected points of the cloud at `level` (of the whole cloud when absent), parents first.
+// Every selected point is in one of them. The box of a node is compared with the selection only if its parent's box
+// crosses the selection's border.
 std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector,
                                          const std::optional<std::uint16_t>& level, bool single_precision = false);
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folder, for a path that is the folder or the index file in it.
+// The tree folder for a path that is the folder or the index file in it.
 fs::path folder_of(const fs::path& path)
 {
     if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -29,8 +29,8 @@ TreeIndex read_whole_index(const File& file)
     return decode_index(bytes, file.path());
 }
 
-// Whether the file still goes by its name.
-bool is_there(const File& file)
+// Whether the name still refers to the opened file.
+bool keeps_its_name(const File& file)
 {
     struct stat opened {
     }, named{};
@@ -80,7 +80,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         refuse_folder(folder);
     }
 
-    // An update may put a new index or a new folder in place while the data files of the old one are opened.
+    // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
         const File index_file(folder / index_file_name, File::Mode::read);
         TreeIndex index = read_whole_index(index_file);
@@ -93,10 +93,10 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
         } catch (const Error&) {
-            if (tries == 10 || is_there(index_file)) throw;
+            if (tries == 10 || keeps_its_name(index_file)) throw;
             continue;
         }
-        if (tries == 10 || is_there(index_file)) return tree;
+        if (tries == 10 || keeps_its_name(index_file)) return tree;
     }
 }
 
@@ -131,7 +131,7 @@ ChunkIdentity Tree::identity(NodeId id) const
 
 std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const
 {
-    // Parents come first in the node vector: what lies below an untouched parent is skipped without a look at its box.
+    // Parents come first in the node vector: nodes below an untouched parent are skipped without a test of their boxes.
     std::vector<bool> touched(nodes_.size(), false);
     std::vector<NodeId> result;
     for (NodeId id = 0; id < nodes_.size(); ++id) {
@@ -155,16 +155,16 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
     return chunk;
 }
 
-// A chunk that is whole may still be another node's.
+// A chunk whose checksums match may still belong to another node.
 void Tree::check(NodeId id, const BpcHeader& header) const
 {
     const Node& node = nodes_[id];
     if (!header.identity || !(*header.identity == identity(id)) || !header.schema.is_beginning_of(info_.schema) ||
         !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
-        throw Error(
-            ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
-            "chunk at byte " + std::to_string(node.extent.offset) + ": it is not the one of node " + std::to_string(id),
-            "'pcmlab repair' makes the index again from the chunks");
+        throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
+                    "chunk at byte " + std::to_string(node.extent.offset) + ": it does not belong to node " +
+                        std::to_string(id),
+                    "rebuild the index from the chunks with 'pcmlab repair'");
 }
 
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
@@ -206,8 +206,7 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
 std::shared_ptr<const Tree> Tree::with_schema(const Schema& longer) const
 {
     if (!info_.schema.is_beginning_of(longer))
-        throw Error(ErrorCode::invalid_argument, folder_,
-                    "attributes can be added to those that a tree has, not put in their place");
+        throw Error(ErrorCode::invalid_argument, folder_, "a tree's attributes stay; others can be added after them");
     std::shared_ptr<Tree> tree(new Tree(*this));
     tree->info_.schema = longer;
     return tree;

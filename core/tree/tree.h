@@ -1,17 +1,18 @@
 // A point cloud tree, opened for reading: the node vector in memory, the chunks on disk.
 //
 // A tree folder (by convention NAME.pct) holds `index.pct` and a few data files; see bpc/FORMAT.md. The tree is a k-d
-// tree with one chunk a node. Every point belongs to one level, and levels are additive: the points of level 0..L are
-// the cloud at level L, and all levels together hold every point exactly once. A node's chunk has the points of some
-// consecutive levels in the node's region, coarse ones first; below it are the finer ones. Nodes are stored parents
-// first (node 0 is the root, and a node's number is larger than its parent's), so one forward pass over nodes() visits
-// parents before children.
+// tree with one chunk per node. Every point belongs to one level, and levels are additive: the points of levels 0..L
+// are the cloud at level L, and all levels together hold every point exactly once. A node's chunk holds the points of
+// some consecutive levels in the node's region, coarse levels first; its descendants hold the finer levels. Nodes are
+// stored parents first (node 0 is the root, and a node's number is larger than its parent's), so one forward pass over
+// nodes() visits parents before children.
 //
-// A tree consists of parts: part 0 is what the build made, and every append adds a subtree of its own. The nodes that
-// join the parts' roots have no points. Parts may overlap in space; levels 0..L of all parts together are the sample at
+// A tree consists of parts: the build makes part 0, and every append adds a subtree of its own. The nodes that join the
+// roots of the parts have no points. Parts may overlap in space; levels 0..L of all parts together are the sample at
 // level L.
 //
-// A Tree is immutable after open(); every member may be called from any number of threads.
+// A Tree is an immutable snapshot of one generation; any number of threads may call every member. Open readers keep
+// reading their snapshot while the tree on disk is changed.
 #pragma once
 
 #include "pcm/bpc/chunk.h"
@@ -51,7 +52,7 @@ struct Extent {
     }
 };
 
-// Each update writes new data files; a file of which nothing is in use any more may be gone.
+// Each update writes new data files. A data file without bytes in use may be missing.
 using DataFile = CommitRecord::DataFile;
 
 struct Node {
@@ -61,15 +62,16 @@ struct Node {
     std::uint32_t part = 0;         // no_part for a node that joins parts
     std::uint16_t first_level = 0;  // of its own points
     std::uint32_t points = 0;       // of this node's own chunk
-    // How many of them, in the chunk's order, are of first_level, of the next, ...; empty for a node without points.
+    // Number of points of first_level, of the next level, ..., in the order of the chunk; empty for a node without
+    // points.
     std::vector<std::uint32_t> level_points;
     std::uint64_t subtree_points = 0;  // of this node and everything below
     Box3i box;                         // tight around the points of the whole subtree
-    double spacing = 0;                // source units: how far apart this cloud's points lie in the subtree's box once
-                                       // this node and its ancestors are drawn; 0 at a leaf (nothing is missing)
+    double spacing = 0;                // source units: distance between the points of the subtree's box once this node
+                                       // and its ancestors are drawn; 0 at a leaf, where no point is missing
     Extent extent;
     bool is_leaf() const { return children[0] == no_node && children[1] == no_node; }
-    // How many points, from the chunk's first on, belong to the cloud at `level`.
+    // Number of points, from the first of the chunk, that belong to the cloud at `level`.
     std::uint32_t points_to_level(std::size_t level) const
     {
         std::uint32_t sum = 0;
@@ -81,11 +83,10 @@ struct Node {
 // How the points of a level were chosen.
 enum class Sampling : std::uint8_t {
     // The points of levels 0..L are a maximal Poisson-disk sample: no two are nearer than the level's spacing, and
-    // every
-    // point of the cloud has one of them nearer than that.
+    // every point of the cloud has a sample point nearer than the spacing.
     poisson = 0,
-    // One point for each cell of a lattice, whose diagonal is the spacing: quicker, and uneven. Every point has one of
-    // them nearer than the spacing; how near two may be is not promised.
+    // One point per cell of a lattice whose cell diagonal is the spacing: faster, and uneven. Every point of the cloud
+    // has a sample point nearer than the spacing; no minimum distance is guaranteed.
     grid = 1,
 };
 
@@ -98,15 +99,15 @@ struct TreeInfo {
     bool wide = false;                 // grid positions need more than 32 bits
     Box3i box;                         // tight, all points
     std::array<Vec3i, 6> extremes;     // points of the cloud with the smallest x, largest x, smallest y, ...
-    double position_error = 0;         // largest distance an input coordinate was moved by, source units; 0 for LAS
+    double position_error = 0;         // largest change of an input coordinate, source units; 0 for LAS
     std::uint64_t points_skipped = 0;  // input points without a finite position
-    std::uint64_t content_hash = 0;    // of all points with all attributes, whatever their order (point_hash.h)
+    std::uint64_t content_hash = 0;    // of all points with all attributes, independent of their order (point_hash.h)
     Sampling sampling = Sampling::poisson;
-    bool coverage_kept =
-        true;  // false after a deletion: a point's neighbour of a coarser level may be gone, up to compaction
+    // False after a deletion, until the tree is compacted: a point may have lost its neighbour of a coarser level.
+    bool coverage_kept = true;
     std::uint16_t levels = 0;
-    std::vector<double> spacings;  // of each level, falling; source units; 0 for a last level that holds all the rest
-    std::uint64_t bytes = 0;       // of the index and the data files, with what updates have left unused in them
+    std::vector<double> spacings;  // of each level, descending; source units; 0 for a last level with all other points
+    std::uint64_t bytes = 0;       // of the index and the data files, bytes that updates have left unused included
     std::vector<Metadata> metadata;
     std::vector<std::string> sources;  // file names the tree was built from
     Box3d bounds() const { return grid.to_source(box); }
@@ -114,29 +115,29 @@ struct TreeInfo {
 
 // One level of a tree in numbers.
 struct LevelSummary {
-    std::uint64_t nodes = 0;  // that hold points of it
+    std::uint64_t nodes = 0;  // with points of this level
     std::uint64_t points = 0;
-    std::uint64_t points_to_here = 0;  // of this level and those above: of the cloud at this level
-    double spacing = 0;                // 0: nothing is missing
+    std::uint64_t points_to_here = 0;  // of the cloud at this level: this level and all coarser ones
+    double spacing = 0;                // 0: no point is missing
 };
 
 inline constexpr const char* index_file_name = "index.pct";
 inline constexpr const char* tree_extension = "pct";
 
-// Consecutive points of one level of a chunk, of which the chunk keeps the box, can be read alone: segments. `chunk`
-// has the points of the segments that were kept, one segment after another.
+// Some segments of a chunk. A segment is a run of consecutive points of one level; the chunk's header has its box, and
+// it can be read alone. `chunk` holds the points of the kept segments, one segment after another.
 struct ChunkPart {
     Chunk chunk;
-    std::vector<std::uint32_t> first;  // of each kept segment: its first point's number in the whole chunk
-    std::vector<std::uint32_t> count;  // and its points
+    std::vector<std::uint32_t> first;  // of each kept segment: the number of its first point in the whole chunk
+    std::vector<std::uint32_t> count;  // of each kept segment: its number of points
     std::uint64_t bytes_read = 0;
 };
 
 class Tree {
 public:
-    // `path` is the tree folder or the index file in it. A tree of more than `most_open_files` data files keeps only so
-    // many of them open, besides those that are being read; they are opened when they are needed. Throws
-    // Error(not_found | not_a_tree | interrupted_build | corrupt | unsupported | permission | io).
+    // `path` is the tree folder or the index file in it. A tree with more than `most_open_files` data files opens them
+    // on demand and keeps at most that many open, in addition to those being read. Throws Error(not_found | not_a_tree
+    // | interrupted_build | corrupt | unsupported | permission | io).
     static std::shared_ptr<const Tree> open(const std::filesystem::path& path, std::size_t most_open_files = 128);
 
     const std::filesystem::path& folder() const { return folder_; }
@@ -146,29 +147,32 @@ public:
     Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
     std::vector<NodeId> path_from_root(NodeId id) const;  // root first, `id` last
 
-    // The root of each part; no_node for a part that has no points any more.
+    // The root of each part; no_node for a part without points.
     const std::vector<NodeId>& part_roots() const { return part_roots_; }
-    // What the header of the node's chunk says. For a node without a chunk the generation is the tree's.
+    // The identity that the header of the node's chunk must have. For a node without a chunk the generation is the
+    // tree's.
     ChunkIdentity identity(NodeId id) const;
     const std::vector<DataFile>& data_files() const { return data_files_; }
-    // The same tree with attributes added at the end of its schema, whose values are zero. On disk it stays as it is.
+    // The same tree with attributes added at the end of its schema; their values are zero. Nothing changes on disk;
+    // both trees share their open files.
     std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
-    // Throws Error(corrupt) when a header is not that of the node's chunk.
+    // Throws Error(corrupt) when a header does not belong to the node's chunk.
     void check(NodeId id, const BpcHeader& header) const;
 
-    // Nodes of levels 0..level whose boxes touch `box` (source coordinates), parents first; absent means all.
+    // Nodes with points of levels 0..level whose boxes touch `box` (source coordinates), and the nodes above them,
+    // parents first. An absent box or level does not restrict.
     std::vector<NodeId> nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const;
 
-    // Reads and decodes the asked columns of a node's chunk; verifies their checksums. A node without points gives an
-    // empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
+    // Reads and decodes the given columns of a node's chunk and verifies their checksums. A node without points gives
+    // an empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
     Chunk read_chunk(NodeId id, const ColumnSet& columns) const;
 
-    // The same of some segments of the chunk: of those alone for which `wanted` holds, which is asked for each with its
-    // tight box on the grid and the level of its points. What lies near together comes in one read.
+    // The same for the segments of the chunk for which `wanted` returns true, given the segment's tight box on the grid
+    // and the level of its points. Bytes that lie near each other are read together.
     ChunkPart read_chunk_part(NodeId id, const ColumnSet& columns,
                               const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const;
 
-    // The deepest level whose cloud has at most `points` points (0 if even the root level has more).
+    // The finest level whose cloud has at most `points` points; 0 if level 0 has more.
     std::uint16_t level_with_at_most(std::uint64_t points) const;
     std::vector<LevelSummary> level_summaries() const;
     // Number of points at level 0..level.

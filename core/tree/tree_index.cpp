@@ -16,7 +16,7 @@ constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
 constexpr std::uint32_t version = 3;
 constexpr std::size_t node_bytes = 112;
 
-// Every promise that tree.h makes about nodes; a tree that passes can be walked without further checks.
+// Checks every invariant that tree.h states for nodes: a tree that passes can be walked without further checks.
 void check(const TreeIndex& index, const std::filesystem::path& path)
 {
     const auto refuse = [&](std::size_t node, const std::string& what) {
@@ -44,7 +44,7 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
             if (!parent.box.contains(node.box.min) || !parent.box.contains(node.box.max))
                 throw refuse(id, "reaches out of its parent's box");
         } else if (node.depth != 0) {
-            throw refuse(id, "is a root at a depth");
+            throw refuse(id, "is a root whose depth is not 0");
         }
         std::uint64_t below = node.points;
         for (const NodeId child : node.children) {
@@ -69,7 +69,7 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
         if (node.first_level + node.level_points.size() > index.info.levels) throw refuse(id, "has points of no level");
         std::uint64_t of_levels = 0;
         for (const std::uint32_t points : node.level_points) of_levels += points;
-        if (of_levels != node.points) throw refuse(id, "does not say of which levels its points are");
+        if (of_levels != node.points) throw refuse(id, "does not state of which levels its points are");
     }
 }
 
@@ -185,7 +185,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))
-        throw Error(ErrorCode::corrupt, path, "the index's checksum does not hold");
+        throw Error(ErrorCode::corrupt, path, "the checksum of the index does not match");
 
     TreeIndex index;
     index.info = get_tree_info(in, path);
@@ -199,7 +199,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) index.part_roots.push_back(in.get<std::uint32_t>());
     const auto count = in.get<std::uint32_t>();
     if (in.left() < std::uint64_t{count} * node_bytes + 8)
-        throw Error(ErrorCode::corrupt, path, "the index does not hold as many nodes as it says");
+        throw Error(ErrorCode::corrupt, path, "the index is too short for the number of nodes that it states");
     index.nodes.resize(count);
     for (Node& node : index.nodes) {
         node.parent = in.get<std::uint32_t>();
@@ -222,7 +222,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     }
     for (Node& node : index.nodes)
         for (std::uint32_t& points : node.level_points) points = in.get<std::uint32_t>();
-    if (in.left() != 8) throw Error(ErrorCode::corrupt, path, "the index does not end where it says");
+    if (in.left() != 8) throw Error(ErrorCode::corrupt, path, "the index has bytes after its end");
     index.info.bytes = bytes.size();
     for (const DataFile& file : index.data_files) index.info.bytes += file.bytes;
     check(index, path);

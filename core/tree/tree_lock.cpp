@@ -17,13 +17,14 @@ TreeLock::TreeLock(const std::filesystem::path& folder)
         while (::flock(file_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
             if (errno == EINTR) continue;
             if (errno != EWOULDBLOCK) throw Error::from_errno(errno, path, "locking");
-            throw Error(ErrorCode::exists, folder, "this tree is being changed by somebody else at this moment",
-                        "try again when that is done");
+            throw Error(ErrorCode::exists, folder, "another process or thread is changing this tree",
+                        "try again when it has finished");
         }
-        // Whoever compacts a tree puts another folder in its place: then this is the lock of one that is no more.
+        // Compacting puts another folder in the tree's place: then this is the lock file of the removed folder.
         struct stat locked {
         }, named{};
-        if (::fstat(file_.descriptor(), &locked) != 0) throw Error::from_errno(errno, path, "looking at");
+        if (::fstat(file_.descriptor(), &locked) != 0)
+            throw Error::from_errno(errno, path, "reading the properties of");
         if (::stat(path.c_str(), &named) == 0 && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino) return;
     }
 }

@@ -1,4 +1,4 @@
-// One writer at a time.
+// The lock that allows one writer of a tree at a time.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -7,13 +7,14 @@
 
 namespace pcm {
 
-inline constexpr const char* lock_file_name = "lock";  // in the tree's folder, empty; it stays there
+inline constexpr const char* lock_file_name = "lock";  // an empty file in the tree's folder; it is never removed
 
-// Held by whoever changes a tree, against other processes and other threads. The system lets go of it when the process
-// ends, however it ends. Readers need none.
+// Held while a tree is changed; excludes other processes and other threads. The system releases it when the process
+// ends, also after a crash. Readers need no lock.
 class TreeLock {
 public:
-    // `folder` is a tree's. Throws Error(exists) when somebody else holds it, Error(permission | no_space | io).
+    // Locks the tree in `folder`. Throws Error(exists) when another process or thread holds the lock, and
+    // Error(permission | no_space | io).
     explicit TreeLock(const std::filesystem::path& folder);
 
 private:

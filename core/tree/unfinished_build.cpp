@@ -7,7 +7,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool exists(const fs::path& path)
+bool name_exists(const fs::path& path)
 {
     std::error_code error;
     return fs::exists(fs::symlink_status(path, error));
@@ -23,7 +23,7 @@ fs::path build_folder_of(fs::path tree)
 
 bool was_being_replaced(const fs::path& tree)
 {
-    return !exists(tree) && exists(build_folder_of(tree) / replaced_tree_name);
+    return !name_exists(tree) && name_exists(build_folder_of(tree) / replaced_tree_name);
 }
 
 }  // namespace pcm

@@ -1,5 +1,5 @@
-// Checks a whole tree: checksums, counts, boxes of nodes and segments, levels, that each chunk is its node's, that
-// every point is there once, and the files around the index.
+// Checks a whole tree: checksums, counts, boxes of nodes and segments, levels, the identity of each chunk, the presence
+// of every point exactly once, and the files around the index.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -14,14 +14,16 @@ struct VerifyReport {
     Outcome outcome;
     std::uint64_t bytes = 0;
     double position_error = 0;        // as recorded by the build
-    std::vector<std::string> faults;  // empty: the tree is whole
-    std::vector<std::string>
-        around;  // about.pct is damaged, missing, or says otherwise: no point is lost, and 'pcmlab repair' heals it
-    std::vector<std::string> notes;  // files and bytes that are not the tree's, and what an interrupted update has left
+    std::vector<std::string> faults;  // empty: the tree is undamaged
+    // about.pct is damaged, missing or differs from the index. No point is lost, and 'pcmlab repair' restores the file.
+    std::vector<std::string> around;
+    // Files and bytes that do not belong to the tree, and leftovers of an interrupted update.
+    std::vector<std::string> notes;
 };
 
-// Reads every chunk on `threads` threads (0: one a processor). Damage is reported as faults; Error is thrown only when
-// the tree cannot be opened at all, or Error(cancelled).
+// Reads every chunk on `threads` threads (0: one per processor). Damage is reported as faults. Throws what Tree::open
+// throws, Error(cancelled), and where memory or threads run out std::bad_alloc or std::system_error, none of which is
+// damage. `progress` is called on this thread; what it throws reaches the caller.
 VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads = 0,
                          const ProgressFunction& progress = {});
 

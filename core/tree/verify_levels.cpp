@@ -13,19 +13,19 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t tile_points = 1'000'000;  // chosen points that are looked at together
+constexpr std::size_t tile_points = 1'000'000;  // chosen points that are measured together
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A part of the cloud at one level.
+// A box of the cloud at one level.
 struct Tile {
     std::size_t level;
     Box3i box;
 };
 
-// What tiles of one level found; their sum does not depend on their order but for rounding of the two sums.
+// The measurements of tiles of one level. Merging in another order changes nothing but the rounding of the two sums.
 struct Sums {
     double least = infinity, farthest = 0;  // squared
-    double sum = 0, sum_of_squares = 0;     // of distances over the spacing, less 1
+    double sum = 0, sum_of_squares = 0;     // of (distance / spacing - 1)
     std::uint64_t points = 0, isolated = 0;
 
     void merge(const Sums& o)
@@ -58,8 +58,8 @@ public:
 
     double squared(const Vec3i& p, const Vec3i& q) const { return squared_distance(p, q, squared_scale_); }
 
-    // The smallest squared distance from p to a point within `reach` cubes that is not p itself or, with `self`, is not
-    // point number `self`. It is the true one if it is at most (reach * side)².
+    // The smallest squared distance from p to a point other than number `self` within `reach` cubes. If it is at most
+    // (reach * side)², no other point is nearer.
     double nearest(const Vec3i& p, int reach, std::uint32_t self) const
     {
         double best = infinity;
@@ -140,7 +140,7 @@ private:
             ++working_;
             lock.unlock();
             std::vector<Tile> parts;
-            const Sums sums = look_at(tile, parts);
+            const Sums sums = measure_tile(tile, parts);
             lock.lock();
             --working_;
             tiles_.insert(tiles_.end(), parts.begin(), parts.end());
@@ -178,7 +178,7 @@ private:
         }
     }
 
-    // The box with everything that is nearer than `distance` to it.
+    // The box grown by `distance` on all sides.
     Box3i around(const Box3i& box, double distance) const
     {
         Box3i wide = box;
@@ -195,8 +195,8 @@ private:
         return wide;
     }
 
-    // Measures a tile, or divides it when too many points are chosen there.
-    Sums look_at(const Tile& tile, std::vector<Tile>& parts)
+    // Measures a tile. A tile with too many chosen points is divided instead, and its halves are returned in `parts`.
+    Sums measure_tile(const Tile& tile, std::vector<Tile>& parts)
     {
         const double spacing = info_.spacings[tile.level], squared_spacing = spacing * spacing;
         std::vector<Vec3i> chosen;
@@ -219,20 +219,20 @@ private:
                 ++sums.isolated;
             }
         }
-        std::uint64_t seen = 0;
+        std::uint64_t tested = 0;
         for_points(tile.box, info_.levels, [&](const Vec3i& p, std::size_t level) {
-            ++seen;
+            ++tested;
             if (level <= tile.level) return;
             double nearest = cubes.nearest(p, 1, Cubes::none);
             if (nearest >= squared_spacing) nearest = cubes.nearest(p, 2, Cubes::none);
             sums.farthest = std::max(sums.farthest, nearest > 4 * squared_spacing ? infinity : nearest);
         });
         const std::lock_guard lock(signal_.mutex);
-        points_done_ += seen;
+        points_done_ += tested;
         return sums;
     }
 
-    // In two, at the median of the points inside, along the axis where they reach farthest.
+    // Divides the tile at the median of the points inside, along the axis of their largest extent.
     bool divide(const Tile& tile, std::vector<Vec3i>& chosen, std::vector<Tile>& parts) const
     {
         chosen.erase(

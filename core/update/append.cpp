@@ -54,9 +54,9 @@ public:
         AnyBins bins = partition(fitted_, work_, found_, &tree_->info());
         report_.points_added = found_.observed.points;
         report_.points_skipped = fitted_.points_skipped();
-        // What is not finite is left out of integers on the way, of doubles by the partition.
+        // Points without a finite position are left out by the reader for integers, and by the partition for doubles.
         report_.outcome.points_in = found_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
-        // Now they are complete: readers find out on the way what they drop.
+        // Only now: readers add notes while they read.
         report_.notes = cloud_.info().notes;
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
         if (report_.points_skipped)
@@ -127,7 +127,7 @@ private:
         if (stored != all.points)
             throw Error(ErrorCode::corrupt, update_.folder(),
                         grouped(all.points) + " points were expected, " + grouped(stored) +
-                            " are there; this is a defect of the program");
+                            " were stored; this is a defect of the program");
         info.points = all.points;
         info.content_hash = all.hash;
         info.extremes = all.extremes;
@@ -136,7 +136,7 @@ private:
         info.box = joined.nodes[0].box;
         info.spacings = spacings;
         info.levels = static_cast<std::uint16_t>(info.spacings.size());
-        // Floats are given back as floats, which doubles must not be.
+        // A tree of floats returns floats, to which doubles must not be rounded.
         if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32)
             info.position_type = ScalarType::f64;
         info.sources.insert(info.sources.end(), sources_.begin(), sources_.end());

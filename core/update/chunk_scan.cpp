@@ -15,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t most_data_files = 1'000'000;  // a name alone shall not make the list of files long
+constexpr std::uint32_t most_data_files = 1'000'000;  // bounds the list of files, whatever their names are
 
-// Each generation has data files of its own, and each but the first may add a part: what says otherwise is damaged,
-// whatever its checksum.
+// Each generation has data files of its own, and each but the first may add a part. Other numbers are damage, even when
+// the checksum matches.
 void check_numbers(std::uint32_t generation, std::uint32_t parts, std::uint32_t file)
 {
     if (generation == 0 || generation > file + std::uint64_t(1) || parts > generation)
@@ -27,13 +27,13 @@ void check_numbers(std::uint32_t generation, std::uint32_t parts, std::uint32_t 
                         " parts cannot be in data file " + std::to_string(file));
 }
 
-// Finds where, among bytes that are nothing whole, a chunk or a commit record may begin. What cannot be the start of a
-// header is passed over without a look at the rest of it: damaged bytes may look like the beginning of one many times.
+// Searches damaged bytes for places where a chunk or a commit record may begin. A place that cannot be the start of a
+// header is skipped without reading the whole header: damaged bytes may look like the start of a header many times.
 class Beginnings {
 public:
     explicit Beginnings(const File& file, std::uint64_t end) : file_(file), end_(end), bytes_(std::size_t(1) << 20) {}
 
-    // The next one from `at` on; the end when there is none.
+    // The next such place from `at` on; the end when there is none.
     std::uint64_t next(std::uint64_t at)
     {
         for (; at + head <= end_; ++at) {
@@ -72,6 +72,34 @@ private:
     std::size_t filled_ = 0;
 };
 
+// The chunk or tombstone with this header at byte `at` of data file number `file`. Throws Error(corrupt) unless it is
+// of the expected kind.
+FoundChunk chunk_of(const BpcHeader& header, std::uint32_t file, std::uint64_t at, std::optional<ChunkKind>& expected)
+{
+    if (!header.identity) throw Error(ErrorCode::corrupt, {}, "it is not a chunk of a tree");
+    if (!expected) expected = ChunkKind{header.schema, header.grid};
+    // Later chunks may have more attributes than earlier ones.
+    if (expected->schema.is_beginning_of(header.schema)) expected->schema = header.schema;
+    if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
+        throw Error(ErrorCode::corrupt, {}, "it belongs to another tree");
+    const ChunkIdentity& identity = *header.identity;
+    check_numbers(identity.generation, identity.part == no_part ? identity.part : identity.part + 1, file);
+    FoundChunk chunk;
+    chunk.generation = identity.generation;
+    PartNode& node = chunk.node;
+    node.part = identity.part;
+    node.path = identity.path;
+    node.points = header.points;
+    node.first_level = identity.first_level;
+    node.level_points = identity.level_points;
+    node.spacing = identity.spacing;
+    if (header.points) {
+        node.box = header.box;
+        node.extent = {file, at, header.total_bytes, header.header_bytes};
+    }
+    return chunk;
+}
+
 }  // namespace
 
 std::vector<FoundFile> list_data_files(const fs::path& folder)
@@ -98,10 +126,10 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
     bool lost = false;
     std::string why;
     Beginnings beginnings(file, found.size);
-    const auto tell_lost = [&](std::uint64_t to) {
+    const auto report_lost = [&](std::uint64_t to) {
         if (lost)
             found.faults.push_back(found.path.filename().string() + ": bytes " + grouped(lost_from) + " to " +
-                                   grouped(to - 1) + " are no whole chunk: " + why);
+                                   grouped(to - 1) + " are not a whole chunk: " + why);
         lost = false;
     };
     while (at < found.size) {
@@ -113,31 +141,9 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
             } else {
                 const BpcHeader header = read_header(file, at, found.size - at);
                 bytes = header.total_bytes;
-                if (!header.identity) throw Error(ErrorCode::corrupt, {}, "it is not of a tree");
-                if (!expected) expected = ChunkKind{header.schema, header.grid};
-                // Later chunks may have more attributes than earlier ones.
-                if (expected->schema.is_beginning_of(header.schema)) expected->schema = header.schema;
-                if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
-                    throw Error(ErrorCode::corrupt, {}, "it is of another tree");
-                const ChunkIdentity& identity = *header.identity;
-                check_numbers(identity.generation, identity.part == 0xffffffffu ? identity.part : identity.part + 1,
-                              found.number);
-                FoundChunk chunk;
-                chunk.generation = identity.generation;
-                PartNode& node = chunk.node;
-                node.part = identity.part;
-                node.path = identity.path;
-                node.points = header.points;
-                node.first_level = identity.first_level;
-                node.level_points = identity.level_points;
-                node.spacing = identity.spacing;
-                if (header.points) {
-                    node.box = header.box;
-                    node.extent = {found.number, at, header.total_bytes, header.header_bytes};
-                }
-                found.chunks.push_back(std::move(chunk));
+                found.chunks.push_back(chunk_of(header, found.number, at, expected));
             }
-            tell_lost(at);
+            report_lost(at);
         } catch (const Error& error) {
             if (error.code() == ErrorCode::io) throw;
             if (!lost) {
@@ -150,7 +156,7 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
         at += bytes;
         tick(bytes);
     }
-    tell_lost(found.size);
+    report_lost(found.size);
 }
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// What lies in the data files of a tree, found without its index.
+// Finds the chunks in the data files of a tree without its index.
 #pragma once
 
 #include "pcm/bpc/commit_record.h"
@@ -13,9 +13,9 @@
 
 namespace pcm {
 
-// A chunk or a tombstone whose header is whole.
+// A chunk or a tombstone with an undamaged header.
 struct FoundChunk {
-    PartNode node;  // its box is that of its own points; without points: a tombstone
+    PartNode node;  // its box is that of its own points; a node without points stands for a tombstone
     std::uint32_t generation = 1;
 };
 
@@ -23,17 +23,17 @@ struct FoundFile {
     std::filesystem::path path;
     std::uint32_t number = 0;
     std::uint64_t size = 0;
-    std::vector<FoundChunk> chunks;      // in their order
+    std::vector<FoundChunk> chunks;      // in the order of the file
     std::optional<CommitRecord> commit;  // the last one
-    std::vector<std::string> faults;     // stretches that are nothing known
+    std::vector<std::string> faults;     // ranges of bytes that are neither chunks nor commit records
 };
 
 // The data files in a tree's folder, by number.
 std::vector<FoundFile> list_data_files(const std::filesystem::path& folder);
 
-// Goes from chunk to chunk, and where there is none on to the next that begins with a header whose checksum holds.
-// Columns are not looked at. Chunks that are of no tree, or of one with another grid or schema than `expected` tells,
-// are faults. `tick(bytes)` is called after each chunk.
+// Reads the headers from chunk to chunk; where none begins it searches for the next header whose checksum matches.
+// Columns are not read. Chunks of no tree, or of a tree with another grid or schema than `expected`, are faults. An
+// empty `expected` takes its value from the first chunk. `tick(bytes)` is called after each chunk.
 struct ChunkKind {
     Schema schema;
     Grid grid;

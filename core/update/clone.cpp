@@ -41,7 +41,7 @@ void copy_synced(const fs::path& from, const fs::path& to)
 
 void clone_tree(const fs::path& tree, const fs::path& output)
 {
-    const fs::path folder = Tree::open(tree)->folder();  // the index in the folder is good, or it throws
+    const fs::path folder = Tree::open(tree)->folder();  // throws unless the index is valid
     const std::vector<std::byte> index = read_file(folder / index_file_name);
     const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
     BuildFolder made(output, false);

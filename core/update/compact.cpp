@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 CompactReport compact_tree(const fs::path& path, const CompactOptions& options)
 {
     const bool in_place = options.output.empty();
-    // In place, nobody else may change the tree meanwhile: that would be lost. Elsewhere what is read is the tree as it
-    // is now.
+    // In place, changes that others make meanwhile would be lost. Into another tree, the snapshot opened here is read.
     std::optional<TreeLock> held;
     if (in_place) held.emplace(Tree::open(path)->folder());
     const std::shared_ptr<const Tree> tree = Tree::open(path);

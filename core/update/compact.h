@@ -1,4 +1,4 @@
-// Writes a tree anew: one part, even levels, nothing but its points.
+// Rebuilds a tree from its points: one part, even levels, no unused bytes.
 #pragma once
 
 #include "pcm/build/builder.h"
@@ -22,12 +22,12 @@ struct CompactReport {
     std::uint64_t bytes_before = 0;  // of the tree's folder
 };
 
-// The tree becomes what a build of its points would make: every part in one, deleted points' space given back, levels
-// that keep their promise where deletions had left gaps. Grid, attributes, metadata, sources, and the counts and errors
-// that the build and appends told stay. Points are compared by their hash before the new tree takes the place of the
-// old one, which it does at once. The new tree needs its space beside the old one until then. Who has the old one open
-// goes on reading it where the system keeps open files alive. Throws Error(exists) when somebody else changes the tree,
-// Error(corrupt) when the points that were read are not those that were written once, and what build_tree throws.
+// The tree becomes what a build of its points would make: all parts are merged, the space of deleted points is freed,
+// and levels with gaps from deletions are complete again. Grid, attributes, metadata, sources, and the counts and
+// errors that the build and appends recorded stay. The new tree replaces the old one atomically, after the hashes of
+// their points were compared. Until then it needs disk space beside the old one. Open readers keep reading the old tree
+// (a snapshot) where the system keeps open files alive. Throws Error(exists) when another process or thread changes the
+// tree, Error(corrupt) when the points read are not the ones that were stored, and what build_tree throws.
 CompactReport compact_tree(const std::filesystem::path& tree, const CompactOptions& options = {});
 
 }  // namespace pcm

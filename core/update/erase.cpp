@@ -2,15 +2,13 @@
 
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/build/bins/observed.h"
-#include "pcm/build/bins/row.h"
+#include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
-#include "pcm/system/error.h"
-#include "pcm/threads/in_turn.h"
 #include "pcm/tree/point_hash.h"
 #include "pcm/tree/selected_nodes.h"
-#include "pcm/update/chunk_points.h"
+#include "pcm/update/chunk_subset.h"
 #include "pcm/update/extremes.h"
 #include "pcm/update/part_nodes.h"
 #include "pcm/update/tree_update.h"
@@ -24,18 +22,18 @@
 namespace pcm {
 namespace {
 
-// What became of a node that was looked at.
-struct Looked {
-    PartNode node;  // as it is afterwards, but for the place of its chunk
+// A node after the deletion.
+struct Examined {
+    PartNode node;  // complete but for the extent of its chunk
     std::uint64_t deleted = 0;
-    std::uint64_t hash = 0;  // of the deleted points
-    bool chosen = false;     // some of them are not of the last level
-    Chunk rest;              // where points were deleted, those that are left
+    std::uint64_t hash = 0;      // of the deleted points
+    bool coverage_lost = false;  // some of them are not of the last level
+    Chunk rest;                  // the remaining points, where points were deleted
     std::vector<std::byte> bytes;
     Observed kept;
 };
 
-// Looks at one node after the other; any number of threads.
+// Finds the points to delete in one node at a time. Any number of threads may call.
 class Eraser {
 public:
     Eraser(const Tree& tree, const Selection& selection, std::uint32_t generation, bool count_only)
@@ -51,43 +49,43 @@ public:
         others_.attributes &= ~tested_.attributes;
     }
 
-    // The same points in a node that has none below it any more: nothing is missing when it is drawn.
-    void make_leaf(Looked& looked) const
+    // Encodes the node's points again for a node that has become a leaf: its spacing is 0.
+    void make_leaf(Examined& examined) const
     {
-        looked.node.spacing = 0;
-        if (looked.deleted == 0) looked.rest = tree_.read_chunk(looked.node.id, ColumnSet::all(info_.schema));
-        looked.bytes = encode_chunk(looked.rest, info_.schema, info_.grid, identity_of(looked.node, generation_));
+        examined.node.spacing = 0;
+        if (examined.deleted == 0) examined.rest = tree_.read_chunk(examined.node.id, ColumnSet::all(info_.schema));
+        examined.bytes = encode_chunk(examined.rest, info_.schema, info_.grid, identity_of(examined.node, generation_));
     }
 
-    // Whether there may be points to delete in a node or below it.
+    // Whether the node's subtree may have points to delete.
     bool touches(const Node& node) const
     {
         return selector_.relation(source_box(info_.grid, node.box, info_.position_type == ScalarType::f32)) !=
                BoxRelation::outside;
     }
 
-    Looked look_at(const PartNode& node) const
+    Examined examine(const PartNode& node) const
     {
-        Looked looked;
-        looked.node = node;
-        looked.node.box = Box3i();
-        if (node.points == 0) return looked;
+        Examined examined;
+        examined.node = node;
+        examined.node.box = Box3i();
+        if (node.points == 0) return examined;
         Chunk chunk = tree_.read_chunk(node.id, tested_);
         const std::vector<std::uint32_t> deleted = selected(chunk);
-        looked.deleted = deleted.size();
+        examined.deleted = deleted.size();
         if (deleted.empty()) {
-            looked.node.box = box_of(*chunk.positions);
-            return looked;
+            examined.node.box = box_of(*chunk.positions);
+            return examined;
         }
-        if (count_only_) return looked;
+        if (count_only_) return examined;
         const Chunk more = tree_.read_chunk(node.id, others_);
         for (std::size_t k = 0; k < chunk.attributes.size(); ++k)
             if (!chunk.attributes[k]) chunk.attributes[k] = more.attributes[k];
         std::vector<std::byte> scratch;
         const RowLayout layout(info_.schema, info_.wide);
-        looked.hash = hash_chunk(points_of(chunk, deleted), layout, scratch);
-        keep(chunk, deleted, looked);
-        return looked;
+        examined.hash = hash_chunk(subset_of(chunk, deleted), layout, scratch);
+        keep(chunk, deleted, examined);
+        return examined;
     }
 
 private:
@@ -97,7 +95,7 @@ private:
         std::iota(numbers.begin(), numbers.end(), 0u);
         std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
         for (const std::size_t k : selector_.tested()) columns[k] = chunk.attributes[k].get();
-        // Where they are to whoever reads the tree: floats are rounded to what the source had.
+        // The positions that readers of the tree get: a tree of floats rounds them to floats.
         const bool single = info_.position_type == ScalarType::f32;
         selector_.narrow(
             columns,
@@ -111,24 +109,24 @@ private:
         return numbers;
     }
 
-    // The chunk without the deleted points, in the same order.
-    void keep(const Chunk& chunk, const std::vector<std::uint32_t>& deleted, Looked& looked) const
+    // The chunk without the deleted points; the others keep their order.
+    void keep(const Chunk& chunk, const std::vector<std::uint32_t>& deleted, Examined& examined) const
     {
         std::vector<std::uint32_t> kept;
-        std::vector<std::uint32_t> left = looked.node.level_points;
+        std::vector<std::uint32_t> left = examined.node.level_points;
         std::size_t next = 0, run = 0;
         std::uint32_t run_end = 0;
         for (std::uint32_t i = 0; i < chunk.points; ++i) {
-            while (i >= run_end) run_end += looked.node.level_points[run++];
+            while (i >= run_end) run_end += examined.node.level_points[run++];
             if (next == deleted.size() || deleted[next] != i) {
                 kept.push_back(i);
                 continue;
             }
             ++next;
             --left[run - 1];
-            looked.chosen = looked.chosen || info_.spacings[looked.node.first_level + run - 1] > 0;
+            examined.coverage_lost = examined.coverage_lost || info_.spacings[examined.node.first_level + run - 1] > 0;
         }
-        PartNode& node = looked.node;
+        PartNode& node = examined.node;
         node.points = static_cast<std::uint32_t>(kept.size());
         node.extent = Extent();
         while (!left.empty() && left.back() == 0) left.pop_back();
@@ -138,10 +136,10 @@ private:
         left.erase(left.begin(), first);
         node.level_points = std::move(left);
         if (kept.empty()) return;
-        looked.rest = points_of(chunk, kept);
-        node.box = box_of(*looked.rest.positions);
-        for (std::uint32_t i = 0; i < looked.rest.points; ++i) looked.kept.see(looked.rest.positions->grid(i));
-        looked.bytes = encode_chunk(looked.rest, info_.schema, info_.grid, identity_of(node, generation_));
+        examined.rest = subset_of(chunk, kept);
+        node.box = box_of(*examined.rest.positions);
+        for (std::uint32_t i = 0; i < examined.rest.points; ++i) examined.kept.see(examined.rest.positions->grid(i));
+        examined.bytes = encode_chunk(examined.rest, info_.schema, info_.grid, identity_of(node, generation_));
     }
 
     const Tree& tree_;
@@ -177,18 +175,18 @@ public:
             const Node& node = tree_->node(id);
             touched[id] = (node.parent == no_node || touched[node.parent]) && eraser_->touches(node);
         }
-        std::vector<std::size_t> to_look_at;  // children before their parents
+        std::vector<std::size_t> to_examine;  // children before their parents
         for (std::size_t n = nodes_.size(); n-- > 0;)
-            if (touched[nodes_[n].id]) to_look_at.push_back(n);
+            if (touched[nodes_[n].id]) to_examine.push_back(n);
 
         report_.outcome.points_in = tree_->info().points;
         in_turn(
-            to_look_at.size(), threads_, [&](std::size_t i) { return eraser_->look_at(nodes_[to_look_at[i]]); },
-            [&](std::size_t i, Looked&& looked) { take(nodes_[to_look_at[i]], std::move(looked)); },
+            to_examine.size(), threads_, [&](std::size_t i) { return eraser_->examine(nodes_[to_examine[i]]); },
+            [&](std::size_t i, Examined&& examined) { take(nodes_[to_examine[i]], std::move(examined)); },
             [&](std::size_t done) {
-                watch_.report("Looking at points",
+                watch_.report("Finding points to delete",
                               0.95 * static_cast<double>(done) /
-                                  static_cast<double>(std::max<std::size_t>(1, to_look_at.size())));
+                                  static_cast<double>(std::max<std::size_t>(1, to_examine.size())));
             });
         report_.outcome.points_out = report_.outcome.points_in - report_.points_deleted;
         if (update_ && report_.points_deleted) commit();
@@ -197,28 +195,28 @@ public:
     }
 
 private:
-    void take(PartNode& node, Looked&& looked)
+    void take(PartNode& node, Examined&& examined)
     {
-        report_.points_deleted += looked.deleted;
-        if (looked.chosen) report_.coverage_kept = false;
+        report_.points_deleted += examined.deleted;
+        if (examined.coverage_lost) report_.coverage_kept = false;
         if (!update_) return;
         bool leaf = true;
         for (const NodeId child : tree_->node(node.id).children) leaf = leaf && (child == no_node || !alive_[child]);
-        alive_[node.id] = !leaf || looked.node.points > 0;
-        if (leaf && looked.node.points && looked.node.spacing > 0) eraser_->make_leaf(looked);
-        if (looked.deleted) {
+        alive_[node.id] = !leaf || examined.node.points > 0;
+        if (leaf && examined.node.points && examined.node.spacing > 0) eraser_->make_leaf(examined);
+        if (examined.deleted) {
             changed_.insert(node.id);
-            hash_ += looked.hash;
-            kept_.merge(looked.kept);
+            hash_ += examined.hash;
+            kept_.merge(examined.kept);
         }
-        if (!looked.bytes.empty()) {
-            looked.node.extent = update_->write(looked.bytes);
+        if (!examined.bytes.empty()) {
+            examined.node.extent = update_->write(examined.bytes);
             ++report_.nodes_rewritten;
-        } else if (looked.deleted) {
-            update_->bury(looked.node);
+        } else if (examined.deleted) {
+            update_->write_tombstone(examined.node);
             ++report_.nodes_emptied;
         }
-        node = std::move(looked.node);
+        node = std::move(examined.node);
     }
 
     void commit()
@@ -231,7 +229,7 @@ private:
         if (joined.nodes.empty()) {
             info.box = Box3i();
             info.extremes = {};
-            // As of a build without points: whoever appends may choose other levels.
+            // As after a build without points: an append chooses new levels.
             info.spacings.clear();
             info.levels = 0;
             info.coverage_kept = true;
@@ -253,7 +251,7 @@ private:
     std::shared_ptr<const Tree> tree_;
     std::optional<Eraser> eraser_;
     std::vector<PartNode> nodes_;
-    std::vector<bool> alive_;  // nodes that have points, or some below
+    std::vector<bool> alive_;  // nodes with points in their subtree
     std::set<NodeId> changed_;
     std::uint64_t hash_ = 0;
     Observed kept_;

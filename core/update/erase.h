@@ -1,8 +1,8 @@
-// Deletes points of a tree.
+// Deletes points from a tree.
 #pragma once
 
-#include "pcm/system/progress.h"
 #include "pcm/cloud/selection.h"
+#include "pcm/system/progress.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -10,8 +10,8 @@
 namespace pcm {
 
 struct EraseOptions {
-    unsigned threads = 0;     // 0: one a processor
-    bool count_only = false;  // nothing is changed, the report says what would be
+    unsigned threads = 0;     // 0: one per processor
+    bool count_only = false;  // changes nothing; the report describes what would be deleted
     ProgressFunction progress;
 };
 
@@ -20,16 +20,15 @@ struct EraseReport {
     std::uint64_t points_deleted = 0;
     std::uint64_t nodes_rewritten = 0, nodes_emptied = 0;
     std::uint64_t bytes_written = 0;
-    bool coverage_kept = true;  // levels are still as even as they were: only points of the last level went
+    bool coverage_kept = true;  // the levels' guarantee still holds: only points of the last level were deleted
 };
 
-// Deletes the points that `selection` chooses, in place and at once: at any instant the tree is the old one or the new
-// one. Nodes that the selection's bounds do not touch are not read. Nodes that lose points are written anew behind the
-// others; what they took before is free after compact_tree(). The points that stay keep their levels: no two of a level
-// are nearer than its spacing, but where its points went there may be none near enough, until the tree is compacted. A
-// tree may lose all its points: it is then an empty one. Who has it open goes on reading what was there before. Throws
-// Error(invalid_argument) when the selection chooses no points or names what the tree has not, Error(exists) when
-// somebody else changes the tree, and what reading and writing throw.
+// Deletes the points that `selection` chooses, in place and atomically. Nodes outside of the selection's bounds are not
+// read. Nodes that lose points are written again to new data files; compact_tree() frees their old bytes. The remaining
+// points keep their levels: no two points of a level are nearer than its spacing, but gaps of a level stay until the
+// tree is compacted. A tree that loses all its points becomes an empty tree. Open readers keep reading the old tree (a
+// snapshot). Throws Error(invalid_argument) when the selection chooses no points or names an attribute that the tree
+// lacks, Error(exists) when another process or thread changes the tree, and what reading and writing throw.
 EraseReport erase_points(const std::filesystem::path& tree, const Selection& selection,
                          const EraseOptions& options = {});
 

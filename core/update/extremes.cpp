@@ -8,8 +8,8 @@
 namespace pcm {
 namespace {
 
-// The smallest point, in the order of coordinates, with the coordinate `value` on an axis: nodes by the smallest that
-// they may hold.
+// Finds the smallest point, in lexicographic order, with the coordinate `value` on an axis. Visits nodes in the order
+// of the smallest point that they can hold.
 void find_smallest(const Tree& tree, const std::set<NodeId>& changed, std::size_t axis, std::int64_t value, Vec3i& best,
                    bool found)
 {

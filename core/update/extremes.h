@@ -1,4 +1,4 @@
-// The points of a tree that reach farthest, when some of its nodes have changed.
+// The extreme points of a tree after a change of some of its nodes.
 #pragma once
 
 #include "pcm/build/bins/observed.h"

@@ -128,7 +128,7 @@ void FittedReader::fit_positions(PointBatch& batch)
         if (!tree_.wide)
             for (std::size_t a = 0; a < 3; ++a) narrow[a].push_back(static_cast<std::int32_t>(*q[a]));
     }
-    if (misplaced_ || tree_.wide) return;  // the build leaves out of doubles what is not finite
+    if (misplaced_ || tree_.wide) return;  // the build drops doubles that are not finite
     if (finite.size() < batch.size) keep_points(batch, finite);
     for (std::size_t a = 0; a < 3; ++a) batch.xyz[a].clear();
     batch.gridded = true;

@@ -1,4 +1,4 @@
-// A cloud as one that could have been in a tree from the start: on its grid, with its attributes.
+// Reads a cloud in the form of a tree's points: on the tree's grid, with the tree's attributes.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -13,27 +13,27 @@
 
 namespace pcm {
 
-// Positions must have a place on the tree's grid. On the grid of a source of integers (LAS) that is one whose
-// coordinates are the point's, but for what arithmetic in double rounds off: q * scale + offset with another offset. On
-// a grid that was made for floats it is the nearest one, at most half a step away, as in a build. They are integers
-// where the tree's fit 32 bits, else doubles. Attributes must be the tree's, alike in type, components, scale and
-// offset; those that the cloud lacks become 0.
+// Every position must have a place on the tree's grid. On the grid of a source of integers (LAS) the place has the
+// coordinates of the point, up to the rounding of q * scale + offset in double with another offset. On a grid that was
+// made for floats it is the nearest place, at most half a step away, as in a build. Positions come as integers where
+// the tree's fit 32 bits, else as doubles. Attributes must match the tree's in type, components, scale and offset;
+// those that the cloud lacks become 0.
 class FittedReader final : public PointReader {
 public:
-    // `folder` is the tree's, for messages; all must outlive the reader. Throws Error(invalid_argument) when the cloud
-    // has an attribute that the tree has not.
+    // `folder` is the tree's, for messages; cloud and tree must outlive the reader. Throws Error(invalid_argument) when
+    // the cloud has an attribute that the tree lacks.
     FittedReader(PointReader& cloud, const TreeInfo& tree, const std::filesystem::path& folder);
 
     const FileInfo& info() const override { return info_; }
-    // At the first point without a place the cloud is read to its end, and Error(invalid_argument) says how many there
-    // are, how far they are from the nearest place, and what to do.
+    // At the first point without a place the cloud is read to its end, and Error(invalid_argument) states how many such
+    // points there are, how far they are from the nearest place, and what to do.
     bool read(PointBatch& batch, std::size_t max_points) override;
     bool seekable() const override { return same_grid_ && cloud_.seekable(); }
     void seek(std::uint64_t index) override { cloud_.seek(index); }
     double fraction_read() const override { return cloud_.fraction_read(); }
 
-    // So far: points without a finite position (integers have left those out, doubles have them still), and how far a
-    // coordinate was moved at most, source units.
+    // So far: points without a finite position (left out of integers, still present in doubles), and the largest change
+    // of a coordinate, source units.
     std::uint64_t points_skipped() const { return skipped_; }
     double position_error() const { return position_error_; }
 
@@ -48,7 +48,7 @@ private:
     const std::filesystem::path folder_;
     const bool same_grid_;
     FileInfo info_;
-    std::vector<std::size_t> slots_;  // of each of the cloud's attributes: which of the tree's it is
+    std::vector<std::size_t> slots_;  // of each attribute of the cloud: its number in the tree
     bool same_schema_ = false;
     PointBatch batch_;
     std::uint64_t points_ = 0, skipped_ = 0, misplaced_ = 0;

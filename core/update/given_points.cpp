@@ -36,7 +36,7 @@ GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree)
             const NodeId id = open.back();
             open.pop_back();
             const Node& node = tree->node(id);
-            // Below a node there are only finer levels than its own.
+            // The nodes below hold finer levels only.
             if (!touch(node.box, box) || (node.points && node.first_level > last)) continue;
             for (const NodeId child : node.children)
                 if (child != no_node) open.push_back(child);

@@ -1,4 +1,4 @@
-// The points that a tree has already, for choosing the levels of those that are added.
+// The existing points of a tree, for choosing the levels of points that are added.
 #pragma once
 
 #include "pcm/build/levels/level_sampler.h"
@@ -8,8 +8,8 @@
 
 namespace pcm {
 
-// Levels of the tree, as the sampler asks for them: chunk by chunk, of each only the pieces in the box and of the
-// levels asked for.
+// The levels of a tree in the form that the sampler asks for: chunk by chunk, only segments that touch its box and are
+// of its levels.
 template <class Coord>
 GivenLevels<Coord> given_levels(std::shared_ptr<const Tree> tree);
 

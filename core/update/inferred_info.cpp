@@ -16,7 +16,7 @@ bool is_power_of_two(double step)
     return std::frexp(step, &exponent) == 0.5;
 }
 
-// A build makes such a grid for floats, and none else.
+// Whether a build made the grid for floats; it makes no such grid for integers.
 bool made_for_floats(const Grid& grid)
 {
     bool made = true;
@@ -25,8 +25,8 @@ bool made_for_floats(const Grid& grid)
     return made;
 }
 
-// The spacing of level 0. A node above others tells that of its last level, which is each half of the one before; a
-// level of which it has no points is not counted there, and makes the answer smaller.
+// The spacing of level 0. An inner node has the spacing of its last level, and each level has half the spacing of the
+// one before. A level without points in the node is not counted, which makes the result smaller.
 double first_spacing(const Grid& grid, const std::vector<PartNode>& nodes)
 {
     double spacing = 0;
@@ -39,7 +39,7 @@ double first_spacing(const Grid& grid, const std::vector<PartNode>& nodes)
                 spacing, std::ldexp(node.spacing, static_cast<int>(node.first_level + node.level_points.size()) - 1));
     }
     if (spacing > 0 || box.empty()) return spacing;
-    // A single node: its levels are nowhere told apart by their spacing, but the first is never wider than this.
+    // A single node has no spacing, but that of level 0 is never larger than this.
     Point<std::uint64_t> low, high;
     for (std::size_t a = 0; a < 3; ++a) {
         low[a] = to_coordinate<std::uint64_t>(box.min[a]);
@@ -66,7 +66,7 @@ TreeInfo infer_info(const ChunkKind& kind, const std::vector<PartNode>& nodes)
     const bool floats = made_for_floats(kind.grid);
     info.wide = info.wide || floats;
     info.position_type = floats ? ScalarType::f64 : ScalarType::i32;
-    info.sampling = Sampling::grid;  // which promises less
+    info.sampling = Sampling::grid;  // the weaker guarantee
     info.levels = static_cast<std::uint16_t>(levels);
     double spacing = first_spacing(kind.grid, nodes);
     for (std::size_t level = 0; level < levels; ++level, spacing /= 2)

@@ -1,4 +1,4 @@
-// What chunks tell of their tree when nothing else does.
+// The properties of a tree inferred from its chunks, when index and about.pct are lost.
 #pragma once
 
 #include "pcm/tree/tree.h"
@@ -8,9 +8,9 @@
 
 namespace pcm {
 
-// Of a tree whose newest chunks are `nodes`: grid, attributes, whether coordinates are wide, levels and their spacings.
-// Type of positions and kind of sampling are guesses that promise no more than the points keep; metadata, sources and
-// all counts are missing.
+// For a tree whose newest chunks are `nodes`: grid, attributes, whether coordinates are wide, levels and their
+// spacings. The type of the positions and the kind of sampling are guesses that guarantee no more than the points
+// fulfil. Metadata, sources and all counts are missing.
 TreeInfo infer_info(const ChunkKind& kind, const std::vector<PartNode>& nodes);
 
 }  // namespace pcm

@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-// A node with its place among the others.
+// A node with its links.
 struct Entry {
-    const PartNode* given = nullptr;  // null: it only stands between others
+    const PartNode* given = nullptr;  // null for a missing inner node that was added
     std::uint32_t part = 0;
     NodePath path;
     std::array<std::size_t, 2> children{none, none};
@@ -48,7 +48,7 @@ public:
             if (entries_[root].points) roots.push_back(root);
         if (roots.empty()) return result;
         result.part_roots.assign(entries_[roots.back()].part + std::size_t(1), no_node);
-        const std::size_t parts_end = entries_.size();  // joining entries come behind
+        const std::size_t parts_end = entries_.size();  // entries that join parts follow
         const std::size_t top = join(roots.data(), roots.data() + roots.size());
 
         std::vector<std::size_t> order{top};
@@ -82,7 +82,8 @@ private:
     using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint64_t,
                            std::uint64_t>;  // part, depth, path: parents before children
 
-    // Entries for all nodes and those between them, linked; subtrees summed up, those without points cut off.
+    // Makes linked entries for all nodes and for missing inner ones, sums up the subtrees, and unlinks those without
+    // points.
     void place(const std::vector<PartNode>& nodes)
     {
         std::map<Key, std::size_t> at;
@@ -133,7 +134,7 @@ private:
         }
     }
 
-    // One entry above the parts whose roots are [first, last).
+    // Makes the entry above the parts whose roots are [first, last).
     std::size_t join(std::size_t* first, std::size_t* last)
     {
         if (last - first == 1) return *first;

@@ -1,4 +1,4 @@
-// The nodes of a tree by themselves, as an update changes them, and how they become a node vector again.
+// The nodes of a tree as a list without links, which an update changes, and its conversion to a node vector.
 #pragma once
 
 #include "pcm/bpc/chunk_identity.h"
@@ -10,30 +10,30 @@
 namespace pcm {
 
 struct PartNode {
-    NodeId id = no_node;  // in the tree that it is of, where it is of one
+    NodeId id = no_node;  // in its tree; no_node for a node that is in no tree yet
     std::uint32_t part = 0;
     NodePath path;  // within the part
     std::uint32_t points = 0;
     std::uint16_t first_level = 0;
     std::vector<std::uint32_t> level_points;
-    double spacing = 0;  // as Node.spacing would be, were it no leaf
-    Box3i box;           // of its own points; or of its subtree's, where nothing below it changes
+    double spacing = 0;  // Node::spacing as if the node were not a leaf
+    Box3i box;           // of its own points, or of the subtree's points where nothing below the node changes
     Extent extent;
 };
 
-// The nodes of a tree, in the order of its node vector without those that join parts.
+// The nodes of a tree in the order of its node vector, without the nodes that join parts.
 std::vector<PartNode> part_nodes(const Tree& tree);
 
 struct NodeVector {
     std::vector<Node> nodes;
-    std::vector<NodeId>
-        part_roots;  // by the parts' numbers, up to the last that has points; no_node for one that has none
+    // The root of each part up to the last one with points; no_node for a part without points.
+    std::vector<NodeId> part_roots;
 };
 
-// The node vector that these nodes make: breadth first, so parents first. Nodes below which there are no points vanish,
-// nodes between others come to be where they are missing; such a one has the spacing of the node above. Parts are
-// joined by nodes without points, balanced, each half of the parts on one side of a plane as far as their boxes allow.
-// The order of `nodes` does not matter, and each (part, path) is there once. `spacings` are the tree's levels'.
+// The node vector of these nodes: breadth first, so parents first. Subtrees without points are removed. Missing inner
+// nodes are added, with the spacing of the node above. The parts are joined by a balanced tree of nodes without points,
+// each half of the parts on one side of a plane as far as their boxes allow. The result does not depend on the order of
+// `nodes`; each (part, path) occurs once. `spacings` are those of the tree's levels.
 NodeVector join_parts(const std::vector<PartNode>& nodes, const std::vector<double>& spacings, const Vec3d& scale);
 
 }  // namespace pcm

@@ -5,12 +5,10 @@
 #include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "pcm/tree/about.h"
-#include "pcm/build/bins/row.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
-#include "pcm/threads/in_turn.h"
+#include "pcm/tree/about.h"
 #include "pcm/tree/point_hash.h"
 #include "pcm/tree/unfinished_build.h"
 #include "pcm/tree/verify.h"
@@ -92,12 +90,12 @@ public:
     }
 
 private:
-    // The index holds, and so does all that it names.
+    // Whether the index and everything that it names are undamaged.
     bool tree_is_whole()
     {
         try {
             const VerifyReport verified = verify_tree(folder_, threads_, [this](const ProgressUpdate& update) {
-                watch_.report("Looking at chunks", 0.5 * update.fraction);
+                watch_.report("Verifying chunks", 0.5 * update.fraction);
                 return true;
             });
             return verified.faults.empty();
@@ -107,15 +105,14 @@ private:
         }
     }
 
-    // What an interrupted update has left, and about.pct where it is not of this index.
+    // Removes what an interrupted update has left, and restores about.pct where it does not belong to this index.
     void heal_around(const TreeInfo& info, std::size_t data_files)
     {
         const bool about = !about_ || !same_info(*about_, info);
         if (about && !options_.check_only) write_about(folder_, info);
         if (about)
-            report_.notes.push_back(std::string(about_file_name) + (about_
-                                                                        ? " does not say what the index says"
-                                                                        : " is damaged or missing: " + about_fault_));
+            report_.notes.push_back(std::string(about_file_name) +
+                                    (about_ ? " differs from the index" : " is damaged or missing: " + about_fault_));
         remove_leftovers(data_files);
     }
 
@@ -137,7 +134,7 @@ private:
         info_ = about_ ? *about_ : old_ ? old_->info : infer_info(*kind_, wanted);
         layout_ = RowLayout(info_.schema, info_.wide);
         TreeIndex index = put_together(check_chunks(wanted));
-        tell_losses(index);
+        report_losses(index);
         if (!options_.check_only) put_in_place(index);
         remove_leftovers(index.data_files.size());
     }
@@ -151,12 +148,12 @@ private:
         for (FoundFile& file : files_)
             scan(file, kind_, [&](std::uint64_t bytes) {
                 done += bytes;
-                watch_.report("Looking for chunks", 0.5 + 0.1 * static_cast<double>(done) / static_cast<double>(all));
+                watch_.report("Searching for chunks", 0.5 + 0.1 * static_cast<double>(done) / static_cast<double>(all));
             });
-        if (!kind_) throw Error(ErrorCode::not_a_tree, folder_, "no chunk of a tree in this folder is whole");
+        if (!kind_) throw Error(ErrorCode::not_a_tree, folder_, "no chunk in this folder is undamaged");
     }
 
-    // The newest state of the tree that was finished. What came later was on its way when it was interrupted.
+    // Chooses the newest generation that was completed. Chunks of later ones belong to an interrupted update.
     void choose_generation()
     {
         generation_ = old_ ? old_->info.generation : 1;
@@ -166,14 +163,14 @@ private:
                 generation_ = file.commit->generation;
                 commit_ = file.commit;
             }
-        // It is written when all chunks and the commit record are: where its generation is the newer one, the record is
+        // about.pct is written after all chunks and the commit record: if its generation is newer, the record is
         // damaged.
         if (!old_ && about_ && about_->generation > generation_ && has_chunks_of(about_->generation)) {
             generation_ = about_->generation;
             commit_.reset();
         }
         report_.generation = generation_;
-        // The index that is made names the files up to the last of this generation.
+        // The new index names the files up to the last one of this generation.
         data_files_ = commit_ ? commit_->data_files.size() : old_ ? old_->data_files.size() : 0;
         for (const FoundFile& file : files_) {
             for (const std::string& fault : file.faults) report_.faults.push_back(fault);
@@ -191,7 +188,7 @@ private:
         return false;
     }
 
-    // Of each node the newest chunk or tombstone.
+    // The newest chunk or tombstone of each node.
     std::vector<PartNode> newest_chunks() const
     {
         using Key = std::tuple<std::uint32_t, std::uint16_t, std::uint64_t, std::uint64_t>;
@@ -208,7 +205,7 @@ private:
         return nodes;
     }
 
-    // What a chunk's columns say, all of them whole.
+    // The result of reading all columns of a chunk.
     struct Checked {
         std::string fault;
         Observed observed;
@@ -223,7 +220,7 @@ private:
                                               node.extent.header_bytes, all);
             if (!decoded.header.schema.is_beginning_of(info_.schema))
                 throw Error(ErrorCode::corrupt, files[node.extent.file].path(),
-                            "a chunk has attributes that the tree has not");
+                            "a chunk has attributes that the tree lacks");
             Chunk chunk = std::move(decoded.chunk);
             add_missing_columns(chunk, info_.schema, all);
             Box3i box;
@@ -245,7 +242,7 @@ private:
         return checked;
     }
 
-    // Those that are whole; sums up what they hold.
+    // Returns the undamaged nodes and sums up what they hold.
     std::vector<PartNode> check_chunks(const std::vector<PartNode>& nodes)
     {
         std::vector<File> files(data_files_);
@@ -297,21 +294,21 @@ private:
                 data.generation = chunk.generation;
                 end = std::max(end, chunk.node.extent.offset + chunk.node.extent.bytes);
             }
-            // A file that was cut off, or that nobody counted: what nodes need of it.
+            // A truncated file, or one that nothing records: the bytes that its chunks need.
             if (data.bytes == 0 || data.bytes > file.size) data.bytes = end;
         }
-        std::set<std::uint32_t> there;
-        for (const FoundFile& file : files_) there.insert(file.number);
+        std::set<std::uint32_t> present;
+        for (const FoundFile& file : files_) present.insert(file.number);
         for (std::uint32_t number = 0; number < data_files_; ++number)
-            if (!there.count(number) && index.data_files[number].bytes) {
+            if (!present.count(number) && index.data_files[number].bytes) {
                 report_.faults.push_back(data_file_name(number) + " is missing");
                 index.data_files[number].bytes = 0;
             }
         return index;
     }
 
-    // What is less than it was.
-    void tell_losses(TreeIndex& index)
+    // Compares the restored points with the recorded ones.
+    void report_losses(TreeIndex& index)
     {
         TreeInfo& info = index.info;
         std::optional<std::uint64_t> expected;
@@ -324,21 +321,22 @@ private:
         report_.outcome.points_in = expected.value_or(info.points);
         if (info.points == 0 && report_.outcome.points_in)
             throw Error(ErrorCode::corrupt, folder_,
-                        "not one of its " + grouped(report_.outcome.points_in) + " points is in a chunk that is whole",
-                        "bring its data files back");
+                        "not one of its " + grouped(report_.outcome.points_in) + " points is in an undamaged chunk",
+                        "restore its data files from a copy");
         report_.outcome.points_out = info.points;
         if (report_.outcome.points_in > info.points) report_.points_lost = report_.outcome.points_in - info.points;
         if (report_.outcome.points_in < info.points)
-            report_.faults.push_back(
-                "there are " + grouped(info.points - report_.outcome.points_in) +
-                " points more than the tree had: deleted ones are back, whose nodes' newer chunks are lost");
+            report_.faults.push_back("there are " + grouped(info.points - report_.outcome.points_in) +
+                                     " points more than the tree had: deleted points are back, since the newer chunks "
+                                     "of their nodes are lost");
         if (report_.outcome.points_in != info.points) info.coverage_kept = false;
         if (!about_)
             report_.faults.push_back(
                 about_fault_ +
-                (old_ ? "; the index has what it said"
-                      : "; lost are the metadata, the names of sources, the number of skipped points, the "
-                        "position error and how levels were chosen"));
+                (old_
+                     ? "; the index has the same information"
+                     : "; the metadata, the names of sources, the number of skipped points, the position error and the "
+                       "kind of sampling are lost"));
         if (index.nodes.empty()) {
             info.spacings.clear();
             info.levels = 0;
@@ -350,8 +348,7 @@ private:
         watch_.report("Writing the index", 0.99);
         find_parts(index, folder_ / index_file_name);
         const std::vector<std::byte> bytes = encode_index(index);
-        decode_index(bytes,
-                     folder_ / index_file_name);  // what it must keep is checked before it takes the old one's place
+        decode_index(bytes, folder_ / index_file_name);  // checks the invariants before the old index is replaced
         write_about(folder_, index.info);
         const fs::path path = folder_ / index_file_name, damaged = folder_ / damaged_index_name;
         if (fs::exists(path)) {

@@ -3,12 +3,9 @@
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/system/error.h"
-#include "pcm/build/bins/row.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
-#include "pcm/threads/in_turn.h"
 #include "pcm/tree/point_hash.h"
-#include <thread>
 
 namespace pcm {
 
@@ -73,17 +70,17 @@ void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& chan
     check_open();
     const TreeInfo& info = tree_->info();
     Chunk chunk = written;  // its columns are shared
-    add_missing_columns(chunk, info.schema,
-                        ColumnSet::all(info.schema));  // an attribute may have been added since it was read
+    // An attribute may have been added since the chunk was read.
+    add_missing_columns(chunk, info.schema, ColumnSet::all(info.schema));
     if (chunk.points != tree_->node(node).points || !chunk.columns().contains(ColumnSet::all(info.schema)))
         throw Error(ErrorCode::invalid_argument, tree_->folder(),
-                    "a chunk of other points was to take the place of that of node " + std::to_string(node));
+                    "a chunk of other points was to replace the one of node " + std::to_string(node));
     if (chunk.points == 0) return;
     std::vector<std::byte> scratch;
     const RowLayout layout(info.schema, info.wide);
     const std::uint64_t hash = hash_chunk(chunk, layout, scratch);
 
-    // What the points were: of the tree's own chunk, for one that was written since it is known.
+    // The hash of the old points; it is known for a chunk that was written since the last commit.
     std::uint64_t hash_before = 0;
     if (!longer_schema_ && !place_of(node)) {
         ColumnSet columns = changed;
@@ -114,7 +111,7 @@ void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& chan
     places_[node] = std::move(place);
 }
 
-// Chunks that were written without them count with zeros.
+// Chunks that were written before the attributes were added count with zeros.
 std::uint64_t TreeChanges::hash_with_added_attributes() const
 {
     const TreeInfo& info = tree_->info();
@@ -150,15 +147,15 @@ void TreeChanges::commit()
     try {
         update_->commit(std::move(info), std::move(nodes));
     } catch (...) {
-        if (update_->committed()) begin_again();
+        if (update_->committed()) start_next_update();
         throw;
     }
-    begin_again();
+    start_next_update();
 }
 
-void TreeChanges::begin_again()
+void TreeChanges::start_next_update()
 {
-    update_->go_on();
+    update_->start_next();
     tree_ = update_->tree();
     hash_ = tree_->info().content_hash;
     places_.clear();

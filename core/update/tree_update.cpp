@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a new data file is begun beyond this
+constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a larger one is ended and another begun
 
 fs::path folder_of(const fs::path& path)
 {
@@ -23,7 +23,7 @@ fs::path folder_of(const fs::path& path)
     return path;
 }
 
-// A folder that is no tree gets no lock file: opening it says what it is.
+// Keeps a lock file from being made in a folder that is no tree: opening it throws.
 const fs::path& checked(const fs::path& folder)
 {
     if (!is_tree(folder)) Tree::open(folder);
@@ -71,8 +71,8 @@ ChunkIdentity identity_of(const PartNode& node, std::uint32_t generation)
 TreeUpdate::TreeUpdate(const fs::path& path) : lock_(checked(folder_of(path))), tree_(Tree::open(path))
 {
     generation_ = tree_->info().generation + 1;
-    // First what is told of the tree, then the chunks: whoever makes the index anew from them finds this generation, or
-    // the one that was all but finished.
+    // about.pct first, then the data files: if this is interrupted and the index is then rebuilt, it is of this
+    // generation, or of the interrupted one while all its chunks are still present.
     const std::vector<fs::path> left = leftovers(folder(), tree_->data_files().size());
     if (!left.empty() && !about_is_of(*tree_)) write_about(folder(), tree_->info());
     for (const fs::path& file : left) fs::remove_all(file);
@@ -87,7 +87,7 @@ TreeUpdate::~TreeUpdate()
             for (const fs::path& file : leftovers(folder(), tree_->data_files().size())) fs::remove_all(file, ignored);
         fs::remove_all(folder() / update_scratch_name, ignored);
         if (!committed_ && about_ahead_) write_about(folder(), tree_->info());
-    } catch (...) {  // the index holds; what is left here is found by the next update
+    } catch (...) {  // the index is valid; the next update removes what is left here
     }
 }
 
@@ -137,7 +137,7 @@ void TreeUpdate::adopt(const std::vector<std::uint64_t>& bytes)
     }
 }
 
-void TreeUpdate::bury(const PartNode& node)
+void TreeUpdate::write_tombstone(const PartNode& node)
 {
     PartNode empty;
     empty.part = node.part;
@@ -158,7 +158,7 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     index.info.generation = generation_;
     index.nodes = std::move(joined.nodes);
     index.part_roots = std::move(joined.part_roots);
-    // A part's number is not given again while there are others.
+    // Part numbers are not reused as long as the tree has nodes.
     if (!index.nodes.empty())
         index.part_roots.resize(std::max(index.part_roots.size(), tree_->part_roots().size()), no_node);
     index.data_files = tree_->data_files();
@@ -167,7 +167,7 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     write_commit(folder(), index);
     sync_folder(folder());
 
-    // The new index lies ready before anything that is there is touched.
+    // The new index is written completely before any existing file is touched.
     const fs::path path = folder() / index_file_name;
     fs::path ready = path;
     ready += ".new";
@@ -186,7 +186,7 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     sync_folder(folder());
 }
 
-void TreeUpdate::go_on()
+void TreeUpdate::start_next()
 {
     tree_ = Tree::open(folder());
     generation_ = tree_->info().generation + 1;

@@ -1,9 +1,9 @@
-// A change of a tree, from the lock to the new index.
+// One change of a tree, from taking the lock to the new index.
 #pragma once
 
 #include "pcm/tree/tree_index.h"
-#include "pcm/update/part_nodes.h"
 #include "pcm/tree/tree_lock.h"
+#include "pcm/update/part_nodes.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -13,18 +13,16 @@
 
 namespace pcm {
 
-inline constexpr const char* update_scratch_name =
-    "update.tmp";  // a folder in the tree's, for what an update needs on the way
+inline constexpr const char* update_scratch_name = "update.tmp";  // in the tree's folder: scratch files of an update
 
-// Files in a tree's folder that its index knows nothing of: what an update has left that was interrupted.
+// Files in a tree's folder that an interrupted update has left: the index does not name them.
 std::vector<std::filesystem::path> leftovers(const std::filesystem::path& folder, std::size_t data_files);
 
-// Holds the tree's lock. What is written goes into new data files; commit() makes them part of the tree, at one
-// instant. Whatever ends before that leaves the tree as it was, and removes the files. One thread.
+// Holds the tree's lock. Chunks are written to new data files; commit() makes them part of the tree atomically. Without
+// a commit the tree stays as it was, and the destructor removes the files. For one thread.
 class TreeUpdate {
 public:
-    // Opens the tree, and removes what an interrupted update has left in its folder. Throws what TreeLock and
-    // Tree::open throw.
+    // Opens the tree and removes the leftovers of an interrupted update. Throws what TreeLock and Tree::open throw.
     explicit TreeUpdate(const std::filesystem::path& path);
     ~TreeUpdate();
     TreeUpdate(const TreeUpdate&) = delete;
@@ -32,28 +30,28 @@ public:
 
     const std::shared_ptr<const Tree>& tree() const { return tree_; }
     const std::filesystem::path& folder() const { return tree_->folder(); }
-    std::uint32_t generation() const { return generation_; }  // of what is written
-    // Makes the folder for scratch files.
+    std::uint32_t generation() const { return generation_; }  // of the chunks to write
+    // Makes the folder for scratch files and returns its path.
     std::filesystem::path scratch();
 
-    // Appends a chunk, made with identity_of(), to the new data files. Returns where it lies.
+    // Appends a chunk, made with identity_of(), to the new data files. Returns its extent.
     Extent write(const std::vector<std::byte>& chunk);
-    // What is written next goes into a new data file.
+    // The next chunk goes to another new data file.
     void end_file();
-    // Takes over data files that somebody else has written and synced, numbered on from the tree's, of so many bytes
-    // each. Only before anything is written here.
+    // Takes over data files of the given sizes that the caller has written and synced, numbered after the tree's. Only
+    // before the first write().
     void adopt(const std::vector<std::uint64_t>& bytes);
-    // Notes that a node has no points any more.
-    void bury(const PartNode& node);
+    // Writes a tombstone: the node has no points from this generation on.
+    void write_tombstone(const PartNode& node);
 
-    // The tree is from now on what `info` (but its generation) and `joined` say, whose nodes lie in the old data files
-    // and the new ones. When the new index is in place but may not outlast a loss of power, it throws, and the tree is
-    // the new one.
+    // Replaces the index: the tree becomes `info` (but its generation) and `joined`, whose chunks are in the old and
+    // the new data files. When the new index is in place but might not survive a loss of power, it throws, and the tree
+    // is the new one.
     void commit(TreeInfo info, NodeVector joined);
     // Whether the tree on disk is the new one.
     bool committed() const { return committed_; }
-    // After a commit: another change, of the tree as it is now, under the same lock.
-    void go_on();
+    // After a commit: starts another change, of the new tree, under the same lock.
+    void start_next();
     std::uint64_t bytes_written() const { return bytes_written_; }
 
 private:

@@ -30,7 +30,7 @@ public:
     BpcWriter(const std::filesystem::path& path, const FileInfo& cloud, unsigned threads)
         : schema_(cloud.schema),
           grid_(cloud.grid),
-          chunk_points_(default_chunk_points(cloud.schema)),
+          chunk_points_(default_cloud_chunk_points(cloud.schema)),
           threads_(threads),
           path_(path),
           file_(path, cloud_of(cloud))

@@ -1,4 +1,4 @@
-#include "pcm/update/chunk_points.h"
+#include "pcm/update/chunk_subset.h"
 
 #include <algorithm>
 #include <cstring>
@@ -50,7 +50,7 @@ std::shared_ptr<const ChunkPositions> positions_of(const ChunkPositions& from,
 
 }  // namespace
 
-Chunk points_of(const Chunk& chunk, const std::vector<std::uint32_t>& numbers)
+Chunk subset_of(const Chunk& chunk, const std::vector<std::uint32_t>& numbers)
 {
     Chunk result;
     result.points = static_cast<std::uint32_t>(numbers.size());
