@@ -162,6 +162,31 @@ std::uint64_t bits_at(const std::byte* from, std::size_t bit, int width)
     return word & low_mask(width);
 }
 
+// The mode that takes fewer bits for a sequence, and the shapes of its blocks.
+struct SequenceShape {
+    bool use_delta = false;
+    std::size_t bits = 0;  // sum of the blocks' widths
+    std::vector<BlockShape> blocks;
+};
+
+template <class Word>
+SequenceShape choose_shapes(const Word* values, std::size_t count)
+{
+    const std::size_t blocks = (count + codec_block - 1) / codec_block;
+    std::vector<BlockShape> reference(blocks), differences(blocks);
+    std::size_t reference_bits = 0, delta_bits = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const Word* v = values + b * codec_block;
+        const std::size_t n = std::min(codec_block, count - b * codec_block);
+        reference[b] = shape_of_reference(v, n);
+        differences[b] = reference[b].width ? shape_of_delta(v, n) : reference[b];
+        reference_bits += reference[b].width;
+        delta_bits += differences[b].width;
+    }
+    if (delta_bits < reference_bits) return {true, delta_bits, std::move(differences)};
+    return {false, reference_bits, std::move(reference)};
+}
+
 Error refused(const char* what, const std::filesystem::path& path)
 {
     return Error(ErrorCode::corrupt, path, std::string("packed column: ") + what);
@@ -197,28 +222,17 @@ template <class Word>
 void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
 {
     const std::size_t start = out.size();
-    const std::size_t blocks = (count + codec_block - 1) / codec_block;
-    std::vector<BlockShape> reference(blocks), differences(blocks);
-    std::size_t reference_bits = 0, delta_bits = 0;
-    for (std::size_t b = 0; b < blocks; ++b) {
-        const Word* v = values + b * codec_block;
-        const std::size_t n = std::min(codec_block, count - b * codec_block);
-        reference[b] = shape_of_reference(v, n);
-        differences[b] = reference[b].width ? shape_of_delta(v, n) : reference[b];
-        reference_bits += reference[b].width;
-        delta_bits += differences[b].width;
-    }
-    const bool use_delta = delta_bits < reference_bits;
-    const std::vector<BlockShape>& shapes = use_delta ? differences : reference;
+    const auto [use_delta, bits, shapes] = choose_shapes(values, count);
+    const std::size_t blocks = shapes.size();
     std::uint64_t low = shapes[0].base, high = low;
     for (const BlockShape& shape : shapes) {
         low = std::min(low, shape.base);
         high = std::max(high, shape.base);
     }
-    const bool is_constant = !use_delta && reference_bits == 0 && low == high;
+    const bool is_constant = !use_delta && bits == 0 && low == high;
     const int base_bits = is_constant ? 0 : bit_length(high - low);
     const std::size_t table = is_constant ? 0 : blocks * 2 + (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
-    const std::size_t payload = (use_delta ? delta_bits : reference_bits) * (codec_block / 8);
+    const std::size_t payload = bits * (codec_block / 8);
     const std::size_t bytes = stream_header + table + payload;
     if (bytes > 0xffffffffu) throw Error(ErrorCode::unsupported, {}, "a column of more than 4 GiB in one chunk");
     out.resize(start + bytes);

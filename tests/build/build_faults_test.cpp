@@ -5,11 +5,11 @@
 
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_index.h"
+#include "pcm/tree/unfinished_build.h"
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
 #include "tests/support.h"
-#include "pcm/tree/unfinished_build.h"
 
 #include <fstream>
 #include <map>

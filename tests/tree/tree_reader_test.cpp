@@ -2,8 +2,8 @@
 
 #include "pcm/tree/tree_reader.h"
 
-#include "pcm/io/pipe/selected_reader.h"
 #include "pcm/build/builder.h"
+#include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/verify.h"
 #include "tests/clouds.h"

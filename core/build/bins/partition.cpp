@@ -1,12 +1,12 @@
 #include "pcm/build/bins/partition.h"
 
-#include "pcm/system/error.h"
 #include "pcm/build/bins/batch_queue.h"
 #include "pcm/build/bins/distribute.h"
 #include "pcm/build/bins/divide_bins.h"
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/spool.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
 
 #include <atomic>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "pcm/build/levels/level_sampler.h"
 
-#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/build/levels/grid_levels.h"
 #include "pcm/build/levels/poisson_pass.h"
 #include "pcm/system/error.h"

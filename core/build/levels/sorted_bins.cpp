@@ -1,7 +1,7 @@
 #include "pcm/build/levels/sorted_bins.h"
 
-#include "pcm/bpc/checksum.h"
 #include "pcm/bpc/byte_order.h"
+#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 
 #include <cstring>

@@ -1,8 +1,8 @@
 #include "pcm/build/nodes/node_builder.h"
 
 #include "pcm/bpc/chunk_encoder.h"
-#include "pcm/system/error.h"
 #include "pcm/build/levels/morton_sort.h"
+#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,10 +6,10 @@
 #pragma once
 
 #include "pcm/bpc/chunk_identity.h"
-#include "pcm/tree/chunk_size.h"
-#include "pcm/build/levels/lattice.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/build/levels/lattice.h"
 #include "pcm/build/nodes/draft.h"
+#include "pcm/tree/chunk_size.h"
 #include "pcm/tree/tree.h"
 
 #include <array>
