@@ -15,7 +15,8 @@ set(public_headers
   build/builder.h convert/convert.h update/append.h update/compact.h update/erase.h update/repair.h update/target.h
   tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
-  cloud/affine.h cloud/attribute.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h cloud/selection.h
+  cloud/affine.h cloud/attribute.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
+  cloud/selection.h cloud/vector.h
   system/error.h system/progress.h
   view/camera.h view/camera_path.h view/clearance.h view/first_person.h view/frustum.h view/level_of_detail.h view/motion.h)
 set(reachable_headers

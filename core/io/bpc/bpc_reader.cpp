@@ -4,12 +4,12 @@
 #include "pcm/bpc/bpc_file.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/text.h"
+#include "pcm/threads/task_pool.h"
 #include "pcm/threads/thread_count.h"
 
 #include <algorithm>
 #include <cstring>
 #include <deque>
-#include <future>
 #include <string>
 
 namespace pcm {
@@ -46,7 +46,7 @@ public:
 private:
     struct Ahead {
         ChunkPlace place, after;
-        std::future<DecodedChunk> decoded;
+        Pending<DecodedChunk> decoded;
     };
 
     void load();
@@ -63,6 +63,7 @@ private:
     DecodedChunk decoded_;
     // The following chunks, being decoded; their destructors wait.
     std::size_t most_ahead_ = 0;
+    TaskPool pool_;
     std::deque<Ahead> ahead_;
 };
 
@@ -77,7 +78,7 @@ void BpcReader::load()
     if (ahead_.empty()) {
         decoded_ = file_.read(place, columns_);
     } else {
-        std::future<DecodedChunk> decoded = std::move(ahead_.front().decoded);
+        Pending<DecodedChunk> decoded = std::move(ahead_.front().decoded);
         ahead_.pop_front();
         decoded_ = decoded.get();
     }
@@ -96,7 +97,8 @@ void BpcReader::read_ahead()
             const BpcHeader header = file_.header(place);
             if (decoded_bytes(header) > most_ahead_bytes / most_ahead_) return;
             ahead_.push_back({place, file_.after(place, header),
-                              std::async(std::launch::async, [this, place] { return file_.read(place, columns_); })});
+                              Pending<DecodedChunk>(pool_, static_cast<unsigned>(most_ahead_),
+                                                    [this, place] { return file_.read(place, columns_); })});
         }
     } catch (const Error&) {
         // Decoding it again throws, after the points before it have been read.

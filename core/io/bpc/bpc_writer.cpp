@@ -3,12 +3,12 @@
 #include "pcm/bpc/batch_chunk.h"
 #include "pcm/bpc/bpc_file_writer.h"
 #include "pcm/system/error.h"
+#include "pcm/threads/task_pool.h"
 #include "pcm/threads/thread_count.h"
 
 #include <algorithm>
 #include <cstring>
 #include <deque>
-#include <future>
 #include <memory>
 #include <string>
 
@@ -52,9 +52,10 @@ private:
     unsigned threads_;
     std::filesystem::path path_;
     BpcFileWriter file_;
-    PointBatch pending_;                                        // of chunk_points_ points
-    std::size_t filled_ = 0;                                    // points in it
-    std::deque<std::future<std::vector<std::byte>>> encoding_;  // chunks in order, with more than one thread
+    PointBatch pending_;      // of chunk_points_ points
+    std::size_t filled_ = 0;  // points in it
+    TaskPool pool_;
+    std::deque<Pending<std::vector<std::byte>>> encoding_;  // chunks in order, with more than one thread
 };
 
 void BpcWriter::check(const PointBatch& batch) const
@@ -104,8 +105,7 @@ void BpcWriter::flush()
         while (encoding_.size() >= threads_) append_encoded();
         auto batch = std::make_shared<PointBatch>(std::move(pending_));
         pending_ = {};
-        encoding_.push_back(
-            std::async(std::launch::async, [this, batch] { return encode_batch(*batch, schema_, grid_); }));
+        encoding_.emplace_back(pool_, threads_, [this, batch] { return encode_batch(*batch, schema_, grid_); });
         pending_.reset(schema_, grid_.has_value(), chunk_points_);
     }
     filled_ = 0;
@@ -113,7 +113,7 @@ void BpcWriter::flush()
 
 void BpcWriter::append_encoded()
 {
-    std::future<std::vector<std::byte>> first = std::move(encoding_.front());
+    Pending<std::vector<std::byte>> first = std::move(encoding_.front());
     encoding_.pop_front();
     file_.append(first.get());
 }
