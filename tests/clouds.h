@@ -1,4 +1,4 @@
-// Small clouds for tests, and files of them written byte by byte, apart from the library's own writers.
+// Small clouds for tests, and files of them written byte by byte, independent of the library's writers.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -13,7 +13,7 @@
 
 namespace pcm::test {
 
-// LAS 1.2 point format 0 or 2, nothing but what the specification asks for.
+// LAS 1.2, point format 0 or 2, with only what the specification requires.
 struct LasRecord {
     std::int32_t x, y, z;
     std::uint16_t intensity;
@@ -74,7 +74,7 @@ void write_ply(const std::filesystem::path& path, const std::vector<std::array<S
 
 enum class Shape { surface, volume, line, coincident, duplicates, clusters, full_range };
 
-// `count` grid positions of one of the distributions that trees have trouble with.
+// `count` grid positions from a distribution that is difficult for trees.
 inline std::vector<LasRecord> records(Shape shape, std::size_t count, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
@@ -103,7 +103,7 @@ inline std::vector<LasRecord> records(Shape shape, std::size_t count, std::uint6
                 p.x = any(0, 9), p.y = any(0, 4), p.z = 0;
                 break;
             case Shape::clusters: {
-                // A thousand units wide at the ends of the 32-bit range.
+                // Some hundred units wide, at the ends of the 32-bit range.
                 const std::int64_t corner = random() & 1 ? 2147482000 : -2147483000;
                 p.x = any(corner, corner + 600), p.y = any(corner, corner + 600), p.z = any(corner, corner + 600);
                 break;

@@ -1,8 +1,8 @@
 // Runs a command while the system fails it: see faults/preload.cpp.
 #pragma once
 
-#include "tests/support.h"
 #include "tests/paths.h"
+#include "tests/support.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-// A cloud in memory, read like a file: for tests of what stands between readers and their users.
+// A cloud in memory, read like a file: for tests of code that takes a PointReader.
 #pragma once
 
 #include "pcm/io/pipe/batch_shape.h"
@@ -99,7 +99,7 @@ inline std::string bytes_of(const Column& column, std::size_t i)
     return std::string(reinterpret_cast<const char*>(column.data()) + i * column.point_bytes(), column.point_bytes());
 }
 
-// Everything a reader gives, in batches of at most `batch_points`, as one cloud.
+// Reads everything in batches of at most `batch_points` into one cloud.
 inline MemoryCloud read_all(PointReader& reader, std::size_t batch_points = 1000)
 {
     MemoryCloud cloud;

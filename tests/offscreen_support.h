@@ -1,8 +1,8 @@
 // An OpenGL context without a window, where this machine has one.
 #pragma once
 
-#include "pcm/system/error.h"
 #include "pcm/offscreen/offscreen.h"
+#include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// Where this build has put what tests need. Known to one generated source alone, so that the tests themselves compile to the same
-// objects wherever the project lies.
+// Where this build has put what tests need. Known to one generated source alone, so that the tests themselves compile
+// to the same objects wherever the project lies.
 #pragma once
 
 namespace pcm::paths {

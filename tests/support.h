@@ -1,4 +1,4 @@
-// What tests share: a folder that cleans up after itself, the sample clouds, small clouds written in a line.
+// Shared by tests: a temporary folder, the sample clouds.
 #pragma once
 
 #include "tests/paths.h"
@@ -11,7 +11,7 @@
 
 namespace pcm::test {
 
-// A new folder, removed with everything in it at the end of the test.
+// A new folder; the destructor removes it with its contents.
 class TemporaryFolder {
 public:
     TemporaryFolder()
@@ -35,11 +35,14 @@ private:
     std::filesystem::path path_;
 };
 
-inline std::filesystem::path sample(const std::string& name) { return std::filesystem::path(paths::sample_clouds) / name; }
+inline std::filesystem::path sample(const std::string& name)
+{
+    return std::filesystem::path(paths::sample_clouds) / name;
+}
 
 }  // namespace pcm::test
 
-// Skips the test, saying so, when a sample cloud is not on this machine.
+// Skips the test, with a message, when a sample cloud is missing.
 #define PCM_REQUIRE_SAMPLE(name)                           \
     if (!std::filesystem::exists(pcm::test::sample(name))) \
-    GTEST_SKIP() << "sample cloud " << pcm::test::sample(name) << " is not here"
+    GTEST_SKIP() << "sample cloud " << pcm::test::sample(name) << " is missing"

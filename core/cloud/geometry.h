@@ -1,16 +1,14 @@
-// Points, boxes and the integer grid that positions live on. All lengths are in source units.
+// Boxes, and the integer grid of positions. All lengths are in source units.
 #pragma once
 
+#include "pcm/cloud/vector.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 namespace pcm {
-
-using Vec3d = std::array<double, 3>;
-using Vec3i = std::array<std::int64_t, 3>;  // positions on a grid
 
 // Axis-aligned box; empty when min > max on any axis.
 struct Box3d {
@@ -82,8 +80,8 @@ struct Box3i {
     bool operator==(const Box3i& o) const { return min == o.min && max == o.max; }
 };
 
-// Positions are integers q; the source coordinate is q * scale + offset, evaluated in this order in double, which is
-// how the LAS specification defines its coordinates: a LAS file's own integers, scale and offset are kept bit for bit.
+// Positions are integers q; the source coordinate is q * scale + offset, evaluated in this order in double as the LAS
+// specification defines it. The integers, scale and offset of a LAS file are kept bit for bit.
 struct Grid {
     Vec3d scale{1, 1, 1};
     Vec3d offset{0, 0, 0};

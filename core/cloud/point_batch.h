@@ -1,4 +1,4 @@
-// A few ten thousand points at a time, structure of arrays: the currency between readers, builder, queries and filters.
+// Points in batches of some ten thousand, a structure of arrays: what readers, builder, queries and filters exchange.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -13,7 +13,7 @@
 
 namespace pcm {
 
-// The values of one attribute for consecutive points: raw scalars, `components` a point, interleaved.
+// The values of one attribute for consecutive points: raw scalars, `components` per point, interleaved.
 class Column {
 public:
     Column() = default;
@@ -43,7 +43,7 @@ public:
         assert(sizeof(T) == size_of(type_));
         return reinterpret_cast<const T*>(bytes_.data());
     }
-    // One raw scalar as double, whatever its type (i64/u64 beyond 2^53 are rounded).
+    // One raw scalar, converted to double (i64 and u64 beyond 2^53 are rounded).
     double value(std::size_t point, std::uint32_t component = 0) const;
 
 private:
@@ -52,7 +52,7 @@ private:
     PageVector<std::byte> bytes_;
 };
 
-// Positions come in one of two forms: integers on a Grid (LAS and its kin, trees) or doubles (float sources, exact).
+// Positions come in one of two forms: integers on a Grid (LAS, LAZ, trees) or doubles (sources with floats, exact).
 struct PointBatch {
     std::size_t size = 0;
     bool gridded = false;
@@ -65,5 +65,9 @@ struct PointBatch {
     // Keeps the shape, changes the number of points.
     void resize(std::size_t points);
 };
+
+// Removes all points but those at the indices `kept` (ascending) from a column or a batch, in place.
+void keep_points(Column& column, const std::vector<std::uint32_t>& kept);
+void keep_points(PointBatch& batch, const std::vector<std::uint32_t>& kept);
 
 }  // namespace pcm

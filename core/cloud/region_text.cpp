@@ -35,6 +35,16 @@ std::vector<std::string_view> words_of(std::string_view text)
     return words;
 }
 
+double number_of(const std::string_view word, const std::string& text)
+{
+    const std::string_view digits = word.substr(word[0] == '+');
+    double value = 0;
+    const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (result.ec != std::errc() || result.ptr != digits.data() + digits.size())
+        refuse(text, "'" + std::string(word) + "' is not a number");
+    return value;
+}
+
 }  // namespace
 
 Region parse_region(const std::string& text)
@@ -42,15 +52,7 @@ Region parse_region(const std::string& text)
     const std::vector<std::string_view> words = words_of(text);
     if (words.empty()) refuse(text, "it is empty");
     std::vector<double> numbers;
-    for (std::size_t i = 1; i < words.size(); ++i) {
-        std::string_view word = words[i];
-        if (word[0] == '+') word.remove_prefix(1);
-        double value = 0;
-        const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (result.ec != std::errc() || result.ptr != word.data() + word.size())
-            refuse(text, "'" + std::string(words[i]) + "' is not a number");
-        numbers.push_back(value);
-    }
+    for (std::size_t i = 1; i < words.size(); ++i) numbers.push_back(number_of(words[i], text));
     const auto vector = [&](std::size_t at) { return Vec3d{numbers[at], numbers[at + 1], numbers[at + 2]}; };
     const std::size_t n = numbers.size();
     const auto need = [&](std::size_t a, std::size_t b) {

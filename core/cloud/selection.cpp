@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -49,19 +48,6 @@ std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition,
             "condition '" + condition.text + "': '" + name + "' has " + std::to_string(components) + " components",
             "name one, " + name + "[0] to " + name + "[" + std::to_string(components - 1) + "]");
     return {*slot, component};
-}
-
-template <std::size_t Size>
-void keep_of_size(std::byte* data, const std::vector<std::uint32_t>& kept)
-{
-    for (std::size_t i = 0; i < kept.size(); ++i)
-        if (kept[i] != i) std::memcpy(data + i * Size, data + kept[i] * Size, Size);
-}
-
-template <class T>
-void keep_in(std::vector<T>& values, const std::vector<std::uint32_t>& kept)
-{
-    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
 }
 
 Box3d intersection(Box3d a, const Box3d& b)
@@ -169,47 +155,6 @@ void Selector::apply(PointBatch& batch, const Grid* grid) const
             },
             selected);
     if (selected.size() < batch.size) keep_points(batch, selected);
-}
-
-void keep_points(Column& column, const std::vector<std::uint32_t>& kept)
-{
-    std::byte* data = column.data();
-    switch (const std::size_t size = column.point_bytes()) {
-        case 1:
-            keep_of_size<1>(data, kept);
-            break;
-        case 2:
-            keep_of_size<2>(data, kept);
-            break;
-        case 4:
-            keep_of_size<4>(data, kept);
-            break;
-        case 6:
-            keep_of_size<6>(data, kept);
-            break;
-        case 8:
-            keep_of_size<8>(data, kept);
-            break;
-        case 12:
-            keep_of_size<12>(data, kept);
-            break;
-        default:
-            for (std::size_t i = 0; i < kept.size(); ++i)
-                if (kept[i] != i) std::memcpy(data + i * size, data + kept[i] * size, size);
-    }
-    column.resize(kept.size());
-}
-
-void keep_points(PointBatch& batch, const std::vector<std::uint32_t>& kept)
-{
-    for (std::size_t a = 0; a < 3; ++a) {
-        if (batch.gridded)
-            keep_in(batch.grid_xyz[a], kept);
-        else
-            keep_in(batch.xyz[a], kept);
-    }
-    for (Column& column : batch.attributes) keep_points(column, kept);
-    batch.resize(kept.size());
 }
 
 }  // namespace pcm

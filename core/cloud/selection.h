@@ -101,8 +101,4 @@ void Selector::narrow(const std::vector<const Column*>& columns, const Position&
     narrow_by_attributes(columns, selected);
 }
 
-// Keeps the points of `kept` (ascending) in a column or a batch, in place.
-void keep_points(Column& column, const std::vector<std::uint32_t>& kept);
-void keep_points(PointBatch& batch, const std::vector<std::uint32_t>& kept);
-
 }  // namespace pcm

@@ -6,7 +6,7 @@ namespace pcm::scene {
 
 Ground::Ground(std::uint64_t seed)
 {
-    constexpr double tau = 6.283185307179586476925;
+    constexpr double tau = 2 * pi;
     struct {
         double amplitude, length;
     } const design[] = {{6.0, 1700}, {0.8, 190}, {0.2, 67}, {0.03, 19}};
@@ -29,7 +29,7 @@ double Ground::height(double x, double y) const
 
 double Ground::height(double x, double y, double& slope_x, double& slope_y) const
 {
-    constexpr double tau = 6.283185307179586476925;
+    constexpr double tau = 2 * pi;
     double sum = 0;
     slope_x = slope_y = 0;
     for (const Wave& wave : waves_) {

@@ -44,7 +44,7 @@ File::~File()
 std::uint64_t File::size() const
 {
     struct stat status {};
-    if (::fstat(descriptor_, &status) != 0) throw Error::from_errno(errno, path_, "asking for the size");
+    if (::fstat(descriptor_, &status) != 0) throw Error::from_errno(errno, path_, "reading the size");
     return static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -105,7 +105,7 @@ void sync_folder(const std::filesystem::path& folder)
     const int result = ::fsync(descriptor);
     const int error = errno;
     ::close(descriptor);
-    // Some network file systems cannot sync a folder and say EINVAL: there is nothing more to be done there.
+    // Some network file systems cannot sync a folder and return EINVAL; nothing more can be done there.
     if (result != 0 && error != EINVAL) throw Error::from_errno(error, folder, "flushing the folder to disk");
 }
 

@@ -11,7 +11,7 @@ namespace pcm {
 
 class File {
 public:
-    enum class Mode { read, create_new, create_or_truncate, change };  // change: a file that is there
+    enum class Mode { read, create_new, create_or_truncate, change };  // change: reads and writes an existing file
 
     File() = default;
     File(const std::filesystem::path& path, Mode mode);
@@ -24,13 +24,13 @@ public:
     int descriptor() const { return descriptor_; }
     std::uint64_t size() const;
 
-    // All of `bytes`, or Error(truncated) when the file ends before.
+    // Reads all of `bytes`; throws Error(truncated) when the file ends before.
     void read_at(void* to, std::size_t bytes, std::uint64_t offset) const;
-    // As many bytes as there are, up to `bytes`.
+    // Reads up to `bytes`, fewer at the end of the file; returns how many.
     std::size_t read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const;
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset);
     void sync();
-    // Closes and reports a failure that the system held back until now (the destructor closes silently).
+    // Closes, and throws for a write error that the system reports only now (the destructor closes silently).
     void close();
 
 private:
@@ -38,11 +38,11 @@ private:
     std::filesystem::path path_;
 };
 
-// Makes a rename or a new name in `folder` durable.
+// Makes a rename or a new name in `folder` durable, where the file system can.
 void sync_folder(const std::filesystem::path& folder);
 
-// Writes the whole file under a temporary name, syncs, and renames it over `path`: at any instant `path` is the old
-// file or the new one.
+// Replaces a file atomically and durably: writes a temporary file beside it, syncs, renames it over `path`, and syncs
+// the folder. After a failure or a crash `path` is the old file or the new one.
 void replace_file(const std::filesystem::path& path, const void* bytes, std::size_t size);
 
 }  // namespace pcm

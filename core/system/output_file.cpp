@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
 
-// No two files of this process, and of processes beside it, have the same temporary name.
+// Unique among the files of this process and of all others running.
 std::filesystem::path temporary_beside(const std::filesystem::path& path)
 {
     static std::atomic<unsigned> count{0};
@@ -57,7 +57,7 @@ std::byte* OutputFile::extend(std::size_t count)
 
 void OutputFile::append(const void* bytes, std::size_t count)
 {
-    if (count > buffer_bytes) {  // no need to copy what fills a buffer by itself
+    if (count > buffer_bytes) {  // larger than the buffer: copying it there gains nothing
         flush();
         file_.write_at(bytes, count, written_);
         written_ += count;
@@ -69,14 +69,14 @@ void OutputFile::append(const void* bytes, std::size_t count)
 void OutputFile::rewrite(const void* bytes, std::size_t count, std::uint64_t offset)
 {
     if (offset > size() || count > size() - offset)
-        throw Error(ErrorCode::invalid_argument, path_, "bytes beyond the end of the file rewritten");
+        throw Error(ErrorCode::invalid_argument, path_, "bytes beyond the end of the file were to be rewritten");
     flush();
     file_.write_at(bytes, count, offset);
 }
 
 void OutputFile::finish()
 {
-    if (finished_) throw Error(ErrorCode::invalid_argument, path_, "a file finished twice");
+    if (finished_) throw Error(ErrorCode::invalid_argument, path_, "finish() was called twice");
     flush();
     file_.sync();
     file_.close();

@@ -1,4 +1,4 @@
-// A file that is written from its beginning to its end, and appears under its name only when it is whole.
+// A file written from beginning to end that appears under its name only when it is complete.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -11,8 +11,8 @@
 
 namespace pcm {
 
-// One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes; finish()
-// makes them durable and renames over whatever has the name. Throws Error(no_space | permission | not_found | io).
+// One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes. finish()
+// syncs it and atomically replaces whatever file has the name. Throws Error(no_space | permission | not_found | io).
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& path);
@@ -25,9 +25,10 @@ public:
 
     void append(const void* bytes, std::size_t count);
     void append(std::string_view text) { append(text.data(), text.size()); }
-    // `count` bytes to be filled before the next call: for those who encode in place.
+    // Appends `count` bytes for the caller to fill before the next call: for encoding in place.
     std::byte* extend(std::size_t count);
-    // Replaces bytes that are written already: a header whose counts are known at the end.
+    // Replaces bytes appended before: a header whose counts are known at the end. Throws Error(invalid_argument) beyond
+    // the end.
     void rewrite(const void* bytes, std::size_t count, std::uint64_t offset);
     void finish();
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <mutex>
 
-// The sanitizers watch the C library's heap.
+// The sanitizers check the C library's heap only.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PCM_PLAIN_HEAP
 #elif defined(__has_feature)
@@ -30,7 +30,7 @@ namespace {
 
 std::atomic<std::size_t> in_use{0};
 
-// Sizes of blocks are so few that a freed one often serves the next: eight of them from one power of two to the next.
+// Sizes are rounded up to few classes, eight between two powers of two, so that a freed block often fits the next one.
 std::size_t size_class(std::size_t bytes)
 {
     std::size_t step = page_block_bytes / 8;
@@ -70,7 +70,7 @@ public:
                 kept_ += size;
                 return;
             }
-            // Those of a size that nobody asks for any more make place for this one.
+            // Blocks of a size that is not requested any more make room for this one.
             if (!free_.empty() && free_.count(size) == 0) {
                 const auto other = std::prev(free_.end());
                 ::munmap(other->second, other->first);
@@ -89,7 +89,7 @@ private:
     std::size_t kept_ = 0;
 };
 
-// Never destroyed: columns may outlive the program's other statics.
+// Never destroyed: columns may outlive other static objects.
 Pool& pool()
 {
     static Pool* const pool = new Pool;

@@ -1,6 +1,6 @@
-// Memory for the columns of chunks: large, short-lived, made on one thread and freed on another. From the C library's
-// heaps such blocks come back to the system late or never, so that a cache of so many bytes takes twice as many; these
-// come in pages of their own, which go back, but for a few that are kept for the next ones.
+// Memory for the columns of chunks: large, short-lived, allocated on one thread and freed on another. The C library's
+// heaps return such blocks to the system late or never, so that a cache takes twice its bytes. These blocks are pages
+// of their own, returned when freed except for a few kept for the next blocks.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace pcm {
 
-// Blocks of at least `page_block_bytes`, aligned to pages. Any thread. take() throws std::bad_alloc. give() wants the
-// size that was asked for.
+// Blocks of at least `page_block_bytes`, aligned to pages. Any thread. take_pages() throws std::bad_alloc. give_pages()
+// expects the size that was requested.
 inline constexpr std::size_t page_block_bytes = std::size_t(64) << 10;
 void* take_pages(std::size_t bytes);
 void give_pages(void* block, std::size_t bytes) noexcept;
-std::size_t pages_in_use() noexcept;  // bytes of all blocks that were taken and not given back; 0 where the C library's
-                                      // heap serves instead
+// Bytes of all blocks taken and not given back; 0 under a sanitizer, where the C library's heap is used instead.
+std::size_t pages_in_use() noexcept;
 
 template <class T>
 struct PageAllocator {

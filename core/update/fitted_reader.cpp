@@ -1,6 +1,6 @@
 #include "pcm/update/fitted_reader.h"
 
-#include "pcm/cloud/selection.h"
+#include "pcm/cloud/point_batch.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/pipe/grid_choice.h"

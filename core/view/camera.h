@@ -1,4 +1,4 @@
-// How a picture is taken: where points go in it.
+// A camera: where points appear in a picture.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -13,6 +13,5 @@ struct Camera {
     int width = 0;          // viewport, pixels
     int height = 0;
 };
-
 
 }  // namespace pcm

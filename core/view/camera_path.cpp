@@ -39,7 +39,7 @@ Vec3d corner(const Box3d& box, unsigned number)
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
-// Of what a file says; the caller adds the file and the frame.
+// Errors from here on lack the file and the frame: CameraPath::read() adds them.
 Vec3d vector_of(const Json& frame, const char* key)
 {
     const auto found = frame.find(key);
@@ -85,9 +85,8 @@ std::string text_of(const Json& json, const char* key)
 CameraPath path_of(const Json& json, const std::string& name, std::size_t& number)
 {
     if (!json.is_object() || text_of(json, "format") != "pcm camera path")
-        refuse("this is no camera path: 'format' is not \"pcm camera path\"");
-    if (!json.contains("version") || json["version"] != 1)
-        refuse("this is not version 1 of the format, which alone is known here");
+        refuse("this is not a camera path: 'format' is not \"pcm camera path\"");
+    if (!json.contains("version") || json["version"] != 1) refuse("'version' is not 1, the only version supported");
     CameraPath path;
     path.name = json.contains("name") ? text_of(json, "name") : name;
     const std::string coordinates = text_of(json, "coordinates");
@@ -113,9 +112,9 @@ void check(const CameraFrame& frame)
         refuse("'height' is not above 0");
     }
     const Vec3d ahead = frame.target - frame.eye;
-    if (!(length(ahead) > 0)) refuse("'eye' is the 'target'");
+    if (!(length(ahead) > 0)) refuse("'eye' and 'target' are equal");
     if (!(length(frame.up) > 0) || !(length(cross(normalised(ahead), normalised(frame.up))) > 1e-9))
-        refuse("'up' is along the view");
+        refuse("'up' is parallel to the direction of view");
 }
 
 CameraPath CameraPath::read(const std::filesystem::path& file)
@@ -140,7 +139,7 @@ CameraPath CameraPath::read(const std::filesystem::path& file)
 CameraPath CameraPath::placed(const Box3d& box) const
 {
     if (!in_box) return *this;
-    if (box.empty()) refuse("a camera path in the coordinates of a box wants a cloud that has points");
+    if (box.empty()) refuse("a camera path in box coordinates needs a cloud with points");
     const double half = std::max({box.extent(0), box.extent(1), box.extent(2), 1e-9}) / 2;
     const auto place = [&](Vec3d& v) {
         for (std::size_t a = 0; a < 2; ++a)
@@ -212,13 +211,14 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     const Axes axes = axes_of(frame);
     const double margin = 1.05, aspect = static_cast<double>(width) / height;
     const double slope = angle ? std::tan(*angle / 2 * degree) / margin
-                               : 1;  // half of the picture's height over the distance, less the margin
-    // Along the picture's width and height. In perspective a corner p is seen when |p.axis - shift| <= (away - p.back)
-    // * slope: for both signs the largest p.back +- p.axis / slope bounds `away`, and the shift that makes both bounds
-    // alike makes it least. Parallel: no p.back.
+                               : 1;  // half the picture's height over the distance, without the margin
+    // Along the picture's width and height. In perspective a corner p is visible when
+    //     |p.axis - shift| <= (away - p.back) * slope:
+    // for each sign the largest p.back +- p.axis / slope bounds `away`, which is least when the shift makes both bounds
+    // equal. Orthographic: the same without p.back.
     Vec3d shift{0, 0, 0};
     double away = 0.01 * size, half_height = 0.01 * size;
-    for (unsigned number = 0; number < 8; ++number)  // by a wide angle the nearest corner could be at the eye
+    for (unsigned number = 0; number < 8; ++number)  // with a wide angle the nearest corner could be at the eye
         away = std::max(away, dot(axes.back, corner(box, number) - frame.target) + 0.05 * size);
     for (const bool across : {true, false}) {
         const Vec3d& axis = across ? axes.right : axes.up;

@@ -13,13 +13,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Squares are rounded; of the least distance so much is taken off that it stays below the exact one, and added to the
-// distance.
+// Relative rounding error of a squared distance: subtracted from the lower bound, added to the upper one.
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
 
 double square(double v) { return v * v; }
 
-// The smallest number that the nearest point of a tight box cannot be beyond.
+// MINMAXDIST squared: some point of a tight box is at most this far.
 double farthest_nearest_of(const Box3d& box, const Vec3d& p)
 {
     double near_face[3], far_side[3];
@@ -34,8 +33,8 @@ double farthest_nearest_of(const Box3d& box, const Vec3d& p)
     return best;
 }
 
-// Of the nearest point of a chunk. Positions are whole numbers relative to the chunk's origin, so the differences keep
-// their digits at map coordinates.
+// The squared distance to the nearest point of a chunk. Positions are integers relative to the chunk's origin, so the
+// differences keep their precision at map coordinates.
 template <class Integer>
 double nearest_of(const std::array<PageVector<Integer>, 3>& positions, const Vec3d& origin_to_place, const Vec3d& scale)
 {
@@ -70,7 +69,7 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
     if (!is_finite(place)) return result;
 
     const Grid& grid = tree.info().grid;
-    // Coordinates are rounded too; so much an axis.
+    // The rounding error of a coordinate, per axis.
     double coordinate_error = 0;
     const Box3d bounds = tree.info().bounds();
     for (std::size_t a = 0; a < 3; ++a)
@@ -78,10 +77,10 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
             std::max({coordinate_error, std::fabs(bounds.min[a]), std::fabs(bounds.max[a]), std::fabs(place[a])});
     coordinate_error *= rounding;
 
-    using Open = std::pair<double, NodeId>;  // square of the distance to its box
+    using Open = std::pair<double, NodeId>;  // squared distance to its box
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
-    double nearest = infinity;  // square: there is a point this near
-    double unknown = infinity;  // square: points that were not compared may be this near
+    double nearest = infinity;  // squared: a point is at most this far
+    double unknown = infinity;  // squared: a point that was not compared may be this near
     std::uint64_t compared = 0;
     std::size_t looked_at = 0;
     const auto ask = [&](NodeId id) {

@@ -1,5 +1,5 @@
-// How far a place is from the nearest points of a tree, as far as memory knows: for those who must not wait, as a
-// moving camera.
+// The distance from a place to the nearest point of a tree, bounded from what is in memory: for callers that must not
+// wait, such as a moving camera.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
@@ -12,23 +12,23 @@
 namespace pcm {
 
 struct ClearanceLimits {
-    std::size_t nodes = 4096;        // looked at, most
-    std::uint64_t points = 200'000;  // compared, most; a chunk is compared whole or not at all
+    std::size_t nodes = 4096;        // visited at most
+    std::uint64_t points = 200'000;  // compared at most; a chunk is compared whole or not at all
 };
 
-// Source units; least <= (distance to the nearest point) <= distance. The two are equal where the chunks that matter
-// are in memory.
+// Source units; least <= (distance to the nearest point) <= distance. The two are equal, up to rounding, when all
+// chunks that can hold the nearest point are in memory.
 struct Clearance {
-    double distance =
-        std::numeric_limits<double>::infinity();  // infinite for a tree without points, or a place that is not finite
+    // Infinite for a tree without points, or a place that is not finite.
+    double distance = std::numeric_limits<double>::infinity();
     double least = 0;
     double error() const { return distance - least; }
 };
 
-// Descends from the root towards `place`, nearest boxes first, and compares the points of the chunks that the cache
-// has. Of the others it knows their boxes: boxes are tight, so each face has a point on it, and the nearest point is no
-// farther than the nearest face's farthest corner (MINMAXDIST: Roussopoulos, Kelley, Vincent, Nearest neighbor queries,
-// SIGMOD 1995). Never reads and never waits for a load. Any thread.
+// Descends from the root towards `place`, nearest boxes first, and compares the points of the chunks in the cache.
+// Other chunks are bounded by their boxes: boxes are tight, so each face has a point on it, and the nearest point is no
+// farther than the farthest corner of the nearest face (MINMAXDIST: Roussopoulos, Kelley, Vincent, Nearest neighbor
+// queries, SIGMOD 1995). Never reads and never waits for a load. Any thread.
 Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& limits = {});
 
 }  // namespace pcm

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double level_enough = 1e-4;  // radians: less than a tenth of a pixel across a screen
 
-// Of a scene at rest: to the right and ahead at yaw 0, and up; right x ahead = up.
+// Directions of the scene: right and ahead at yaw 0, and up; right x ahead = up.
 struct Horizon {
     Vec3d right, ahead, up;
 };
@@ -27,8 +27,7 @@ Horizon horizon_of(UpAxis axis)
                 "Give a finite eye, right-handed unit axes and a focus above 0.");
 }
 
-// Right-handed and of unit length, next to what they were: Gram and Schmidt's way, beginning with the direction of
-// view.
+// Right-handed unit axes by Gram-Schmidt, starting with the direction of view.
 std::array<Vec3d, 3> orthonormal(const EyePose& pose)
 {
     for (const Vec3d* v : {&pose.eye, &pose.right, &pose.up, &pose.back})
@@ -78,7 +77,7 @@ void FirstPerson::take_axes(const std::array<Vec3d, 3>& axes)
     const double sine = std::clamp(-dot(back, h.up), -1.0, 1.0);
     const double level = std::hypot(dot(back, h.right), dot(back, h.ahead));
     pitch_ = std::atan2(sine, level);
-    // Straight up or down any yaw will do; the one that needs no roll is taken.
+    // Straight up or down the yaw is arbitrary: the one without roll is chosen.
     constexpr double straight = 1e-6;
     yaw_ = level > straight ? std::atan2(dot(back, h.right), -dot(back, h.ahead))
                             : std::atan2(dot(right, h.ahead), dot(right, h.right));
@@ -143,17 +142,17 @@ bool FirstPerson::step(double seconds, unsigned keys, double reach)
     if (ahead != 0 || aside != 0 || upwards != 0) {
         levelling_ = roll_ != 0;
         const auto now = axes();
-        // Aside is level, up is the scene's; so walking with some roll left does not climb.
+        // Sideways is level and up is the scene's, so that walking with some roll left does not climb.
         const Vec3d level_right = std::cos(roll_) * now[0] - std::sin(roll_) * now[1];
         const Vec3d up = horizon_of(up_axis_).up;
         if (orthographic_) {
-            // Moving across at speed v * focus while the focus falls as exp(-v t): the integral of v * exp(-v t) over
+            // Moving across at speed v * focus while the focus shrinks as exp(-v t): the integral of v * exp(-v t) over
             // the step.
             const double rate = speed * ahead / std::sqrt(double(ahead * ahead + aside * aside + upwards * upwards));
             const double across = ahead != 0 ? std::fabs(1 - std::exp(-rate * seconds)) : 0;
             const double each = speed / std::sqrt(double(ahead * ahead + aside * aside + upwards * upwards)) * seconds;
             const double way = focus_ * (ahead != 0 ? across : each);
-            // In the plane of the picture: what goes along the view shows nothing.
+            // Projected to the plane of the picture: movement along the view has no visible effect.
             Vec3d move = (aside * way) * level_right + (upwards * way) * up;
             move = move - dot(move, now[2]) * now[2];
             const Vec3d centre = pose().centre() + move;
@@ -161,7 +160,7 @@ bool FirstPerson::step(double seconds, unsigned keys, double reach)
             eye_ = centre + focus_ * now[2];
         } else if (reach > 0 && std::isfinite(reach)) {
             const Vec3d move = double(-ahead) * now[2] + (double(aside) * level_right + double(upwards) * up);
-            const double size = std::sqrt(dot(move, move));  // 0: forwards and down while looking straight up
+            const double size = std::sqrt(dot(move, move));  // 0 for forwards and down while looking straight up
             if (size > 1e-9) eye_ = eye_ + (speed * reach * seconds / size) * move;
             focus_ = reach;
         }

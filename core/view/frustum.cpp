@@ -14,11 +14,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // The three components of a projection's row; the fourth is m[12 + row].
 Vec3d row_of(const Matrix4d& m, std::size_t row) { return {m[row], m[4 + row], m[8 + row]}; }
 
-using Matrix3d = std::array<Vec3d, 3>;  // rows
-
-// Solves rows * x = b; nothing when the matrix is singular. Scaled first, so that units of 1e-100 are no reason to
-// fail.
-std::optional<Vec3d> solve(Matrix3d rows, Vec3d b)
+// Solves rows * x = b by Gaussian elimination with pivoting; absent when the matrix is singular. Scaled first, so that
+// matrices in units of 1e-100 are not taken for singular.
+std::optional<Vec3d> solve(std::array<Vec3d, 3> rows, Vec3d b)
 {
     double largest = 0;
     for (const Vec3d& row : rows)
@@ -50,7 +48,7 @@ std::optional<Vec3d> solve(Matrix3d rows, Vec3d b)
     return x;
 }
 
-// How much of `g` is perpendicular to `axis`.
+// The length of the part of `g` that is perpendicular to `axis`.
 double perpendicular(const Vec3d& g, const Vec3d& axis)
 {
     const double along = dot(g, axis) / dot(axis, axis);
@@ -66,7 +64,6 @@ std::optional<Frustum> Frustum::of(const Camera& view)
         return std::nullopt;
     Matrix4d modelview = view.modelview;
     for (double& v : modelview) v /= view.modelview[15];
-    const Matrix4d& projection = view.projection;
 
     const Matrix3d linear{row_of(modelview, 0), row_of(modelview, 1), row_of(modelview, 2)};
     const auto eye = solve(linear, {-modelview[12], -modelview[13], -modelview[14]});
@@ -77,8 +74,15 @@ std::optional<Frustum> Frustum::of(const Camera& view)
     frustum.eye_ = *eye;
     if (!is_finite(frustum.eye_)) return std::nullopt;
 
-    // Eye space is linear * (p - eye), so a plane of the projection keeps its offset and turns its normal by the
-    // transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
+    frustum.set_planes(linear, view.projection);
+    if (!frustum.set_scale(linear, view)) return std::nullopt;
+    return frustum;
+}
+
+// Eye space is linear * (p - eye), so a plane of the projection keeps its offset, and its normal is multiplied by the
+// transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
+void Frustum::set_planes(const Matrix3d& linear, const Matrix4d& projection)
+{
     const auto to_source = [&](const Vec3d& n) {
         Vec3d turned{};
         for (std::size_t a = 0; a < 3; ++a) turned[a] = n[0] * linear[0][a] + n[1] * linear[1][a] + n[2] * linear[2][a];
@@ -96,16 +100,15 @@ std::optional<Frustum> Frustum::of(const Camera& view)
         const std::size_t row = i / 2;
         const double sign = i % 2 == 0 ? 1 : -1;
         const Vec3d r = row_of(projection, row);
-        Vec3d normal{};
         Vec3d bound{};
-        for (std::size_t a = 0; a < 3; ++a) {
-            normal[a] = w[a] + sign * r[a];
-            bound[a] = std::abs(w[a]) + std::abs(r[a]);
-        }
-        frustum.planes_[i] = {to_source(normal), w_offset + sign * projection[12 + row], to_source_bound(bound),
-                              std::abs(w_offset) + std::abs(projection[12 + row])};
+        for (std::size_t a = 0; a < 3; ++a) bound[a] = std::abs(w[a]) + std::abs(r[a]);
+        planes_[i] = {to_source(w + sign * r), w_offset + sign * projection[12 + row], to_source_bound(bound),
+                      std::abs(w_offset) + std::abs(projection[12 + row])};
     }
+}
 
+bool Frustum::set_scale(const Matrix3d& linear, const Camera& view)
+{
     double largest_scale = 0;
     double smallest_scale = infinity;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -113,25 +116,23 @@ std::optional<Frustum> Frustum::of(const Camera& view)
         largest_scale = std::max(largest_scale, scale);
         smallest_scale = std::min(smallest_scale, scale);
     }
-    const Vec3d x = row_of(projection, 0);
-    const Vec3d y = row_of(projection, 1);
-    frustum.orthographic_ = w[0] == 0 && w[1] == 0 && w[2] == 0;
-    if (frustum.orthographic_) {
-        if (w_offset == 0) return std::nullopt;
-        frustum.pixels_per_unit_ =
+    const Vec3d x = row_of(view.projection, 0), y = row_of(view.projection, 1), w = row_of(view.projection, 3);
+    const double w_offset = view.projection[15];
+    orthographic_ = w[0] == 0 && w[1] == 0 && w[2] == 0;
+    if (orthographic_) {
+        if (w_offset == 0) return false;
+        pixels_per_unit_ =
             largest_scale / std::abs(w_offset) * std::max(view.width * 0.5 * length(x), view.height * 0.5 * length(y));
     } else {
         // Along a plane of constant w, x_ndc changes by the part of x's gradient that is perpendicular to w's, over w;
         // and w is |w's gradient| times the distance on the axis.
-        frustum.pixels_per_unit_ =
-            largest_scale / smallest_scale / length(w) *
-            std::max(view.width * 0.5 * perpendicular(x, w), view.height * 0.5 * perpendicular(y, w));
-        const Plane& near_plane = frustum.planes_[4];
+        pixels_per_unit_ = largest_scale / smallest_scale / length(w) *
+                           std::max(view.width * 0.5 * perpendicular(x, w), view.height * 0.5 * perpendicular(y, w));
+        const Plane& near_plane = planes_[4];
         const double steepness = length(near_plane.normal);
-        frustum.near_ = steepness > 0 ? std::max(0.0, -near_plane.offset / steepness) : 0.0;
+        near_ = steepness > 0 ? std::max(0.0, -near_plane.offset / steepness) : 0.0;
     }
-    if (!std::isfinite(frustum.pixels_per_unit_)) return std::nullopt;
-    return frustum;
+    return std::isfinite(pixels_per_unit_);
 }
 
 bool Frustum::intersects(const Box3d& box) const
@@ -163,7 +164,7 @@ Frustum::Side Frustum::side_of(const Plane& plane, const Box3d& box, double sign
         value += plane.normal[a] * ((corner - origin_[a]) - eye_[a]);
         bound += plane.normal_bound[a] * (std::abs(corner) + std::abs(origin_[a]) + std::abs(eye_[a]));
     }
-    // 16: the operations between a coordinate and its clip coordinate, generously, each off by half an epsilon.
+    // 16: a generous count of the operations from a coordinate to its clip coordinate, each off by half an epsilon.
     return {value, 16 * epsilon * bound};
 }
 

@@ -11,79 +11,109 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-}  // namespace
+// One selection: a queue of the visible nodes whose ancestors are all wanted or have no points.
+class Selecting {
+public:
+    Selecting(const std::vector<TreeInView>& trees, const DetailLimits& limits)
+        : trees_(trees), limits_(limits), page_points_(std::max<std::uint64_t>(1, limits.page_points))
+    {
+        frusta_.resize(trees.size());
+        scene_.trees.resize(trees.size());
+    }
 
-SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits)
-{
+    SceneSelection run()
+    {
+        for (std::uint32_t t = 0; t < trees_.size(); ++t) {
+            frusta_[t] = Frustum::of(trees_[t].view);
+            if (!frusta_[t] || trees_[t].nodes->empty()) continue;
+            scene_.trees[t].viewport_px = std::max(trees_[t].view.width, trees_[t].view.height);
+            consider(t, 0, no_ancestor);
+        }
+        while (!queue_.empty() && take(queue_.top())) {
+        }
+        for (; !queue_.empty(); queue_.pop()) scene_.trees[queue_.top().tree].beyond.push_back(queue_.top().node);
+        return std::move(scene_);
+    }
+
+private:
     struct Candidate {
         double rank;
         std::uint32_t tree;
         DetailNode node;
-    };
-    const auto after = [](const Candidate& a, const Candidate& b) {
-        if (a.rank != b.rank) return a.rank < b.rank;
-        return a.tree != b.tree ? a.tree > b.tree : a.node.node > b.node.node;
-    };
-    std::priority_queue<Candidate, std::vector<Candidate>, decltype(after)> queue(after);
-    std::vector<std::optional<Frustum>> frusta(trees.size());
-    // A node without points is never drawn: it is kept for what is below it.
-    const auto gain = [&](std::uint32_t tree, NodeId node) {
-        return limits.kept && ((*trees[tree].nodes)[node].points == 0 || limits.kept(tree, node))
-                   ? DetailLimits::kept_gain
-                   : 1.0;
-    };
-    const auto consider = [&](std::uint32_t tree, NodeId id, std::uint32_t ancestor) {
-        const std::vector<Node>& nodes = *trees[tree].nodes;
-        const Node& node = nodes[id];
-        if (node.subtree_points == 0) return;
-        const Box3d box = trees[tree].grid->to_source(node.box);
-        if (!frusta[tree]->intersects(box)) return;
-        const double error = ancestor == no_ancestor ? infinity : frusta[tree]->pixels(nodes[node.parent].spacing, box);
-        const double rank =
-            limits.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
-        queue.push({rank, tree, {id, ancestor, error}});
+        bool operator<(const Candidate& other) const
+        {
+            if (rank != other.rank) return rank < other.rank;
+            return tree != other.tree ? tree > other.tree : node.node > other.node.node;
+        }
     };
 
-    SceneSelection scene;
-    scene.trees.resize(trees.size());
-    for (std::uint32_t t = 0; t < trees.size(); ++t) {
-        frusta[t] = Frustum::of(trees[t].view);
-        if (!frusta[t] || trees[t].nodes->empty()) continue;
-        scene.trees[t].viewport_px = std::max(trees[t].view.width, trees[t].view.height);
-        consider(t, 0, no_ancestor);
+    // A node without points is never drawn: for its descendants, it counts as kept.
+    double gain(std::uint32_t tree, NodeId node) const
+    {
+        return limits_.kept && ((*trees_[tree].nodes)[node].points == 0 || limits_.kept(tree, node))
+                   ? DetailLimits::kept_gain
+                   : 1.0;
     }
-    const std::uint64_t page_points = std::max<std::uint64_t>(1, limits.page_points);
-    std::uint64_t points = 0, pages = 0;
-    while (!queue.empty()) {
-        const Candidate next = queue.top();
-        DetailSelection& selection = scene.trees[next.tree];
-        if (!(next.node.error_px * gain(next.tree, next.node.node) > limits.target_px)) {
-            if (limits.order == DetailOrder::error) break;  // and so it is with all that follow
-            queue.pop();
+
+    void consider(std::uint32_t tree, NodeId id, std::uint32_t ancestor)
+    {
+        const std::vector<Node>& nodes = *trees_[tree].nodes;
+        const Node& node = nodes[id];
+        if (node.subtree_points == 0) return;
+        const Box3d box = trees_[tree].grid->to_source(node.box);
+        if (!frusta_[tree]->intersects(box)) return;
+        const double error =
+            ancestor == no_ancestor ? infinity : frusta_[tree]->pixels(nodes[node.parent].spacing, box);
+        const double rank =
+            limits_.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
+        queue_.push({rank, tree, {id, ancestor, error}});
+    }
+
+    // The best candidate; false when the selection ends with it.
+    bool take(const Candidate next)
+    {
+        DetailSelection& selection = scene_.trees[next.tree];
+        if (!(next.node.error_px * gain(next.tree, next.node.node) > limits_.target_px)) {
+            if (limits_.order == DetailOrder::error) return false;  // all that follow are below the target too
+            queue_.pop();
             selection.beyond.push_back(next.node);
-            continue;
+            return true;
         }
-        const Node& node = (*trees[next.tree].nodes)[next.node.node];
+        const Node& node = (*trees_[next.tree].nodes)[next.node.node];
         std::uint32_t ancestor = next.node.ancestor;
         if (node.points > 0) {
-            const std::uint64_t node_pages = (node.points + page_points - 1) / page_points;
-            if (points + node.points > limits.point_budget || pages + node_pages > limits.page_budget) {
-                selection.budget_reached = scene.budget_reached = true;
-                break;
+            const std::uint64_t node_pages = (node.points + page_points_ - 1) / page_points_;
+            if (points_ + node.points > limits_.point_budget || pages_ + node_pages > limits_.page_budget) {
+                selection.budget_reached = scene_.budget_reached = true;
+                return false;
             }
-            points += node.points;
-            pages += node_pages;
+            points_ += node.points;
+            pages_ += node_pages;
             selection.wanted_points += node.points;
             ancestor = static_cast<std::uint32_t>(selection.wanted.size());
-            scene.order.push_back({next.tree, ancestor});
+            scene_.order.push_back({next.tree, ancestor});
             selection.wanted.push_back(next.node);
         }
-        queue.pop();
+        queue_.pop();
         for (const NodeId child : node.children)
             if (child != no_node) consider(next.tree, child, ancestor);
+        return true;
     }
-    for (; !queue.empty(); queue.pop()) scene.trees[queue.top().tree].beyond.push_back(queue.top().node);
-    return scene;
+
+    const std::vector<TreeInView>& trees_;
+    const DetailLimits& limits_;
+    const std::uint64_t page_points_;
+    std::vector<std::optional<Frustum>> frusta_;
+    std::priority_queue<Candidate> queue_;
+    SceneSelection scene_;
+    std::uint64_t points_ = 0, pages_ = 0;
+};
+
+}  // namespace
+
+SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits)
+{
+    return Selecting(trees, limits).run();
 }
 
 DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
@@ -100,7 +130,7 @@ DrawSet choose_drawable(const DetailSelection& selection, const std::function<bo
         return node.ancestor == no_ancestor || drawn[node.ancestor];
     };
     const auto count_error = [&](const DetailNode& node) {
-        // Below a missing node nothing adds to the error: the box is smaller and the points seen in it are the same.
+        // Descendants of a missing node add nothing to the error: their boxes are smaller, and show the same points.
         if (ancestor_drawn(node)) set.error_px = std::max(set.error_px, node.error_px);
     };
     for (std::uint32_t i = 0; i < selection.wanted.size(); ++i) {

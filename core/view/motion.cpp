@@ -1,6 +1,7 @@
 #include "pcm/view/motion.h"
 
 namespace pcm {
+
 std::optional<Camera> predict(const Camera& before, const Camera& now, unsigned frames)
 {
     if (before.origin != now.origin || before.width != now.width || before.height != now.height ||
@@ -17,7 +18,7 @@ std::optional<Camera> predict(const Camera& before, const Camera& now, unsigned 
     Camera view = now;
     view.modelview = to;
     for (unsigned frame = 0; frame < frames; ++frame) view.modelview = product(step, view.modelview);
-    if (!is_affine(view.modelview)) return std::nullopt;  // it has left the numbers
+    if (!is_affine(view.modelview)) return std::nullopt;  // overflow
     return view;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using namespace pcm;
 
-TEST(Schema, RefusesWhatMakesNoSense)
+TEST(Schema, RefusesInvalidAttributes)
 {
     Schema schema;
     schema.add({"a", ScalarType::u8, 1, 1, 0, ""});

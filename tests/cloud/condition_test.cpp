@@ -1,4 +1,4 @@
-// Conditions against the plain meaning of their words.
+// Conditions against plain C++ comparisons.
 #include "pcm/cloud/condition.h"
 
 #include "pcm/cloud/selection.h"
@@ -14,7 +14,7 @@ namespace {
 
 using namespace pcm;
 
-// Which of `values` a condition on an attribute "a" selects.
+// The values that a condition on an attribute "a" selects.
 template <class T>
 std::vector<T> selected_of(const std::vector<T>& values, ScalarType type, const std::string& condition,
                            double scale = 1, double offset = 0)
@@ -97,7 +97,7 @@ TEST(Condition, ValuesAreThoseThatUsersSee)
     EXPECT_EQ(selected_of(floats, ScalarType::f32, "a<=1e300"), (std::vector<float>{0.1f, floats[1], -INFINITY, 0}));
 }
 
-TEST(Condition, WhatMakesNoSenseIsRefusedWithTheReason)
+TEST(Condition, InvalidTextIsRefusedWithTheReason)
 {
     const std::vector<std::pair<std::string, std::string>> bad = {{"classification", "no ="},
                                                                   {"=3", "before the sign"},

@@ -1,4 +1,4 @@
-// Regions: contains() against the formulas in extended precision, relation() against contains(), refusals, words.
+// Regions: contains() against the formulas in extended precision, relation() against contains(), refusals, text.
 
 #include "pcm/cloud/region.h"
 
@@ -47,7 +47,9 @@ private:
 Region random_region(Numbers& numbers, const Vec3d& centre, double size)
 {
     const double flat = numbers.below(4) ? 1 : 0;
-    const auto any_length = [&] { return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt; };
+    const auto any_length = [&] {
+        return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt;
+    };
     switch (numbers.below(7)) {
         case 0: {
             Box3d box;
@@ -114,7 +116,7 @@ Box3d random_box(Numbers& numbers, const Region& region, double size)
     return box;
 }
 
-// Corners, edges and the inside of a box.
+// Corners, edges and the interior of a box.
 Vec3d point_in(Numbers& numbers, const Box3d& box)
 {
     Vec3d p;
@@ -151,15 +153,14 @@ TEST(Region, RelationIsNeverWrong)
         crosses += relation == BoxRelation::crosses;
         both_kinds += in && out;
     }
-    // Of use, too: most boxes that are told to cross have points on both sides.
+    // And it is sharp: most boxes reported as crossing have points on both sides.
     EXPECT_GT(inside, 3000u);
     EXPECT_GT(outside, 10000u);
     EXPECT_LT(static_cast<double>(crosses), 1.3 * static_cast<double>(both_kinds));
 }
 
-// The formulas of the header in 64 bits of mantissa: no double that lies clearly on one side is called to be on the
-// other.
-TEST(Region, ContainsWhatTheFormulasSay)
+// The formulas of the header in 64 bits of mantissa: no point clearly on one side is classified as being on the other.
+TEST(Region, ContainsIsWhatTheFormulasGive)
 {
     Numbers numbers(2);
     const auto dot = [](const Vec3d& a, const std::array<Long, 3>& d) {
@@ -265,7 +266,7 @@ TEST(Region, AFrustumIsWhatItsMatricesShow)
         }
     }
     EXPECT_GT(seen, 1000u);
-    // A camera in words and the same one as matrices.
+    // A camera as text and the same one as matrices.
     const Region words = parse_region("frustum 10 20 30  10 25 30  90 1 1 50");
     EXPECT_TRUE(words.contains({10, 22, 30}));
     EXPECT_TRUE(words.contains({11.9, 22, 28.1}));
@@ -274,7 +275,7 @@ TEST(Region, AFrustumIsWhatItsMatricesShow)
     EXPECT_FALSE(words.contains({10, 70.1, 30}));
 }
 
-TEST(Region, TheWholeLineOfWordsComesBack)
+TEST(Region, TextReadsBackAsTheSameRegion)
 {
     Numbers numbers(5);
     for (int round = 0; round < 3000; ++round) {
@@ -303,7 +304,7 @@ std::string message_of(const std::function<void()>& f)
     return "accepted";
 }
 
-TEST(Region, RefusesWhatIsNoRegion)
+TEST(Region, RefusesInvalidRegions)
 {
     const double nan = std::nan(""), inf = INFINITY;
     const std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
@@ -314,7 +315,7 @@ TEST(Region, RefusesWhatIsNoRegion)
     expect("radius is -1", [] { Region::sphere({0, 0, 0}, -1); });
     expect("radius is", [&] { Region::sphere({0, 0, 0}, nan); });
     expect("centre is not finite", [&] { Region::sphere({0, inf, 0}, 1); });
-    expect("not a number", [&] { Region::box({{0, nan, 0}, {1, 1, 1}}); });
+    expect("NaN", [&] { Region::box({{0, nan, 0}, {1, 1, 1}}); });
     expect("axis has no length", [&] { Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{}, axes[2]}, {1, 1, 1}); });
     expect("not perpendicular", [&] {
         Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{1, 1, 0}, axes[2]}, {1, 1, 1});
@@ -334,7 +335,7 @@ TEST(Region, RefusesWhatIsNoRegion)
     expect("singular", [&] { Region::frustum(singular, identity, {0, 0, 0}); });
     expect("not affine", [&] { Region::frustum({}, identity, {0, 0, 0}); });
     expect("not finite", [&] { Region::frustum({nan}, identity, {0, 0, 0}); });
-    expect("along the view", [] { Region::frustum({0, 0, 0}, {0, 0, 9}, {0, 0, 1}, 50, 1, 1, 2); });
+    expect("parallel to the direction of view", [] { Region::frustum({0, 0, 0}, {0, 0, 9}, {0, 0, 1}, 50, 1, 1, 2); });
     expect("0 < near < far", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 50, 1, 2, 1); });
     expect("angle of view", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 180, 1, 1, 2); });
 
@@ -358,7 +359,7 @@ TEST(Region, EdgesOfTheRange)
     EXPECT_FALSE(line.contains({0, 0, 1e-9}));
     EXPECT_EQ(Region::box({}).relation({{0, 0, 0}, {1, 1, 1}}), BoxRelation::outside);
     EXPECT_FALSE(Region::box({}).contains({0, 0, 0}));
-    // What is not finite is nowhere, and never a reason for a wrong answer.
+    // Points that are not finite are in no region; boxes that are not finite are never misclassified.
     const double inf = INFINITY, nan = std::nan("");
     for (const char* text : {"sphere 0 0 0 1e300", "cone 0 0 0 1 1 1 89", "ray 0 0 0 1 0 0 5", "planes 0 0 0 1 1 1 5",
                              "box -1e308 -1e308 -1e308 1e308 1e308 1e308"}) {
@@ -367,7 +368,7 @@ TEST(Region, EdgesOfTheRange)
         EXPECT_EQ(region.relation(Box3d()), BoxRelation::outside);
         EXPECT_EQ(region.relation({{-inf, -inf, -inf}, {inf, inf, inf}}), BoxRelation::crosses) << text;
     }
-    // A box around a thin ray is crossed, however large; beside it, outside.
+    // A box around a thin ray crosses it, however large; a box next to it is outside.
     const Region ray = Region::ray({500000, 4800000, 100}, {1, 1, 0}, 0.001);
     EXPECT_EQ(ray.relation({{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}}), BoxRelation::crosses);
     EXPECT_EQ(ray.relation({{500010, 4800010, 100.002}, {500020, 4800020, 200}}), BoxRelation::outside);

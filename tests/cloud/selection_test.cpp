@@ -1,4 +1,4 @@
-// A selection for one schema: names of attributes, and where selected points can be.
+// Selectors: names of attributes, and bounds of the selected positions.
 #include "pcm/cloud/selection.h"
 
 #include "pcm/system/error.h"
@@ -50,7 +50,7 @@ TEST(Selector, UnknownNamesListTheKnownOnes)
     EXPECT_NE(refusal([&] { Selector(selection, schema); }).find("'colour'"), std::string::npos);
 }
 
-TEST(Selector, BoundsSayWhereSelectedPointsCanBe)
+TEST(Selector, BoundsEncloseSelectedPositions)
 {
     Selection selection = where({"x=3..5,9", "y<2", "z!=1"});
     Selector selector(selection, {});

@@ -25,7 +25,7 @@ Vec4 times(const Matrix4d& m, const Vec4& v)
     return result;
 }
 
-// Of a point in source coordinates: eye space, and normalised device coordinates.
+// Eye space and normalised device coordinates of a point in source coordinates.
 Vec4 in_eye(const Camera& view, const Vec3d& p)
 {
     return times(view.modelview, {p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2], 1});
@@ -72,7 +72,7 @@ TEST(Camera, SeesItsTargetInTheMiddleAndUpIsUp)
         EXPECT_NEAR(in_eye(view, frame.target)[2], -std::hypot(10, 200, 50), 1e-9);
         EXPECT_GT(on_screen(view, {500000, 4800000, 110})[1], 0.01);
         EXPECT_GT(on_screen(view, {500010, 4800000, 100})[0], 0.01);
-        // 60 degrees from bottom to top: 30 up from the axis is the upper edge.
+        // A vertical angle of 60 degrees: 30 degrees above the axis is the upper edge.
         const double distance = std::hypot(10, 200, 50);
         const Vec4 top = times(view.projection, {0, distance * std::tan(30 * degree), -distance, 1});
         EXPECT_NEAR(top[1] / top[3], 1, 1e-12);
@@ -108,7 +108,7 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
     }
 }
 
-TEST(Camera, OrthographicHeightIsWhatIsSeen)
+TEST(Camera, OrthographicHeightIsTheVisibleHeight)
 {
     const Camera view = view_of(looking({0, 0, 50}, {0, 10, 0}, std::nullopt, 20), {0, 0, 0},
                                 box_of({-100, -100, -5}, {100, 100, 5}), 200, 100);
@@ -118,10 +118,10 @@ TEST(Camera, OrthographicHeightIsWhatIsSeen)
     EXPECT_EQ(top[3], 1);
 }
 
-TEST(Camera, AViewOfNothingIsStillAView)
+TEST(Camera, BoxesThatAreEmptyFlatOrBehindGiveAValidCamera)
 {
     EXPECT_TRUE(Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, Box3d(), 10, 10)));
-    // All of it behind the camera; one point; one plane, seen face on.
+    // Entirely behind the camera; one point; one plane, face on.
     EXPECT_TRUE(
         Frustum::of(view_of(looking({0, 0, 0}, {1, 0, 0}, 60), {0, 0, 0}, box_of({-9, -1, -1}, {-8, 1, 1}), 10, 10)));
     EXPECT_TRUE(
@@ -153,16 +153,17 @@ TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
                     EXPECT_LE(std::abs(p[2]), 1);
                 }
                 EXPECT_LE(largest, 1 / 1.05 + 1e-6);
-                if (box.diagonal() == 0 || angle == 120) continue;  // a wide angle keeps away from the nearest corner
+                if (box.diagonal() == 0 || angle == 120)
+                    continue;  // a wide angle keeps a distance from the nearest corner
                 EXPECT_GT(largest, 1 / 1.05 - 1e-6) << box.max[1] << ' ' << width;
                 const std::size_t tight =
-                    shown.extent(0) > shown.extent(1) ? 0 : 1;  // what fills the picture is in its middle
+                    shown.extent(0) > shown.extent(1) ? 0 : 1;  // the side that fills the picture is centred
                 EXPECT_NEAR(shown.min[tight], -shown.max[tight], 1e-6);
             }
     EXPECT_THROW(overview_of(Box3d(), 45, 10, 10), Error);
 }
 
-// Written, read, and what is wrong with it.
+// Camera path files: written, read, damaged.
 class PathFile : public testing::Test {
 protected:
     CameraPath read(const std::string& text)
@@ -190,7 +191,7 @@ protected:
     std::filesystem::path file_ = folder_ / "way.json";
 };
 
-TEST_F(PathFile, IsReadAsItIsDescribed)
+TEST_F(PathFile, IsReadAsDocumented)
 {
     const CameraPath path =
         read(with(R"({"eye": [500010, 4800020, 131.5], "target": [500050, 4800050, 120], "angle": 60},
@@ -225,15 +226,15 @@ TEST_F(PathFile, InABoxFitsAnyCloud)
     EXPECT_THROW(path.placed(Box3d()), Error);
 }
 
-TEST_F(PathFile, WhatIsWrongIsSaid)
+TEST_F(PathFile, ErrorsNameTheFrameAndTheProblem)
 {
     const std::string good = R"({"eye": [0, 0, 1], "target": [1, 0, 0], "angle": 60})";
     EXPECT_NO_THROW(read(with(good)));
     refused("", "camera path");
     refused("{", "not JSON");
-    refused("[]", "no camera path");
-    refused("{\"format\": 3}", "no camera path");
-    refused(R"({"format": "pcm camera path", "version": 2})", "version 1");
+    refused("[]", "not a camera path");
+    refused("{\"format\": 3}", "not a camera path");
+    refused(R"({"format": "pcm camera path", "version": 2})", "'version' is not 1");
     refused(with(good, "screen"), "coordinates");
     refused(with(""), "no frames");
     refused(R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": {"a": 1}})", "no frames");
@@ -247,8 +248,9 @@ TEST_F(PathFile, WhatIsWrongIsSaid)
     refused(with(R"({"eye": [0, 0, 1], "target": [1, 0, 0], "angle": "wide"})"), "'angle' is not a number");
     refused(with(R"({"eye": [0, 0, 1], "target": [1, 0, 0], "height": 0})"), "'height'");
     refused(with(R"({"eye": [0, 0, 1], "target": [1, 0, 0], "angle": 9, "rest": 1})"), "'rest'");
-    refused(with(good + R"(, {"eye": [0, 0, 1], "target": [0, 0, 1], "angle": 60})"), "frame 2: 'eye' is the 'target'");
-    refused(with(R"({"eye": [0, 0, 1], "target": [0, 0, 0], "angle": 60})"), "'up' is along");
+    refused(with(good + R"(, {"eye": [0, 0, 1], "target": [0, 0, 1], "angle": 60})"),
+            "frame 2: 'eye' and 'target' are equal");
+    refused(with(R"({"eye": [0, 0, 1], "target": [0, 0, 0], "angle": 60})"), "'up' is parallel");
     refused(with(R"({"eye": [1e308, 0, 1e999], "target": [0, 0, 0], "angle": 60})"), "");
     try {
         CameraPath::read(folder_ / "none.json");

@@ -1,4 +1,4 @@
-// Distances to the nearest points against a look at every point, whatever of the tree is in memory.
+// Distances to the nearest points against brute force over all points, with any part of the tree in memory.
 #include "pcm/view/clearance.h"
 
 #include "pcm/build/builder.h"
@@ -50,7 +50,7 @@ protected:
         for (const Vec3d& p : points_) best = std::min(best, length(p - place));
         return best;
     }
-    // At these coordinates a double is this far from the next one.
+    // The spacing of doubles at these coordinates.
     static constexpr double step = 1e-9;
 
     TemporaryFolder folder_;
@@ -59,7 +59,7 @@ protected:
     std::vector<Vec3d> places_;
 };
 
-TEST_P(ClearanceTest, HoldsWithWhateverIsInMemory)
+TEST_P(ClearanceTest, HoldsWithAnyPartInMemory)
 {
     L2Cache& cache = cloud_->cache();
     const Tree& tree = cache.tree();
@@ -96,7 +96,7 @@ TEST_P(ClearanceTest, HoldsWithWhateverIsInMemory)
     }
 }
 
-TEST_P(ClearanceTest, PlacesThatAreNone)
+TEST_P(ClearanceTest, PlacesThatAreNotFinite)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
     for (const Vec3d& place : {Vec3d{nan, 0, 0}, Vec3d{0, infinity, 0}, Vec3d{0, 0, -infinity}}) {

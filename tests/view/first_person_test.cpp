@@ -1,5 +1,5 @@
-// An eye that walks: nothing jumps when it takes over a camera, the horizon gets level, and where it ends does not hang
-// on the steps.
+// An eye that walks: nothing jumps when it takes over a camera, the horizon is levelled, and where it ends does not
+// depend on the number of steps.
 #include "pcm/view/first_person.h"
 
 #include "pcm/cloud/vector.h"
@@ -30,7 +30,7 @@ void expect_near(const EyePose& a, const EyePose& b, double tolerance)
     EXPECT_EQ(a.orthographic, b.orthographic);
 }
 
-// From a unit quaternion, as a trackball has it.
+// From a unit quaternion, like a trackball's.
 EyePose random_pose(std::mt19937_64& random)
 {
     std::normal_distribution<double> normal;
@@ -78,7 +78,7 @@ TEST(FirstPerson, StraightDownNeedsNoRoll)
             EXPECT_EQ(walk.roll(), 0);
             EXPECT_DOUBLE_EQ(walk.pitch(), -sign * pi / 2);
             EXPECT_NEAR(std::remainder(walk.yaw() - angle, 2 * pi), 0, 1e-12);
-            // And from there up to the horizon, without a turn aside.
+            // And from there up to the horizon, without turning aside.
             walk.turn(0, sign * pi / 2);
             expect_near(walk.pose().right, pose.right, 1e-12);
             EXPECT_NEAR(walk.pose().back[2], 0, 1e-12);
@@ -86,7 +86,7 @@ TEST(FirstPerson, StraightDownNeedsNoRoll)
     }
 }
 
-TEST(FirstPerson, HorizonGetsLevelWhenUsed)
+TEST(FirstPerson, HorizonIsLevelledWhenTheEyeMoves)
 {
     std::mt19937_64 random(2);
     for (int i = 0; i < 200; ++i) {
@@ -181,7 +181,7 @@ TEST(FirstPerson, ManyStepsAreOneLongStep)
         FirstPerson one(pose, UpAxis::z), many(pose, UpAxis::z);
         one.step(0.5, keys, 2);
         for (int k = 0; k < 50; ++k) many.step(0.01, keys, 2);
-        if (many.roll() == 0) continue;  // the end of levelling is cut off where it is small enough
+        if (many.roll() == 0) continue;  // levelling ends early once the roll is small
         expect_near(one.pose(), many.pose(), 1e-9 * (1 + std::exp(2.0) * pose.focus));
     }
 }
@@ -193,7 +193,7 @@ TEST(FirstPerson, OrthographicViewsZoomAndTurnAboutTheirCentre)
     pose.orthographic = true;
     FirstPerson walk(pose, UpAxis::y);
     const Vec3d centre = pose.centre();
-    walk.step(1, walk_forward, 123);  // the reach says nothing here
+    walk.step(1, walk_forward, 123);  // the reach has no effect here
     EXPECT_NEAR(walk.pose().focus, 8 / std::exp(1.0), 1e-12);
     expect_near(walk.pose().centre(), centre, 1e-12);
     walk.step(1, walk_back, 123);
@@ -211,7 +211,7 @@ TEST(FirstPerson, OrthographicViewsZoomAndTurnAboutTheirCentre)
     EXPECT_TRUE(std::isfinite(walk.pose().focus));
 }
 
-TEST(FirstPerson, RefusesPosesThatAreNone)
+TEST(FirstPerson, RefusesInvalidPoses)
 {
     const auto refused = [](const EyePose& pose) {
         try {
@@ -240,7 +240,7 @@ TEST(FirstPerson, RefusesPosesThatAreNone)
         pose.focus = focus;
         EXPECT_TRUE(refused(pose)) << focus;
     }
-    // What single precision leaves of unit axes is taken.
+    // Unit axes in single precision are accepted.
     std::mt19937_64 random(4);
     EyePose rounded = random_pose(random);
     for (Vec3d* axis : {&rounded.right, &rounded.up, &rounded.back})

@@ -19,8 +19,8 @@ namespace {
 using Long = long double;  // 64 bits of mantissa: 2048 times finer than double
 static_assert(std::numeric_limits<Long>::digits >= 64);
 
-// Clip coordinates, and the sums of the absolute values of all that was added up for them: what bounds the rounding of
-// the same in double.
+// Clip coordinates, and the same sums over absolute values, which bound the rounding error of the computation in
+// double.
 struct Clip {
     std::array<Long, 4> value{}, bound{};
 };
@@ -43,7 +43,7 @@ Clip exact_clip(const Camera& view, const Vec3d& source)
         local[a] = static_cast<Long>(source[a]) - view.origin[a];
         size[a] = std::abs(static_cast<Long>(source[a])) + std::abs(static_cast<Long>(view.origin[a]));
     }
-    // Of an affine matrix times any number only the ratio counts.
+    // A common factor of an affine matrix has no effect.
     Camera scaled = view;
     for (double& v : scaled.modelview) v /= view.modelview[15];
     return {apply(view.projection, apply(scaled.modelview, local)),
@@ -71,8 +71,8 @@ private:
     std::mt19937_64 random_;
 };
 
-// Map coordinates and a local origin there, elsewhere or at 0; near planes down to 1e-6 of the scene; perspective, off
-// the axis too, and orthographic; matrices that carry a common factor.
+// Cameras at map coordinates with a local origin there, elsewhere or at 0; near planes down to 1e-6 of the scene;
+// perspective (also off-axis) and orthographic; matrices with a common factor.
 struct StiffView {
     Camera view;
     Vec3d place;
@@ -178,8 +178,9 @@ TEST(Frustum, CullsWhatIsBeyondOnePlane)
 
 TEST(Frustum, PixelsAreThoseOfAProjectedSegment)
 {
-    // On the axis, a segment face on at distance d; orthographic anywhere. The projection is the oracle; 1e-6: what is
-    // left of a millimetre at coordinates of 5e6 after two projections.
+    // A segment across the view: on the axis at distance d in perspective, anywhere in orthographic views. The
+    // projection is the oracle; 1e-6 is the relative rounding error of half a metre at coordinates of 5e6 after two
+    // projections.
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int i = 0; i < 2000; ++i) {
@@ -265,8 +266,7 @@ TEST(Frustum, ClassifiesBoxesAsExactProjectionDoes)
         const StiffView stiff = stiff_view(random, i);
         const auto frustum = Frustum::of(stiff.view);
         ASSERT_TRUE(frustum) << i;
-        // Boxes from points inside of the clip volume: a point in normalised coordinates, taken back by the eye's axes,
-        // would need the inverse that is under test; so random ones, of all sizes, and near the eye.
+        // Boxes of all sizes, half of them near the eye.
         Box3d box;
         const Vec3d middle = random.near(i % 2 ? frustum->eye() : stiff.place, stiff.reach * random.power(-3, 1));
         const double size = stiff.reach * random.power(-6, 0);
@@ -318,16 +318,15 @@ TEST(Frustum, TheEyeIsWhereTheModelviewPutsZero)
                 sum += static_cast<Long>(m[c * 4 + r]) * eye[c];
                 size += std::abs(static_cast<Long>(m[c * 4 + r]) * eye[c]);
             }
-            // Gaussian elimination with pivoting on a matrix that turns and scales: a few roundings a row.
+            // Gaussian elimination with pivoting on a rotation with scale: a few roundings per row.
             ASSERT_LE(std::abs(sum), 32 * std::numeric_limits<double>::epsilon() * size) << i;
         }
         EXPECT_EQ(frustum->eye(), stiff.view.origin + eye);
     }
 }
 
-// |w| of a perspective view is the distance along the axis, so the size at a point is the exact derivative of the
-// projection across the axis; elsewhere than on the axis no segment that is face on appears longer.
-TEST(Frustum, PixelsBoundTheProjectionOfSegmentsAcrossTheView)
+// The same for stiff cameras, with the segment's ends moved by the origin so that they are not rounded.
+TEST(Frustum, PixelsAreThoseOfAProjectedSegmentInStiffViews)
 {
     Random random(13);
     std::size_t compared = 0;
@@ -337,7 +336,7 @@ TEST(Frustum, PixelsBoundTheProjectionOfSegmentsAcrossTheView)
         ASSERT_TRUE(frustum);
         const Vec3d point = random.near(frustum->eye(), stiff.reach);
         const Clip clip = exact_clip(stiff.view, point);
-        // Where the point is lost in the rounding of its coordinates nothing can be said of so small a segment.
+        // Not where the rounding of the point's coordinates is of the size of its depth.
         if (!(clip.value[3] > 1e-9L * clip.bound[3]) || std::abs(clip.value[2]) > clip.value[3]) continue;
         if (std::abs(clip.value[0]) > 1e-3L * clip.value[3] || std::abs(clip.value[1]) > 1e-3L * clip.value[3])
             if (!frustum->orthographic()) continue;  // off the axis the same depth is farther away

@@ -1,4 +1,4 @@
-// Node choice against brute force over random trees.
+// Node selection against brute force over random trees.
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
@@ -140,7 +140,7 @@ TEST_P(SelectDetail, IsWhatBruteForceFinds)
         for (const DetailNode& node : selection.beyond) beyond.insert(node.node);
         EXPECT_EQ(beyond, expected.beyond) << "case " << i;
 
-        // What can be drawn when some chunks are not there yet.
+        // What can be drawn while some chunks are missing.
         std::set<NodeId> resident;
         for (const DetailNode& node : selection.wanted)
             if (unit(random) < (i % 5) * 0.25) resident.insert(node.node);
@@ -161,7 +161,7 @@ TEST_P(SelectDetail, IsWhatBruteForceFinds)
         }
         EXPECT_EQ(set.missing.size(), selection.wanted.size() - resident.size());
         partial += !set.missing.empty() && !set.drawn.empty();
-        // Leaving empty nodes "beyond" is an error too, which the oracle below does not look for.
+        // Empty nodes left in `beyond` count as an error too, which the oracle below ignores.
         bool empty_beyond = false;
         for (const DetailNode& node : selection.beyond) empty_beyond |= tree.nodes[node.node].points == 0;
         if (!empty_beyond) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace pcm;
 
-// Turned about z by `angle`, then moved.
+// Rotated about z by `angle`, then moved.
 Camera view_at(double angle, const Vec3d& move, double scale = 1)
 {
     Camera view;
@@ -41,7 +41,7 @@ void expect_near(const Camera& a, const Camera& b)
         EXPECT_NEAR(a.modelview[i], b.modelview[i], 1e-9 * (1 + std::fabs(b.modelview[i]))) << i;
 }
 
-TEST(Motion, GoesOnAsItCame)
+TEST(Motion, TheMotionContinues)
 {
     for (const unsigned frames : {1u, 2u, 8u, 30u}) {
         const double n = frames;
@@ -57,7 +57,7 @@ TEST(Motion, GoesOnAsItCame)
         expect_near(*found, view_at(0, {0, 0, 0}, 1.25 * std::pow(1.25, n)));
         EXPECT_EQ(found->width, 640);
     }
-    // A common factor of a matrix says nothing.
+    // A common factor of a matrix has no effect.
     Camera before = view_at(0, {0, 0, -5}), now = view_at(0, {0, 0, -4});
     for (double& v : before.modelview) v *= 2;
     for (double& v : now.modelview) v *= -3;
@@ -66,7 +66,7 @@ TEST(Motion, GoesOnAsItCame)
     expect_near(*found, view_at(0, {0, 0, -1}));
 }
 
-TEST(Motion, WhatSaysNothingOfAMotion)
+TEST(Motion, IsNotPredictedFromCamerasThatCannotBeCompared)
 {
     const Camera view = view_at(0, {0, 0, -5}), moved = view_at(0, {0, 0, -4});
     EXPECT_FALSE(predict(view, view, 8));
@@ -88,7 +88,7 @@ TEST(Motion, WhatSaysNothingOfAMotion)
     other = moved;
     other.modelview[10] = 0;
     EXPECT_FALSE(predict(other, view, 8));
-    EXPECT_FALSE(predict(view_at(0, {0, 0, 0}, 1), view_at(0, {0, 0, 0}, 1e30), 30));  // beyond all numbers
+    EXPECT_FALSE(predict(view_at(0, {0, 0, 0}, 1), view_at(0, {0, 0, 0}, 1e30), 30));  // overflow
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ inline bool is_visible(const std::array<double, 4>& c)
     return true;
 }
 
-// Looks from `eye` in a random direction; the modelview scales by `scale` as a trackball does.
+// Looks from `eye` in a random direction; the modelview scales like a trackball's.
 inline Camera random_view(std::mt19937_64& random, const Vec3d& eye, const Vec3d& origin, double reach)
 {
     std::uniform_real_distribution<double> unit(0, 1);

@@ -1,4 +1,4 @@
-// Node choice over several trees at once: one order by what the eye sees, one budget; and hysteresis.
+// Node selection over several trees at once: one order by projected error, one budget; and hysteresis.
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ struct Scene {
     std::vector<TreeInView> in_view;
 };
 
-// Up to four trees side by side or through one another, each with an origin of its own.
+// Up to four trees, side by side or overlapping, each with its own origin.
 Scene random_scene(std::mt19937_64& random)
 {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -126,8 +126,8 @@ TEST(SelectScene, TakesTheWorstOfAllTreesFirst)
     EXPECT_GT(mixed, 100u);
 }
 
-// A picture can be drawn further: what a budget allows is the beginning of what is wanted without one.
-TEST(SelectScene, ABudgetGivesABeginning)
+// The selection under a budget is a prefix of the selection without one, so a picture can be continued.
+TEST(SelectScene, ABudgetGivesAPrefix)
 {
     std::mt19937_64 random(12);
     std::size_t shorter = 0;
@@ -149,7 +149,7 @@ TEST(SelectScene, ABudgetGivesABeginning)
     EXPECT_GT(shorter, 50u);
 }
 
-// A view that trembles, so that the errors of nodes cross the target to and fro, draws the same nodes all the time.
+// A trembling camera, in which errors keep crossing the target, draws the same nodes all the time.
 TEST(SelectScene, TremblingErrorsChangeNothing)
 {
     std::mt19937_64 random(13);
