@@ -45,7 +45,7 @@ int append(Arguments& arguments)
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     std::printf(
-        "%s: %s points added in %.1f s (%.2f M points/s), %s nodes, %s; %s points in %u parts now\n",
+        "%s: %s points added in %.1f s (%.2f M points/s), %s nodes, %s; now %s points in %u parts\n",
         arguments.tree.c_str(), grouped(report.points_added).c_str(), report.outcome.seconds,
         report.outcome.seconds > 0 ? static_cast<double>(report.points_added) / report.outcome.seconds / 1e6 : 0.0,
         grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(),
@@ -60,12 +60,12 @@ int append(Arguments& arguments)
 Run add_append(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
-    options.positional("input", arguments->inputs, "Files, folders of files or trees, all of whose points are added")
-        .required();
-    options.option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)").bytes();
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("input", arguments->inputs, "Files, folders of files or trees to add").required();
+    options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
+    options.option("--chunk-points", arguments->options.chunk_points,
+                   "Maximum number of points per chunk (default 25000)");
     arguments->reading.add_to(options);
     add_common(options, arguments->common);
     return [arguments] { return append(*arguments); };

@@ -22,7 +22,7 @@ int build(Arguments& arguments)
 {
     std::filesystem::path output = arguments.output;
     if (output.empty()) {
-        // Beside the first input, named like it.
+        // Next to the first input, with the same name.
         output = arguments.inputs[0];
         if (output.filename().empty()) output = output.parent_path();
         output.replace_extension(tree_extension);
@@ -48,7 +48,7 @@ int build(Arguments& arguments)
         std::printf("%s\n", json.dump(2).c_str());
     } else {
         for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-        std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes a point)\n",
+        std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes per point)\n",
                     output.string().c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
                     points_per_second(report.outcome) / 1e6, static_cast<unsigned long long>(report.nodes),
                     report.levels, bytes_text(report.bytes).c_str(),
@@ -67,19 +67,20 @@ int build(Arguments& arguments)
 Run add_build(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("input", arguments->inputs, "Files, or folders of files, that together are one cloud")
-        .required();
-    options.option("-o,--output", arguments->output, "Tree folder to make (default: first input with .pct)");
-    options.option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)").bytes();
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    options.flag("--fast", arguments->fast, "Choose the points of levels by a grid: quicker, and less even");
-    options.flag("--overwrite", arguments->options.overwrite, "Replace the tree if there is one of this name");
+    options.positional("input", arguments->inputs, "Files or folders of files, merged into one cloud").required();
+    options.option("-o,--output", arguments->output,
+                   "Tree folder to write (default: the first input's name with .pct)");
+    options.option("-m,--memory", arguments->memory, "Memory limit of the build, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
+    options.option("--chunk-points", arguments->options.chunk_points,
+                   "Maximum number of points per chunk (default 25000)");
+    options.flag("--fast", arguments->fast, "Sample the levels on a grid: faster, but less evenly spaced");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace an existing tree of this name");
     options.off_flag("--no-resume", arguments->options.resume,
-                     "Start afresh where a build of these files was interrupted, and make no checkpoints");
+                     "Do not resume an interrupted build of these files, and write no checkpoints");
     options
         .option("--checkpoint-seconds", arguments->options.checkpoint_seconds,
-                "How often what is done is put on disk for good, to go on from after an interruption (default 1)")
+                "Time between checkpoints, from which an interrupted build resumes (default 1)")
         .not_negative();
     arguments->reading.add_to(options);
     add_common(options, arguments->common);

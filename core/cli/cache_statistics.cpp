@@ -35,10 +35,10 @@ void print(const L2Statistics& s)
                 grouped(s.hits).c_str(), grouped(misses).c_str(),
                 asked > 0 ? 100 * static_cast<double>(s.hits) / asked : 0.0, grouped(s.compulsory_misses).c_str(),
                 grouped(s.capacity_misses).c_str(), grouped(s.forced_misses).c_str());
-    std::printf("loaded      %s in %s of all threads; half of the loads within %s, 99 of 100 within %s\n",
+    std::printf("loaded      %s in %s, summed over threads; a load took %s (median), %s (99th percentile)\n",
                 bytes_text(s.loaded_bytes).c_str(), time_text(s.load_seconds).c_str(),
                 time_text(s.load_times.quantile(0.5)).c_str(), time_text(s.load_times.quantile(0.99)).c_str());
-    std::printf("held        %s in %s chunks in the end; %s were evicted\n", bytes_text(s.resident_bytes).c_str(),
+    std::printf("held        %s in %s chunks at the end; %s evicted\n", bytes_text(s.resident_bytes).c_str(),
                 grouped(s.resident_chunks).c_str(), grouped(s.evictions).c_str());
     if (s.written_chunks || s.failed_writes)
         std::printf("written     %s of changed columns in %s chunks, in %s\n", bytes_text(s.written_bytes).c_str(),

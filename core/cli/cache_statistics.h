@@ -1,4 +1,4 @@
-// What a cache did, in words and as JSON.
+// The statistics of a cache, as text and as JSON.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"

@@ -21,19 +21,20 @@ const std::vector<Command>& commands()
 {
     static const std::vector<Command> table = {
         {"build", "Build a point cloud tree from files", add_build},
-        {"convert", "Write clouds of any format, or trees, as a file of another, or as a tree", add_convert},
-        {"info", "Say what a point cloud tree, or cloud files of any format, hold", add_info},
-        {"verify", "Check a tree: checksums, counts, boxes, and that every point is there once", add_verify},
-        {"append", "Add files to a tree", add_append},
-        {"compact", "Write a tree anew after appending and deleting: smaller, with even levels", add_compact},
+        {"convert", "Convert files of any supported format, or trees, to a file of another format or to a tree",
+         add_convert},
+        {"info", "Show what a tree, or files of any supported format, contain", add_info},
+        {"verify", "Check a tree: checksums, counts, boxes, and that every point is stored exactly once", add_verify},
+        {"append", "Add the points of files to a tree", add_append},
+        {"compact", "Rewrite a tree after appending and deleting: smaller, with evenly spaced levels", add_compact},
         {"delete", "Delete points of a tree", add_delete},
-        {"repair", "Make a tree's index anew from its chunks, without those that are damaged", add_repair},
-        {"query", "Ask a tree: how many points are in a region, which are nearest to a point, what a ray meets first",
-         add_query},
-        {"set", "Set attributes of a tree's points, and add attributes; all at once or not at all", add_set},
-        {"transform", "Move, turn or scale a tree, into a new one", add_transform},
-        {"render", "Draw trees to PNG, from a camera or along a path, without a window", nullptr, start_render},
-        {"generate", "Write a scan-like scene with exact ground truth as LAS or LAZ", add_generate},
+        {"repair", "Rebuild a tree's index from its chunks, without damaged chunks", add_repair},
+        {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
+        {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
+        {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
+        {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
+         start_render},
+        {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},
     };
     return table;
 }

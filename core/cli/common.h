@@ -14,22 +14,22 @@ namespace pcm::cli {
 
 using Json = nlohmann::ordered_json;
 
-// Options every command has.
+// Options of every command.
 struct Common {
     bool json = false;   // print one JSON object and nothing else
     bool quiet = false;  // no progress
 };
 void add_common(Options& options, Common& common);
 
-// A line on stderr that is rewritten while the operation runs; nothing when stderr is no terminal, or with --quiet or
-// --json. Ctrl-C cancels the operation, which then cleans up behind itself.
+// Shows progress in one line on stderr; nothing where stderr is not a terminal, or with --quiet or --json. Ctrl-C
+// cancels the operation, which then removes its unfinished files.
 ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
 
 std::uint64_t peak_rss_bytes();
 
 double points_per_second(const Outcome& outcome);
-// points, seconds, points_per_second, peak_rss_bytes: what every command that works through points prints.
+// points, seconds, points_per_second, peak_rss_bytes: printed by every command that processes points.
 void put_outcome(Json& json, const Outcome& outcome);
 
 }  // namespace pcm::cli

@@ -46,12 +46,13 @@ int compact(Arguments& arguments)
 Run add_compact(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
     options.option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
-    options.flag("--overwrite", arguments->options.overwrite, "Replace the output if there is a tree of this name");
-    options.option("-m,--memory", arguments->memory, "Memory it may use, e.g. 512M or 2G (default 1G)").bytes();
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace an existing tree of this name");
+    options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
+    options.option("--chunk-points", arguments->options.chunk_points,
+                   "Maximum number of points per chunk (default 25000)");
     add_common(options, arguments->common);
     return [arguments] { return compact(*arguments); };
 }

@@ -31,10 +31,11 @@ void take_grid(const Arguments& arguments, ConvertOptions& options)
     std::vector<double> scale = arguments.scale;
     if (arguments.step != 0) scale = {arguments.step, arguments.step, arguments.step};
     for (const double s : scale)
-        if (!(s > 0)) throw Error(ErrorCode::invalid_argument, {}, "the steps of a grid are positive");
+        if (!(s > 0)) throw Error(ErrorCode::invalid_argument, {}, "--grid and --scale must be positive");
     if (!arguments.offset.empty()) {
         if (scale.empty())
-            throw Error(ErrorCode::invalid_argument, {}, "an offset goes with a scale", "say --scale too");
+            throw Error(ErrorCode::invalid_argument, {}, "--offset was given without a scale",
+                        "give --scale or --grid too");
         options.write.grid = Grid{vector_of(scale), vector_of(arguments.offset)};
     } else if (!scale.empty()) {
         options.scale = vector_of(scale);
@@ -86,17 +87,17 @@ int convert(Arguments& arguments)
 
 void add_choice(Options& options, Arguments& arguments)
 {
-    const char* const group = "What is taken";
+    const char* const group = "Selection";
     CloudOptions& cloud = arguments.options.cloud;
-    options.option("--level", cloud.level, "Of trees: the cloud at this level").group(group);
-    options.option("--max-points", cloud.max_points, "Of a tree: its deepest level with at most so many points")
+    options.option("--level", cloud.level, "Trees: only the points up to this level").group(group);
+    options.option("--max-points", cloud.max_points, "A tree: only its deepest level with at most this many points")
         .group(group);
     arguments.region.add_to(options, group);
-    options.option("--attributes,--keep", cloud.selection.keep, "Only these attributes, names between commas")
+    options.option("--attributes,--keep", cloud.selection.keep, "Only these attributes, separated by commas")
         .separated_by(',')
         .one_value_each()
         .group(group);
-    options.option("--drop", cloud.selection.drop, "All attributes but these, names between commas")
+    options.option("--drop", cloud.selection.drop, "All attributes except these, separated by commas")
         .separated_by(',')
         .one_value_each()
         .group(group);
@@ -104,23 +105,25 @@ void add_choice(Options& options, Arguments& arguments)
 
 void add_output(Options& options, Arguments& arguments)
 {
-    const char* const group = "How it is written";
+    const char* const group = "Output";
     ConvertOptions& to = arguments.options;
-    const Option step =
-        options
-            .option("--grid", arguments.step,
-                    "LAS, LAZ: step of the coordinates (default: the source's, or the coarsest that is exact)")
-            .group(group);
+    const Option step = options
+                            .option("--grid", arguments.step,
+                                    "LAS, LAZ: coordinate step (default: the source's, or the coarsest that is exact)")
+                            .group(group);
     options.option("--scale", arguments.scale, "LAS, LAZ: steps x y z").values(3).excludes(step).group(group);
     options.option("--offset", arguments.offset, "LAS, LAZ: offset x y z of the grid").values(3).group(group);
-    options.option("--decimals", to.write.decimals, "Text: digits after the point (default: as many as are exact)")
+    options
+        .option("--decimals", to.write.decimals,
+                "Text: digits after the decimal point (default: as many as exact positions need)")
         .group(group);
     options.flag("--ascii", to.write.ascii, "PLY, PCD: text instead of binary").group(group);
-    options.option("-m,--memory", arguments.memory, "Trees: memory the build may use, e.g. 512M or 2G (default 1G)")
+    options.option("-m,--memory", arguments.memory, "Trees: memory limit of the build, e.g. 512M or 2G (default 1G)")
         .bytes()
         .group(group);
-    options.option("--chunk-points", to.chunk_points, "Trees: most points of a chunk (default 25000)").group(group);
-    options.flag("--overwrite", to.overwrite, "Replace the output if it is there").group(group);
+    options.option("--chunk-points", to.chunk_points, "Trees: maximum number of points per chunk (default 25000)")
+        .group(group);
+    options.flag("--overwrite", to.overwrite, "Replace an existing output").group(group);
 }
 
 }  // namespace
@@ -131,14 +134,14 @@ Run add_convert(Options& options)
     std::string writable = tree_extension;
     for (const std::string& extension : writable_extensions()) writable += ", " + extension;
     options
-        .positional(
-            "paths", arguments->paths,
-            "Files, folders of files or trees, together one cloud; last the output, whose extension says the format: " +
-                writable)
+        .positional("paths", arguments->paths,
+                    "Files, folders of files or trees, merged into one cloud; then the output, whose extension sets "
+                    "the format: " +
+                        writable)
         .required();
     add_choice(options, *arguments);
     add_output(options, *arguments);
-    options.option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
+    options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");
     arguments->reading.add_to(options);
     add_common(options, arguments->common);
     return [arguments] { return convert(*arguments); };

@@ -20,7 +20,7 @@ int erase(Arguments& arguments)
 {
     const Selection selection = arguments.region.get();
     if (!selection.chooses_points())
-        throw Error(ErrorCode::invalid_argument, arguments.tree, "nothing says which points are to be deleted",
+        throw Error(ErrorCode::invalid_argument, arguments.tree, "no points were chosen to be deleted",
                     "give a box, another region or a condition");
     arguments.options.progress = console_progress(arguments.common);
     const EraseReport report = erase_points(arguments.tree, selection, arguments.options);
@@ -43,14 +43,15 @@ int erase(Arguments& arguments)
                     grouped(report.points_deleted).c_str(), grouped(report.outcome.points_in).c_str());
         return 0;
     }
-    std::printf("%s: %s points deleted, %s are left; %s nodes written anew (%s), %s without points now, in %.1f s\n",
+    std::printf("%s: %s points deleted, %s left; %s nodes rewritten (%s), %s now empty, in %.1f s\n",
                 arguments.tree.c_str(), grouped(report.points_deleted).c_str(),
                 grouped(report.outcome.points_out).c_str(), grouped(report.nodes_rewritten).c_str(),
                 bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(),
                 report.outcome.seconds);
     if (!report.coverage_kept)
         std::printf(
-            "note: coarse levels have gaps where points went; 'pcmlab compact' closes them and frees the space\n");
+            "note: coarse levels have gaps where points were deleted; 'pcmlab compact' closes them and frees the "
+            "space\n");
     return 0;
 }
 
@@ -59,10 +60,10 @@ int erase(Arguments& arguments)
 Run add_delete(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
-    arguments->region.add_to(options, "What is deleted");
-    options.flag("--count", arguments->options.count_only, "Only say how many points that would be");
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    arguments->region.add_to(options, "Points to delete");
+    options.flag("--count", arguments->options.count_only, "Only report how many points would be deleted");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
     add_common(options, arguments->common);
     return [arguments] { return erase(*arguments); };
 }

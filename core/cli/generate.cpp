@@ -58,11 +58,12 @@ Run add_generate(Options& options)
                 "Map coordinates X,Y,Z of the scene's corner, metres (default 500000,4800000,100)")
         .separated_by(',')
         .values(3);
-    options.option("--extent", scene.extent, "Side of the scene, metres (default: grows with the points)");
+    options.option("--extent", scene.extent,
+                   "Side length of the scene, metres (default: grows with the number of points)");
     options.option("--noise", scene.noise, "Standard deviation of the range, metres (default 0.003)");
     options.option("--scale", scene.scale, "Step of the coordinates, metres (default 0.001)");
     options.option("--seed", scene.seed, "Seed of the random numbers (default 1)");
-    options.flag("--no-truth", arguments->no_truth, "Do not write the primitives beside the file");
+    options.flag("--no-truth", arguments->no_truth, "Do not write the ground truth next to the file");
     add_common(options, arguments->common);
     return [arguments] { return generate(*arguments); };
 }

@@ -69,7 +69,7 @@ void print_attributes(const Schema& schema)
 
 void print_metadata(const std::vector<Metadata>& metadata)
 {
-    constexpr std::size_t shown = 300;  // of a text; --json has all of it
+    constexpr std::size_t shown = 300;  // characters of a text; --json prints all of it
     for (const Metadata& block : metadata) {
         std::string text = text_of(block);
         if (text.size() > shown) text = text.substr(0, shown) + "...";
@@ -128,14 +128,14 @@ void print(const Tree& tree)
                 exact(info.position_error).c_str());
     print_attributes(info.schema);
     print_metadata(info.metadata);
-    std::printf("size        %s, %.2f bytes a point\n", bytes_text(info.bytes).c_str(),
+    std::printf("size        %s, %.2f bytes per point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
     if (info.generation > 1)
         std::printf("updates     %u since the build; %zu %s\n", info.generation - 1, tree.part_roots().size(),
                     tree.part_roots().size() == 1 ? "part" : "parts");
     if (!info.coverage_kept)
         std::printf("levels      have gaps where points were deleted; 'pcmlab compact' closes them\n");
-    if (info.sampling == Sampling::grid) std::printf("levels      chosen by a grid (a fast build)\n");
+    if (info.sampling == Sampling::grid) std::printf("levels      sampled on a grid (a fast build)\n");
     std::printf("level  nodes          points  points to here  spacing\n");
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];
@@ -145,7 +145,7 @@ void print(const Tree& tree)
     }
 }
 
-// What all points say, as opposed to headers.
+// Found by reading all points, not from headers.
 struct Scan {
     std::uint64_t points = 0, not_finite = 0;
     Box3d box;
@@ -153,25 +153,25 @@ struct Scan {
 
 Scan scan(PointReader& cloud, const ProgressFunction& progress)
 {
-    Scan seen;
+    Scan found;
     PointBatch batch;
     while (cloud.read(batch, default_batch_points)) {
-        seen.points += batch.size;
+        found.points += batch.size;
         for (std::size_t i = 0; i < batch.size; ++i) {
             Vec3d p;
             for (std::size_t a = 0; a < 3; ++a)
                 p[a] = batch.gridded ? cloud.info().grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
             if (is_finite(p))
-                seen.box.extend(p);
+                found.box.extend(p);
             else
-                ++seen.not_finite;
+                ++found.not_finite;
         }
         ProgressUpdate update;
         update.stage = "Reading points";
         update.fraction = cloud.fraction_read();
         if (!progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
     }
-    return seen;
+    return found;
 }
 
 Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
@@ -238,7 +238,7 @@ std::shared_ptr<const Tree> tree_of(const std::vector<std::string>& inputs)
 {
     for (const std::string& input : inputs) {
         if (!is_tree(input) && std::filesystem::path(input).extension() != std::string(".") + tree_extension) continue;
-        if (inputs.size() > 1) throw Error(ErrorCode::invalid_argument, input, "this is a tree; it is looked at alone");
+        if (inputs.size() > 1) throw Error(ErrorCode::invalid_argument, input, "a tree must be the only input");
         return Tree::open(input);
     }
     return nullptr;
@@ -276,10 +276,10 @@ Run add_info(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options
         .positional("input", arguments->inputs,
-                    "A tree folder, or the index file in it; or files and folders of files, together one cloud")
+                    "A tree folder, or its index file; or files and folders of files, merged into one cloud")
         .required();
-    options.flag("--scan", arguments->scan, "Files: read all points, for the true number and box");
-    options.option("-t,--threads", arguments->threads, "Threads to read with (default: one a processor)");
+    options.flag("--scan", arguments->scan, "Files: read all points, for the exact count and box");
+    options.option("-t,--threads", arguments->threads, "Reading threads (default: one per processor)");
     arguments->reading.add_to(options);
     add_common(options, arguments->common);
     return [arguments] { return info(*arguments); };

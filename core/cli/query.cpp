@@ -44,7 +44,7 @@ Query query_of(const Arguments& arguments, const PointCloud& cloud)
     query.level = arguments.level;
     const std::uint16_t levels = cloud.info().levels;
     if (query.level && levels > 0 && *query.level >= levels)
-        refuse("level " + std::to_string(*query.level) + " asked for; this tree has levels 0 to " +
+        refuse("there is no level " + std::to_string(*query.level) + "; this tree has levels 0 to " +
                    std::to_string(levels - 1),
                "");
     const Selection selection = arguments.region.get();
@@ -83,7 +83,7 @@ int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
     if (e.seconds)
         std::printf("time        about %s\n", time_text(*e.seconds).c_str());
     else
-        std::printf("time        unknown: nothing was read of this tree yet; --count says it too\n");
+        std::printf("time        unknown: nothing was read from this tree yet; --count measures it\n");
     std::printf("estimated in %s from %s\n", time_text(e.own_seconds).c_str(),
                 arguments.headers ? "the index and the headers of chunks" : "the index");
     return 0;
@@ -116,7 +116,7 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
-    std::printf("%s points in %s; %s points of %s chunks were looked at\n", grouped(outcome.points_out).c_str(),
+    std::printf("%s points in %s; %s points of %s chunks examined\n", grouped(outcome.points_out).c_str(),
                 time_text(outcome.seconds).c_str(), grouped(statistics.points_read).c_str(),
                 grouped(statistics.chunks).c_str());
     if (!found.empty())
@@ -124,16 +124,16 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
     if (!query.level || outcome.error == 0)
         std::printf("exact: every point of the cloud was considered\n");
     else
-        std::printf("level %u only: every point of the cloud has one of it nearer than %s\n", *query.level,
-                    brief(outcome.error).c_str());
+        std::printf("level %u only: every point of the cloud is nearer than %s to a point of this level\n",
+                    *query.level, brief(outcome.error).c_str());
     return 0;
 }
 
 int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
 {
     if (query.region || query.box || !query.where.empty())
-        refuse("--nearest was given together with a region, a box or a condition",
-               "neighbours are searched in the whole cloud, or at a --level");
+        refuse("--nearest cannot be combined with a region, a box or a condition",
+               "it searches the whole cloud, or one --level");
     NearestOptions options;
     options.level = query.level;
     if (arguments.max_distance) options.max_distance = *arguments.max_distance;
@@ -162,7 +162,7 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
     if (outcome.error == 0)
         std::printf("exact\n");
     else
-        std::printf("of level %u: no point of the cloud is nearer than %s, %s less\n", *query.level,
+        std::printf("level %u only: no point of the cloud is nearer than %s, which is %s less\n", *query.level,
                     brief(result.least_distance).c_str(), brief(outcome.error).c_str());
     return 0;
 }
@@ -170,8 +170,8 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
 int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
 {
     if (!query.region || (query.region->kind() != Region::Kind::ray && query.region->kind() != Region::Kind::cone))
-        refuse("--first-hit goes with --ray or --cone", "say where from, where to and how wide");
-    if (query.box || !query.where.empty()) refuse("--first-hit was given together with a box or a condition", "");
+        refuse("--first-hit needs --ray or --cone", "give an origin, a direction and a width");
+    if (query.box || !query.where.empty()) refuse("--first-hit cannot be combined with a box or a condition", "");
     const HitResult result = cloud.first_hit(*query.region, query.level);
     if (arguments.common.json) {
         Json json;
@@ -192,12 +192,12 @@ int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
         std::printf("%s, %s along, in %s", exact(result.hit->position).c_str(), brief(result.hit->along).c_str(),
                     time_text(result.outcome.seconds).c_str());
     else
-        std::printf("nothing is met, in %s", time_text(result.outcome.seconds).c_str());
+        std::printf("no hit, in %s", time_text(result.outcome.seconds).c_str());
     if (result.outcome.error == 0)
         std::printf("; exact\n");
     else
-        std::printf("; of level %u, to which every point of the cloud is nearer than %s\n", *query.level,
-                    brief(result.outcome.error).c_str());
+        std::printf("; level %u only: every point of the cloud is nearer than %s to a point of this level\n",
+                    *query.level, brief(result.outcome.error).c_str());
     return 0;
 }
 
@@ -208,9 +208,9 @@ int query(const Arguments& arguments)
     const auto cloud = PointCloud::open(arguments.tree, cache);
     const Query query = query_of(arguments, *cloud);
     if (arguments.estimate + arguments.count + arguments.first_hit + !arguments.nearest.empty() > 1)
-        refuse("more than one of --estimate, --count, --nearest and --first-hit was given", "ask one thing at a time");
-    if (arguments.headers && !arguments.estimate) refuse("--headers goes with --estimate", "");
-    if (arguments.max_distance && arguments.nearest.empty()) refuse("--max-distance goes with --nearest", "");
+        refuse("--estimate, --count, --nearest and --first-hit cannot be combined", "give one of them");
+    if (arguments.headers && !arguments.estimate) refuse("--headers needs --estimate", "");
+    if (arguments.max_distance && arguments.nearest.empty()) refuse("--max-distance needs --nearest", "");
     int result = 0;
     if (arguments.estimate)
         result = estimate(arguments, *cloud, query);
@@ -229,31 +229,31 @@ int query(const Arguments& arguments)
 Run add_query(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "A tree folder, or the index file in it").required();
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
 
-    const char* group = "What is asked";
+    const char* group = "Query";
+    options.flag("--count", arguments->count, "Number of points and their bounding box (default)").group(group);
     options
-        .flag("--count", arguments->count, "How many points there are, and the box around them (this is the default)")
+        .flag("--estimate", arguments->estimate,
+              "Estimated number of points and cost of reading them, without reading any")
         .group(group);
     options
-        .flag("--estimate", arguments->estimate, "How many to expect and what it would cost, without reading a point")
-        .group(group);
-    options.flag("--headers", arguments->headers, "For --estimate: read the headers of chunks too, for closer bounds")
+        .flag("--headers", arguments->headers, "With --estimate: also read the headers of chunks, for tighter bounds")
         .group(group);
     const Option nearest =
         options.option("--nearest", arguments->nearest, "The points nearest to x y z").values(3).group(group);
-    options.option("-k", arguments->k, "How many (default 1)").needs(nearest).group(group);
-    options.option("--max-distance", arguments->max_distance, "None farther than this").group(group);
-    options.flag("--first-hit", arguments->first_hit, "The first point that a --ray or a --cone meets").group(group);
+    options.option("-k", arguments->k, "Number of neighbours (default 1)").needs(nearest).group(group);
+    options.option("--max-distance", arguments->max_distance, "Ignore neighbours farther than this").group(group);
+    options.flag("--first-hit", arguments->first_hit, "The first point hit by --ray or --cone").group(group);
 
-    group = "Of which points";
-    options.option("--level", arguments->level, "The cloud at this level (default: all of it)").group(group);
+    group = "Points";
+    options.option("--level", arguments->level, "Only the points up to this level (default: all levels)").group(group);
     arguments->region.add_to(options, group);
 
-    options.option("--reads", arguments->reads, "Chunks read at once (default 8); more for slow file systems")
+    options.option("--reads", arguments->reads, "Chunks read concurrently (default 8); use more on slow file systems")
         .between(1, 64);
-    options.option("--cache", arguments->cache, "Memory for whole chunks, e.g. 256M or 2G (default 512M)").bytes();
-    options.flag("--statistics", arguments->statistics, "Tell what the cache did");
+    options.option("--cache", arguments->cache, "Cache for whole chunks, e.g. 256M or 2G (default 512M)").bytes();
+    options.flag("--statistics", arguments->statistics, "Print cache statistics");
     add_common(options, arguments->common);
     return [arguments] { return query(*arguments); };
 }

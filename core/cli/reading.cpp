@@ -6,14 +6,15 @@ namespace pcm::cli {
 
 void ReadingOptions::add_to(Options& options)
 {
-    const char* const group = "Text files (detected where not given)";
-    options.option("--columns", columns_, "What the columns are, such as \"x y z intensity r g b\"; - is not read")
+    const char* const group = "Text files (detected by default)";
+    options.option("--columns", columns_, "Names of the columns, such as \"x y z intensity r g b\"; - skips a column")
         .group(group);
     options
-        .option("--separator", separator_, "space (any run of blanks), tab, comma, semicolon, or the character itself")
+        .option("--separator", separator_,
+                "space (any number of blanks), tab, comma, semicolon, or the character itself")
         .group(group);
-    options.option("--skip-lines", skip_lines_, "Lines before the first point").group(group);
-    options.option("--colour-range", colour_range_, "Largest value of a colour: 1, 255 or 65535").group(group);
+    options.option("--skip-lines", skip_lines_, "Header lines before the first point").group(group);
+    options.option("--colour-range", colour_range_, "Maximum value of a colour: 1, 255 or 65535").group(group);
 }
 
 ReadOptions ReadingOptions::get(unsigned threads) const
@@ -30,13 +31,13 @@ ReadOptions ReadingOptions::get(unsigned threads) const
                        : s.size() == 1            ? s[0]
                                                   : '\0';
         if (c != ' ' && c != '\t' && c != ',' && c != ';')
-            throw Error(ErrorCode::invalid_argument, {}, "'" + s + "' does not separate columns",
+            throw Error(ErrorCode::invalid_argument, {}, "'" + s + "' is not a column separator",
                         "use space, tab, comma or semicolon");
         options.text.separator = c;
     }
     options.text.skip_lines = skip_lines_;
     if (colour_range_ && *colour_range_ != 1 && *colour_range_ != 255 && *colour_range_ != 65535)
-        throw Error(ErrorCode::invalid_argument, {}, "the largest colour is 1, 255 or 65535");
+        throw Error(ErrorCode::invalid_argument, {}, "--colour-range must be 1, 255 or 65535");
     options.text.colour_range = colour_range_;
     return options;
 }

@@ -1,4 +1,4 @@
-// How inputs are read: options that the commands share.
+// Options of several commands: how text files are read.
 #pragma once
 
 #include "pcm/cli/common.h"

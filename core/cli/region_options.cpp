@@ -6,7 +6,7 @@ namespace pcm::cli {
 
 void RegionOptions::add_to(Options& options, const char* group)
 {
-    options.option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, its faces included")
+    options.option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included")
         .values(6)
         .group(group);
     const auto add = [&](const char* name, int least, int most, const char* help) {
@@ -14,25 +14,27 @@ void RegionOptions::add_to(Options& options, const char* group)
     };
     add("sphere", 4, 4, "Points in the sphere cx cy cz radius");
     add("oriented-box", 7, 12,
-        "In the box around cx cy cz with half sizes hx hy hz, turned about z by an angle in degrees, or along the axes "
-        "ux uy uz vx vy vz");
-    add("ray", 7, 8, "In the cylinder from ox oy oz along dx dy dz with a radius and, if it ends, a length");
+        "Points in the box with centre cx cy cz and half sizes hx hy hz, rotated about z by an angle in degrees, or "
+        "along "
+        "the axes ux uy uz vx vy vz");
+    add("ray", 7, 8, "Points in the cylinder from ox oy oz along dx dy dz with a radius and, optionally, a length");
     add("cone", 7, 8,
-        "In the cone from ax ay az along dx dy dz with half its angle in degrees and, if it ends, a length");
+        "Points in the cone from ax ay az along dx dy dz with a half angle in degrees and, optionally, a length");
     add("frustum", 10, 13,
-        "Seen from ex ey ez towards tx ty tz, with the angle of view upwards in degrees, width over height, near, far, "
-        "and which way is up (default 0 0 1)");
+        "Points seen from ex ey ez towards tx ty tz, with the vertical angle of view in degrees, width over height, "
+        "near "
+        "and far distance, and optionally the direction that is up (default 0 0 1)");
     add("planes", 7, 259,
-        "On the inner side of planes: a centre cx cy cz, then nx ny nz offset for each, where n.(p-c)+offset>=0 is "
-        "inside");
-    options.option("--region", given_["region"], "One of these in words, such as \"sphere 1 2 3 0.5\"")
+        "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
+        "n.(p-c)+offset>=0 is inside");
+    options.option("--region", given_["region"], "One of these regions in words, such as \"sphere 1 2 3 0.5\"")
         .values(1)
         .one_value_each()
         .group(group);
     options
         .option("--where", where_,
-                "Points that meet a condition, such as classification=2,6 or \"intensity>=100\" or "
-                "gps_time=100..200 or rgb[0]!=0; of several all")
+                "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or "
+                "gps_time=100..200 or rgb[0]!=0; of several conditions, all")
         .one_value_each()
         .group(group);
 }
@@ -54,7 +56,7 @@ std::optional<Region> RegionOptions::region() const
         if (words.empty()) continue;
         if (region)
             throw Error(ErrorCode::invalid_argument, {}, "--" + first + " and --" + name + " were both given",
-                        "points are chosen by one region, and a --box beside it");
+                        "give one region; a --box may be added");
         first = name;
         std::string text = name == "region" ? "" : name;
         for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;

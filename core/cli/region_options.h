@@ -1,4 +1,4 @@
-// Options that choose points.
+// Options that select points.
 #pragma once
 
 #include "pcm/cli/command_line.h"
@@ -11,12 +11,13 @@
 
 namespace pcm::cli {
 
-// --box; --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words, one of
-// them; --where.
+// --box; one of --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words;
+// --where.
 class RegionOptions {
 public:
     void add_to(Options& options, const char* group);
-    // Throws Error(invalid_argument) for more than one region, and what parse_region() and parse_condition() throw.
+    // Throws Error(invalid_argument) for more than one region, and everything that parse_region() and parse_condition()
+    // throw.
     Selection get() const;
 
 private:

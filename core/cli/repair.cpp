@@ -40,11 +40,10 @@ int repair(Arguments& arguments)
     const char* const tree = arguments.tree.c_str();
     const std::string points = grouped(report.outcome.points_out);
     if (!report.index_written)
-        std::printf("%s: whole; %s points\n", tree, points.c_str());
+        std::printf("%s: intact; %s points\n", tree, points.c_str());
     else
-        std::printf("%s: %s from its chunks; %s points, %s lost\n", tree,
-                    check ? "can be put together" : "put together", points.c_str(),
-                    grouped(report.points_lost).c_str());
+        std::printf("%s: %s from its chunks; %s points, %s lost\n", tree, check ? "can be rebuilt" : "rebuilt",
+                    points.c_str(), grouped(report.points_lost).c_str());
     return result;
 }
 
@@ -54,8 +53,8 @@ Run add_repair(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder").required();
-    options.flag("--check", arguments->options.check_only, "Only say what is damaged and what could be saved");
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
+    options.flag("--check", arguments->options.check_only, "Only report what is damaged and what could be recovered");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
     add_common(options, arguments->common);
     return [arguments] { return repair(*arguments); };
 }

@@ -34,14 +34,14 @@ Attribute parse_attribute(const std::string& text)
     const char* const expected = "write NAME:TYPE or NAME:TYPExN, such as height:f32 or tint:u8x3";
     Attribute attribute;
     const auto colon = text.rfind(':');
-    if (colon == std::string::npos || colon == 0) refuse(text, "it has no name and type", expected);
+    if (colon == std::string::npos || colon == 0) refuse(text, "a name and a type are expected", expected);
     attribute.name = text.substr(0, colon);
     std::string type = text.substr(colon + 1);
     if (const auto x = type.find('x'); x != std::string::npos) {
         const std::string number = type.substr(x + 1);
         if (number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos ||
             std::stoul(number) == 0)
-            refuse(text, "'" + number + "' is no number of components", expected);
+            refuse(text, "'" + number + "' is not a number of components", expected);
         attribute.components = static_cast<std::uint32_t>(std::stoul(number));
         type.resize(x);
     }
@@ -50,32 +50,32 @@ Attribute parse_attribute(const std::string& text)
             attribute.type = static_cast<ScalarType>(t);
             return attribute;
         }
-    refuse(text, "there is no type '" + type + "'", "types are i8, u8, i16, u16, i32, u32, i64, u64, f32 and f64");
+    refuse(text, "unknown type '" + type + "'", "types are i8, u8, i16, u16, i32, u32, i64, u64, f32 and f64");
 }
 
-// "name=value", "name=value,value,value" (a value a component) or "name[component]=value"
+// "name=value", "name=value,value,value" (one value per component) or "name[component]=value"
 struct Assignment {
     std::string name, text;
     std::optional<std::uint32_t> component;
     std::vector<double> values;
     std::size_t slot = 0;     // in the query's list
-    std::vector<double> raw;  // as they are stored
+    std::vector<double> raw;  // what is stored
 };
 
 Assignment parse_assignment(const std::string& text)
 {
     const char* const expected =
-        "write NAME=VALUE, NAME=VALUE,VALUE,... with a value a component, or NAME[COMPONENT]=VALUE";
+        "write NAME=VALUE, NAME=VALUE,VALUE,... with one value per component, or NAME[COMPONENT]=VALUE";
     Assignment assignment;
     assignment.text = text;
     const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) refuse(text, "it sets no attribute", expected);
+    if (equals == std::string::npos || equals == 0) refuse(text, "an attribute and = are expected", expected);
     assignment.name = text.substr(0, equals);
     if (const auto open = assignment.name.find('['); open != std::string::npos) {
         const std::string number = assignment.name.substr(open + 1, assignment.name.size() - open - 2);
         if (assignment.name.back() != ']' || number.empty() || number.size() > 3 ||
             number.find_first_not_of("0123456789") != std::string::npos)
-            refuse(text, "it names no component", expected);
+            refuse(text, "the brackets hold no component", expected);
         assignment.component = static_cast<std::uint32_t>(std::stoul(number));
         assignment.name.resize(open);
     }
@@ -87,13 +87,13 @@ Assignment parse_assignment(const std::string& text)
             assignment.values.push_back(std::stod(word, &used));
         } catch (const std::exception&) {
         }
-        if (used == 0 || used != word.size()) refuse(text, "'" + word + "' is no number", expected);
+        if (used == 0 || used != word.size()) refuse(text, "'" + word + "' is not a number", expected);
         at = comma + 1;
     }
     return assignment;
 }
 
-// What is stored for the values that users see.
+// Converts the values from what users see to what is stored.
 void make_raw(Assignment& assignment, const Attribute& attribute)
 {
     const std::size_t wanted = assignment.component ? 1 : attribute.components;
@@ -144,7 +144,7 @@ struct Counts {
     std::uint64_t points = 0, chunks = 0;
 };
 
-// All of it, or, when an exception is thrown, nothing.
+// Atomic: when it throws, the tree is unchanged.
 Counts change(PointCloud& cloud, const std::vector<Attribute>& added, std::vector<Assignment>& assignments, Query query)
 {
     Counts set;
@@ -212,18 +212,19 @@ int set(Arguments& arguments)
 Run add_set(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
-    options.positional("values", arguments->values,
-                       "What is set: NAME=VALUE, NAME=VALUE,VALUE,... (a value a component), NAME[COMPONENT]=VALUE");
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional(
+        "values", arguments->values,
+        "Assignments: NAME=VALUE, NAME=VALUE,VALUE,... (one value per component), NAME[COMPONENT]=VALUE");
     options
         .option("--new", arguments->attributes,
-                "An attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
+                "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
         .one_value_each();
-    const char* const group = "Of which points (default: all)";
-    options.option("--level", arguments->level, "The cloud at this level").group(group);
+    const char* const group = "Points to change (default: all)";
+    options.option("--level", arguments->level, "Only the points up to this level").group(group);
     arguments->region.add_to(options, group);
-    options.option("--cache", arguments->cache, "Memory for chunks, e.g. 256M or 2G (default 512M)").bytes();
-    options.flag("--statistics", arguments->statistics, "Tell what the cache did");
+    options.option("--cache", arguments->cache, "Cache for chunks, e.g. 256M or 2G (default 512M)").bytes();
+    options.flag("--statistics", arguments->statistics, "Print cache statistics");
     add_common(options, arguments->common);
     return [arguments] { return set(*arguments); };
 }

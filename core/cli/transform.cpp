@@ -32,7 +32,8 @@ Affine map_of(const Arguments& arguments, const Box3d& box)
     if (!arguments.pivot.empty()) pivot = {arguments.pivot[0], arguments.pivot[1], arguments.pivot[2]};
     if (!arguments.matrix.empty()) {
         if (!arguments.rotate.empty() || arguments.scale != 1 || !arguments.translate.empty())
-            refuse("--matrix was given together with --rotate, --scale or --translate", "it says all of it");
+            refuse("--matrix cannot be combined with --rotate, --scale or --translate",
+                   "the matrix replaces all of them");
         std::array<Vec3d, 3> linear;
         Vec3d shift;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -42,17 +43,17 @@ Affine map_of(const Arguments& arguments, const Box3d& box)
         return Affine::about(linear, shift, pivot);
     }
     if (arguments.rotate.empty() && arguments.scale == 1 && arguments.translate.empty())
-        refuse("nothing says how the points are to move", "give --translate, --rotate, --scale or --matrix");
+        refuse("no transformation was given", "give --translate, --rotate, --scale or --matrix");
     Vec3d axis{0, 0, 1};
     double radians = 0;
     if (!arguments.rotate.empty()) {
         axis = {arguments.rotate[0], arguments.rotate[1], arguments.rotate[2]};
         if (axis == Vec3d{0, 0, 0})
-            refuse("--rotate has an axis without a direction", "0 0 1 30 turns by 30 degrees about the upright axis");
+            refuse("the axis of --rotate has length zero", "0 0 1 30 rotates by 30 degrees about the vertical axis");
         radians = arguments.rotate[3] * pi / 180;
     }
     Affine map;
-    if (radians == 0) {  // positions stay on their grid
+    if (radians == 0) {  // positions keep their grid
         map.pivot = map.target = pivot;
         for (std::size_t a = 0; a < 3; ++a) map.linear[a][a] = arguments.scale;
         if (arguments.scale == 1) map.pivot = map.target = {0, 0, 0};
@@ -68,7 +69,7 @@ int transform(Arguments& arguments)
     const auto tree = Tree::open(arguments.tree);
     std::error_code ignored;
     if (std::filesystem::equivalent(tree->folder(), arguments.output, ignored))
-        refuse("the tree was to be replaced by itself, transformed", "give the new tree another name");
+        refuse("the output is the input tree", "give the new tree another name");
     const Affine map = map_of(arguments, tree->info().bounds());
     TransformedReader points(std::make_unique<TreeReader>(tree, std::nullopt, Selection()), map);
     arguments.options.memory_bytes = arguments.memory;
@@ -97,26 +98,28 @@ int transform(Arguments& arguments)
 Run add_transform(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
     options.positional("output", arguments->output, "The new tree's folder, by convention NAME.pct").required();
-    const char* group = "How (scaled and turned about the pivot, then moved)";
-    options.option("--translate", arguments->translate, "By dx dy dz, source units").values(3).group(group);
+    const char* group = "Transformation (scaled and rotated about the pivot, then translated)";
+    options.option("--translate", arguments->translate, "Translation dx dy dz, source units").values(3).group(group);
     options
         .option("--rotate", arguments->rotate,
-                "About the axis ax ay az, by an angle in degrees, counter-clockwise seen against the axis")
+                "Rotation about the axis ax ay az by an angle in degrees, counter-clockwise where the axis points to "
+                "the viewer")
         .values(4)
         .group(group);
-    options.option("--scale", arguments->scale, "By a factor (default 1)").group(group);
-    options.option("--matrix", arguments->matrix, "Instead: twelve numbers, the rows of a 3 x 4 matrix")
+    options.option("--scale", arguments->scale, "Scale factor (default 1)").group(group);
+    options.option("--matrix", arguments->matrix, "Instead of these: twelve numbers, the rows of a 3 x 4 matrix")
         .values(12)
         .group(group);
-    options.option("--pivot", arguments->pivot, "x y z (default: the centre of the cloud's box)")
+    options.option("--pivot", arguments->pivot, "Pivot x y z (default: the centre of the cloud's box)")
         .values(3)
         .group(group);
-    options.option("-m,--memory", arguments->memory, "Memory the build may use, e.g. 512M or 2G (default 1G)").bytes();
-    options.option("--chunk-points", arguments->options.chunk_points, "Most points of a chunk (default 25000)");
-    options.option("-t,--threads", arguments->options.threads, "Threads (default: one a processor)");
-    options.flag("--overwrite", arguments->options.overwrite, "Replace the output if it is there");
+    options.option("-m,--memory", arguments->memory, "Memory limit of the build, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("--chunk-points", arguments->options.chunk_points,
+                   "Maximum number of points per chunk (default 25000)");
+    options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
+    options.flag("--overwrite", arguments->options.overwrite, "Replace an existing output");
     add_common(options, arguments->common);
     return [arguments] { return transform(*arguments); };
 }

@@ -26,11 +26,11 @@ void print(const LevelsReport& report)
                     brief(level.spacing).c_str(), level.least_distance, level.coverage, level.variation,
                     grouped(level.isolated).c_str());
     }
-    std::printf("distances over the level's spacing, measured in %.1f s\n", report.seconds);
+    std::printf("distances in units of the level's spacing; measured in %.1f s\n", report.seconds);
     if (std::isinf(report.coverage_limit))
-        std::printf("points were deleted: coverage is not promised until 'pcmlab compact'\n");
+        std::printf("points were deleted: coverage is not guaranteed until 'pcmlab compact'\n");
     else if (report.coverage_limit > 1)
-        std::printf("points were appended: a coverage below %g is promised, and below 1 after 'pcmlab compact'\n",
+        std::printf("points were appended: a coverage below %g is guaranteed, and below 1 after 'pcmlab compact'\n",
                     report.coverage_limit);
 }
 
@@ -55,7 +55,7 @@ int verify(const Arguments& arguments)
         levels = verify_levels(*Tree::open(arguments.tree), arguments.threads, console_progress(arguments.common));
         report.faults = levels.faults;
     }
-    const bool whole = report.faults.empty() && report.around.empty();
+    const bool intact = report.faults.empty() && report.around.empty();
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
@@ -65,27 +65,27 @@ int verify(const Arguments& arguments)
         json["position_error"] = report.position_error;
         if (arguments.levels) {
             json["levels"] = to_json(levels);
-            json["coverage_limit"] = levels.coverage_limit;  // null: none is promised
+            json["coverage_limit"] = levels.coverage_limit;  // null: no guarantee
         }
         json["faults"] = report.faults;
         json["around"] = report.around;
         json["notes"] = report.notes;
         std::printf("%s\n", json.dump(2).c_str());
-        return whole ? 0 : 1;
+        return intact ? 0 : 1;
     }
     if (!levels.levels.empty()) print(levels);
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     for (const std::string& fault : report.around)
-        std::printf("fault: %s\nno point is lost; 'pcmlab repair' heals it\n", fault.c_str());
+        std::printf("fault: %s\nno point is lost; 'pcmlab repair' repairs it\n", fault.c_str());
     if (report.faults.empty()) {
-        std::printf("%s: whole; %s points, each there once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
+        std::printf("%s: intact; %s points, each stored once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
                     grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
                     points_per_second(report.outcome) / 1e6);
     } else {
         for (const std::string& fault : report.faults) std::printf("fault: %s\n", fault.c_str());
         std::printf("%s: %zu faults\n", arguments.tree.c_str(), report.faults.size());
     }
-    return whole ? 0 : 1;
+    return intact ? 0 : 1;
 }
 
 }  // namespace
@@ -93,9 +93,9 @@ int verify(const Arguments& arguments)
 Run add_verify(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or the index file in it").required();
-    options.option("-t,--threads", arguments->threads, "Threads (default: one a processor)");
-    options.flag("--levels", arguments->levels, "Also measure how even the levels are: exact, and slower");
+    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");
+    options.flag("--levels", arguments->levels, "Also measure how evenly the levels are spaced: exact, but slower");
     add_common(options, arguments->common);
     return [arguments] { return verify(*arguments); };
 }

@@ -1,4 +1,4 @@
-// Sets the intensity of all points below a height to 0, however large the file is:
+// Sets the intensity of all points below a height to 0, in a file of any size:
 //   darken_below city.bpc 50
 #include "pcm/bpc/bpc_array.h"
 

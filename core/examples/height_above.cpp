@@ -1,5 +1,5 @@
-// Gives every point of a tree its height above a level, as a new attribute, and reads it back; however large the tree
-// is, in so much memory:
+// Adds an attribute with every point's height above a level to a tree, and reads it back, within a given amount of
+// memory for a tree of any size:
 //   height_above city.pct 92.5 256
 #include "pcm/point_cloud.h"
 
@@ -20,7 +20,7 @@ try {
     auto changes = cloud->edit(query);
     for (pcm::EditView view; changes.getNextData(view); view.mark_written())
         for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, float(view.position(i)[2] - level));
-    cloud->close();  // only now it is in the tree, all at once
+    cloud->close();  // commits the changes atomically
 
     cloud = pcm::PointCloud::open(argv[1], cache);
     auto cursor = cloud->points(query);

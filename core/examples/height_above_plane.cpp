@@ -1,5 +1,5 @@
-// Gives every point of a tree its signed distance to a plane, as a new attribute, computed by a compute shader; however
-// large the tree is, in so much memory of either kind. Then reads it back and computes it again on the processor.
+// Adds an attribute with every point's signed distance to a plane to a tree, computed by a compute shader, within given
+// amounts of main and video memory for a tree of any size. Then reads it back and computes it again on the CPU.
 //   height_above_plane city.pct  500000 4800000 90  0 0.1 1  256 64
 #include "compute_program.h"
 
@@ -13,9 +13,8 @@
 
 namespace {
 
-// Positions come as floats relative to the chunk's origin, so the plane is moved there, in double, by the processor.
-// `precise` forbids fused multiply-adds: what is left, IEEE additions and products in a given order, comes out the same
-// on the processor, bit for bit.
+// Positions are floats relative to the chunk's origin, so the CPU moves the plane there, in double. `precise` forbids
+// fused multiply-adds: the remaining IEEE additions and products, in a given order, give the same bits as the CPU.
 const char* const shader = R"(#version 430
 layout(local_size_x = 128) in;
 layout(std430, binding = 0) readonly buffer Positions { float position[]; };
@@ -44,7 +43,7 @@ struct Plane {
     }
 };
 
-// What the shader computes; p is relative to the chunk's origin.
+// The shader's computation; p is relative to the chunk's origin.
 float single_height(const Plane& plane, const pcm::Vec3d& origin, const float p[3])
 {
     float h = float(plane.normal[0]) * p[0];
@@ -101,7 +100,7 @@ try {
             }
         }
     }
-    cloud->close();  // only now it is in the tree, all at once
+    cloud->close();  // commits the changes atomically
     const pcm::L1Statistics statistics = l1->statistics();
 
     cloud = pcm::PointCloud::open(argv[1], l2);
@@ -121,9 +120,9 @@ try {
             error = std::max(error, std::abs(height - plane.height(view.position(i))));
         }
     }
-    std::printf("%zu points, %zu of them have another height; at most %.2g from what double precision gives\n", points,
-                wrong, error);
-    std::printf("%.0f MB went into video memory, %.0f MB came back\n", double(statistics.uploaded_bytes) / 1e6,
+    std::printf("%zu points, %zu of them have another height; at most %.2g from the result in double precision\n",
+                points, wrong, error);
+    std::printf("%.0f MB uploaded to video memory, %.0f MB read back\n", double(statistics.uploaded_bytes) / 1e6,
                 double(statistics.written_back_bytes) / 1e6);
     l1->release();
     return wrong ? 1 : 0;

@@ -1,4 +1,4 @@
-// How many points a tree holds in a box, and their mean height:
+// The number of points of a tree in a box, and their mean height:
 //   mean_height city.pct 500000 4800000 0  500100 4800100 50
 #include "pcm/point_cloud.h"
 

@@ -64,7 +64,7 @@ void Construction::cylinder(const Vec3d& from, const Vec3d& to, double radius, M
     s.half_v = 0.5 * std::sqrt(dot(to - from, to - from));
     s.radius = radius;
     s.classification = material == Material::bark ? class_vegetation : class_plant;
-    if (material != Material::bark)  // trunks are not part of the truth
+    if (material != Material::bark)  // trunks are not part of the ground truth
         s.id = new_primitive({ScenePrimitive::Kind::cylinder, 0, s.centre, s.n, radius, 0});
     site_.shapes.push_back(s);
 }
@@ -108,7 +108,7 @@ void Construction::tree(double x, double y, double height, Random& random)
     s.classification = class_vegetation;
     const double green = random.between(0.8, 1.15);
     s.colour = {green * random.between(62, 96), green * random.between(98, 128), green * random.between(36, 56)};
-    if (random.chance(0.3)) {  // a conifer: ever smaller tiers
+    if (random.chance(0.3)) {  // a conifer: tiers that get smaller
         s.colour = {green * 44, green * 82, green * 48};
         for (int tier = 0; tier < 4; ++tier) {
             s.radius = height * (0.19 - 0.04 * tier);
@@ -168,7 +168,7 @@ void Construction::hall(const Frame& frame, double half_x, double half_y, double
           class_building);
     rectangle(frame.at(0, 0, height), frame.x, frame.y, half_x, half_y, 0, Material::flat_roof, {132, 130, 126},
               class_building);
-    // Ducts along the roof.
+    // Ducts on the roof.
     const Colour steel{186, 190, 194};
     cylinder(frame.at(-0.8 * half_x, 0.45 * half_y, height + 0.5), frame.at(0.8 * half_x, 0.45 * half_y, height + 0.5),
              0.35, Material::metal, steel);

@@ -28,7 +28,7 @@ inline std::uint64_t hash(std::uint64_t a, std::uint64_t b)
 // 0 <= unit < 1
 inline double to_unit(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
-// The next whole number at or below x, which must be far below 2^63. (std::floor is a function call on plain x86-64.)
+// The largest integer at or below x; |x| must be far below 2^63. (std::floor is a function call on plain x86-64.)
 inline std::int64_t whole_below(double x)
 {
     const auto toward_zero = static_cast<std::int64_t>(x);
@@ -48,7 +48,7 @@ inline void sine_cosine(double turns, double& sine, double& cosine)
     double c = 1.0 / 479001600 + y * (-1.0 / 87178291200);
     c = 1.0 / 40320 + y * (-1.0 / 3628800 + y * c);
     c = 1 + y * (-1.0 / 2 + y * (1.0 / 24 + y * (-1.0 / 720 + y * c)));
-    // Without branches: which quarter it is cannot be predicted.
+    // Without branches, because the quarter cannot be predicted.
     const bool odd = quarter & 1;
     sine = (odd ? c : s) * static_cast<double>(1 - (quarter & 2));
     cosine = (odd ? s : c) * static_cast<double>(1 - ((quarter + 1) & 2));
@@ -75,7 +75,7 @@ inline double logarithm(double x)
     return series + static_cast<double>(exponent) * 0.693147180559945309417;
 }
 
-// SplitMix64: a stream for every key, so that any point can be made without those before it.
+// SplitMix64: one stream per key, so that any point can be generated without the points before it.
 class Random {
 public:
     explicit Random(std::uint64_t key) : state_(mix(key)) {}
@@ -86,7 +86,7 @@ public:
     int below(int count) { return static_cast<int>(unit() * count); }
     bool chance(double probability) { return unit() < probability; }
 
-    // Standard normal, cut at 6 (Box and Muller 1958). Truth says "within 6 sigma" and means every point.
+    // Standard normal, clamped to [-6, 6] (Box and Muller 1958): every point lies within 6 sigma of its primitive.
     double normal()
     {
         const double radius = std::sqrt(-2 * logarithm(1 - unit()));

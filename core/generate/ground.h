@@ -6,7 +6,7 @@
 
 namespace pcm::scene {
 
-// Rolling ground: the sum of a few sine waves.
+// Rolling ground: the sum of a few sine waves. Metres.
 class Ground {
 public:
     Ground() = default;
@@ -15,9 +15,9 @@ public:
     double height(double x, double y) const;
     // Also the derivatives along x and y.
     double height(double x, double y, double& slope_x, double& slope_y) const;
-    // No slope is steeper than this.
+    // Upper bound of the slope.
     double steepest() const { return steepest_; }
-    // No second derivative along any direction is greater, 1/m.
+    // Upper bound of the second derivative along any direction, 1/m.
     double most_curved() const { return most_curved_; }
 
 private:

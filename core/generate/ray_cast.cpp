@@ -18,7 +18,7 @@ double area(const Box3d& b)
     return b.extent(0) * b.extent(1) + b.extent(1) * b.extent(2) + b.extent(2) * b.extent(0);
 }
 
-// Distances along the ray at which it enters and leaves a sphere.
+// Distances along the ray at which it enters and leaves the sphere.
 bool meet_sphere(const Ray& ray, const Vec3d& centre, double radius, double& enter, double& leave)
 {
     const Vec3d to = centre - ray.origin;
@@ -40,7 +40,7 @@ bool meet_cylinder(const Ray& ray, const Shape& s, double nearest, double farthe
     const Vec3d start = from - axial_start * s.n;
     const double a = dot(step, step);
     if (a < 1e-18) return false;
-    // Measured from the point nearest to the axis, so that nothing large cancels.
+    // Relative to the point of the ray nearest to the axis, so that no large numbers cancel.
     const double middle = -dot(start, step) / a;
     const Vec3d closest = start + middle * step;
     const double rest = s.radius * s.radius - dot(closest, closest);
@@ -113,7 +113,7 @@ Vec3d normal_of(const Shape& s, const Vec3d& point, const Ray& ray)
     return dot(normal, ray.direction) > 0 ? -1.0 * normal : normal;
 }
 
-// Where the ray is inside the box, cut to what is already known; false when it is nowhere.
+// The distance at which the ray enters the box; false when it misses the box or enters it beyond `farthest`.
 bool meet_box(const Box3d& box, const Vec3d& origin, const Vec3d& inverse, double farthest, double& enter)
 {
     enter = 0;
@@ -193,7 +193,7 @@ void RayCaster::split(std::uint32_t index, std::vector<Box3d>& boxes)
     std::size_t axis = 0;
     for (std::size_t a = 1; a < 3; ++a)
         if (centres.extent(a) > centres.extent(axis)) axis = a;
-    if (!(centres.extent(axis) > 1e-9)) return;  // all in one place: stays a leaf
+    if (!(centres.extent(axis) > 1e-9)) return;  // all in one place: it stays a leaf
     const auto bin_of = [&](std::uint32_t i) {
         const double place = (boxes[i].centre()[axis] - centres.min[axis]) / centres.extent(axis);
         return std::min(bin_count - 1, static_cast<std::size_t>(place * bin_count));
@@ -223,9 +223,8 @@ void RayCaster::split(std::uint32_t index, std::vector<Box3d>& boxes)
     split(first_child + 1, boxes);
 }
 
-// Walks along the ray in steps that cannot cross the ground: f(t), the height over the ground, falls no faster than
-// `approach`, and f(t + s) >= f + f' s - bend s^2 / 2, because the ground is nowhere steeper or more curved than it
-// says.
+// Marches along the ray in steps that cannot cross the ground: f(t), the height over the ground, decreases no faster
+// than `approach`, and f(t + s) >= f + f' s - bend s^2 / 2, by the bounds Ground::steepest() and most_curved().
 bool RayCaster::meet_ground(const Ray& ray, double nearest, double farthest, double& distance) const
 {
     const double flat2 = ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1];
@@ -240,7 +239,7 @@ bool RayCaster::meet_ground(const Ray& ray, double nearest, double farthest, dou
         const double above = ray.origin[2] + t * ray.direction[2] - site_.ground.height(x, y, slope_x, slope_y);
         const double sinking = slope_x * ray.direction[0] + slope_y * ray.direction[1] - ray.direction[2];
         if (above < 1e-4) {
-            if (sinking > 0.01) t += above / sinking;  // Newton's last step, where the ray does not skim the ground
+            if (sinking > 0.01) t += above / sinking;  // a last Newton step, unless the ray grazes the ground
             if (t <= nearest || t >= farthest) return false;
             distance = t;
             return true;
@@ -249,7 +248,7 @@ bool RayCaster::meet_ground(const Ray& ray, double nearest, double farthest, dou
         const double curved_step = sinking > 0 ? 2 * above / (sinking + root) : (root - sinking) / (bend + 1e-12);
         t += std::max(curved_step, above / approach);
     }
-    return false;  // skims the ground
+    return false;  // grazes the ground
 }
 
 bool RayCaster::cast(const Ray& ray, double nearest, double farthest, Hit& hit) const

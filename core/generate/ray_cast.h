@@ -1,4 +1,4 @@
-// Finds what a ray meets first on the site.
+// Ray casting: the first surface of the site that a ray hits.
 #pragma once
 
 #include "pcm/generate/site.h"
@@ -11,7 +11,7 @@ namespace pcm::scene {
 struct Ray {
     Vec3d origin;
     Vec3d direction;        // unit length
-    std::uint64_t key = 0;  // decides where among the leaves of a crown the ray ends
+    std::uint64_t key = 0;  // decides at which depth of a crown the ray hits a leaf
 };
 
 struct Hit {
@@ -20,16 +20,17 @@ struct Hit {
     Vec3d normal{};           // unit, towards the scanner
 };
 
-// Immutable after construction: any number of threads may cast rays. The site must outlive it.
+// Immutable after construction: threads may cast rays concurrently. The site must outlive it.
 class RayCaster {
 public:
     explicit RayCaster(const Site& site);
 
-    // False when the ray meets nothing between `nearest` and `farthest` metres.
+    // False when the ray hits nothing between `nearest` and `farthest` metres.
     bool cast(const Ray& ray, double nearest, double farthest, Hit& hit) const;
 
 private:
-    // A node's box; its shapes order_[first, first + count), or, when count is 0, its children at first and first + 1.
+    // A leaf's shapes are order_[first, first + count). In an inner node count is 0, and first and first + 1 are its
+    // children.
     struct Node {
         Box3d box;
         std::uint32_t first = 0;

@@ -36,7 +36,7 @@ struct ScannedPoint {
     std::uint16_t red = 0, green = 0, blue = 0;
 };
 
-// Makes any point of the scan from its number alone.
+// Generates any point of the scan from its number alone.
 class Scanner {
 public:
     Scanner(const Site& site, const Grid& grid, const SceneOptions& options)
@@ -51,12 +51,12 @@ private:
     RayCaster caster_;
     Grid grid_;
     const SceneOptions& options_;
-    Vec3d corner_;  // of the site, from the grid's offset
+    Vec3d corner_;  // of the site, relative to the grid's offset
 };
 
 ScannedPoint Scanner::point(std::uint64_t number) const
 {
-    // One station after the other, as real scans lie in their files; all get the same share.
+    // Station after station, as in files of real scans; all stations have the same share.
     const std::uint64_t stations = site_.stations.size();
     const std::uint64_t whole = options_.points / stations, longer = options_.points % stations;
     const std::uint64_t station =
@@ -65,7 +65,7 @@ ScannedPoint Scanner::point(std::uint64_t number) const
     Ray ray;
     ray.origin = site_.stations[station];
     Hit hit;
-    do {  // rays into the sky are drawn again; those that look down always end
+    do {  // rays into the sky are drawn again; rays downwards always hit
         double sin_azimuth, cos_azimuth, sin_elevation, cos_elevation;
         sine_cosine(random.unit(), sin_azimuth, cos_azimuth);
         sine_cosine(random.between(lowest_elevation, highest_elevation), sin_elevation, cos_elevation);
@@ -95,7 +95,7 @@ ScannedPoint Scanner::point(std::uint64_t number) const
     return point;
 }
 
-// Turns blocks into batches with the fields of LAS point format 2.
+// Makes batches with the fields of LAS point format 2 from blocks of points.
 class BatchMaker {
 public:
     explicit BatchMaker(const Grid& grid)
@@ -154,7 +154,7 @@ private:
     std::size_t intensity_ = 0, classification_ = 0, source_id_ = 0, colour_ = 0;
 };
 
-// Seventeen significant digits give every double back; printf would follow the locale.
+// 17 significant digits restore every double; printf would follow the locale.
 std::string digits(double value)
 {
     char text[64];
@@ -218,7 +218,8 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
     BatchMaker batches(grid);
     WriteOptions writing;
     writing.threads = options.threads;
-    const auto writer = create_las(las, batches.info(), writing);  // early: an unwritable folder shows at once
+    const auto writer =
+        create_las(las, batches.info(), writing);  // first, so that an unwritable folder is reported at once
     watch.report(stage, 0, true);
     Site site = make_site(side, options.seed);
     const Scanner scanner(site, grid, options);

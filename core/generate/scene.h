@@ -1,5 +1,5 @@
-// A scan-like scene with exact ground truth: ground, buildings, pipes, tanks, trees, seen from scanner positions with
-// range noise, occlusion and a density that falls with the square of the distance.
+// A synthetic laser scan with exact ground truth: ground, buildings, pipes, tanks and trees, seen from scanner stations
+// with range noise, occlusion and a density that decreases with the square of the distance.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -13,20 +13,20 @@
 namespace pcm {
 
 struct SceneOptions {
-    std::uint64_t points = 1000000;            // exactly this many are written
+    std::uint64_t points = 1000000;            // written, exactly
     Vec3d origin{500000.0, 4800000.0, 100.0};  // map coordinates of the scene's south-west corner
-    double extent = 0;                         // side of the square scene, metres; 0: grows with the number of points
+    double extent = 0;                         // side length of the scene, metres; 0: grows with the number of points
     double noise = 0.003;                      // standard deviation of the range, metres
     double scale = 0.001;                      // of the LAS grid, metres
     std::uint64_t seed = 1;
-    unsigned threads = 0;  // that cast rays; 0: as many as the machine has processors
+    unsigned threads = 0;  // that cast rays; 0: one per processor
     ProgressFunction progress;
 };
 
-// One primitive of the scene, in source coordinates; exact, before range noise.
+// One primitive of the scene, in source coordinates; exact, without range noise.
 struct ScenePrimitive {
     enum class Kind { plane, cylinder, sphere } kind = Kind::plane;
-    std::uint16_t id = 0;      // LAS point source id of its points (0: ground relief and vegetation, no primitive)
+    std::uint16_t id = 0;      // LAS point source id of its points; points of ground and vegetation have 0
     Vec3d point{};             // a point of the plane; a point on the axis; the centre
     Vec3d direction{};         // unit normal; unit axis; unused
     double radius = 0;         // cylinder and sphere
@@ -38,9 +38,10 @@ struct SceneReport {
     std::vector<ScenePrimitive> primitives;
 };
 
-// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and the primitives as JSON beside it (`las`
-// with the extension .truth.json) when write_truth. The same options give the same bytes on every machine. Errors:
-// those of create_las(), invalid_argument for a scene that does not fit its grid.
+// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and, when write_truth, the primitives as
+// JSON next to it (`las` with the extension .truth.json). The same options give the same bytes on every machine and for
+// any number of threads. Throws what create_las() throws, and Error(invalid_argument) for options out of range and for
+// a scene that does not fit its grid. Progress is reported on the calling thread.
 SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm

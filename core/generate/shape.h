@@ -19,14 +19,14 @@ struct Shape {
     Kind kind = Kind::rectangle;
     Material material = Material::concrete;
     std::uint8_t classification = 0;
-    std::uint16_t id = 0;  // of the primitive in the truth; 0: none
+    std::uint16_t id = 0;  // of its primitive in the ground truth; 0: none
     Colour colour{};
     Vec3d centre{};
     Vec3d u{1, 0, 0}, v{0, 1, 0}, n{0, 0, 1};  // orthonormal; n: normal of the plane, axis of the cylinder
     double half_u = 0, half_v = 0;             // rectangle; half_v is also half the length of a cylinder
     double gable = 0;                          // height of a gable over the rectangle's upper edge, its tip at u = 0
     double radius = 0;                         // disc, cylinder, sphere, crown
-    double lowest = -1e9;                      // of a dome: the sphere is cut off below this height
+    double lowest = -1e9;                      // sphere: cut off below this height (a dome)
 
     Box3d box() const;
 };

@@ -10,13 +10,13 @@ namespace pcm::scene {
 namespace {
 
 constexpr double least_block = 30.0;
-constexpr int most_blocks = 48;  // a side
+constexpr int most_blocks = 48;  // along each side
 constexpr double scanner_height = 1.8;
-constexpr double mast_height = 14.0;  // of the scanner where roofs and tanks are to be seen from above
+constexpr double mast_height = 14.0;  // of the scanner where it sees roofs and tanks from above
 constexpr double half_street = 3.5;
 constexpr double sidewalk = 1.5;
 
-// Lays out the site: which things stand in which block, and from where they are scanned.
+// Lays out the site: what stands in each block, and the stations of the scanner.
 class Architect {
 public:
     Architect(double side, std::uint64_t seed);
@@ -89,7 +89,7 @@ void Architect::works(double x, double y, double half, Random& random)
 void Architect::tank_farm(double x, double y, double half, Random& random)
 {
     if (!construct_.room_for(22)) return;
-    // The plate's upper side must be over the ground at all its corners.
+    // The slab's upper side must be above the ground at all its corners.
     double top = ground(x, y);
     for (const double a : {-half, 0.0, half})
         for (const double b : {-half, 0.0, half}) top = std::max(top, ground(x + a, y + b));
@@ -109,7 +109,7 @@ void Architect::tank_farm(double x, double y, double half, Random& random)
                 construct_.dome(foot + height * up, radius, radius * random.between(0.3, 0.6), colour);
             else
                 construct_.disc(foot + height * up, radius, Material::paint, colour);
-            // From the tank's shell to the collecting pipe in the middle.
+            // A pipe from the tank's shell to the collecting pipe in the middle.
             const double way = a > 0 ? -1 : 1;
             construct_.cylinder(frame.at(a + way * radius, b, 0.5), frame.at(0, b, 0.5), 0.12, Material::metal,
                                 {170, 174, 178});
@@ -140,11 +140,11 @@ void Architect::pipe_rack(double x, double y, double half, Random& random)
         const double start = -random.between(0.82, 0.98) * half, end = random.between(0.82, 0.98) * half;
         const Colour& colour = colours[random.below(5)];
         construct_.cylinder(frame.at(start, b, height), frame.at(end, b, height), radius, Material::metal, colour);
-        if (pipe % 2 == 0)  // goes down at one end
+        if (pipe % 2 == 0)  // a vertical end
             construct_.cylinder(frame.at(end, b, height), frame.at(end, b, -1), radius, Material::metal, colour);
         b += 0.76;
     }
-    // Vessels beside the rack.
+    // Vessels next to the rack.
     for (const double side : {-1.0, 1.0}) {
         const double radius = random.between(0.9, 1.4);
         const Vec3d foot = frame.at(side * 0.4 * half, side * 0.62 * half, -1);
@@ -179,7 +179,7 @@ void Architect::park(double x, double y, double half, Random& random)
 {
     const int count = 7 + random.below(6);
     for (int i = 0; i < count; ++i) {
-        // In statements of their own: in which order the arguments of a call are evaluated is up to the compiler.
+        // Separate statements: the order in which the arguments of a call are evaluated is unspecified.
         const double east = random.between(-0.85, 0.85);
         const double north = random.between(-0.85, 0.85);
         const double height = random.between(4.5, 10);
@@ -194,7 +194,8 @@ void Architect::street_trees()
     for (int street = 1; street < blocks_; ++street)
         for (double along = half_street + 6; along < site_.side - 4; along += 9) {
             const double in_block = along - site_.block * std::floor(along / site_.block);
-            if (in_block < half_street + 4 || in_block > site_.block - half_street - 4) continue;  // free crossings
+            if (in_block < half_street + 4 || in_block > site_.block - half_street - 4)
+                continue;  // crossings stay free
             if (random.chance(0.3))
                 construct_.tree(street * site_.block + from_middle, along, random.between(4, 5.5), random);
             if (random.chance(0.3))
@@ -212,7 +213,7 @@ void Architect::stations()
         const double py = std::clamp(y + random.between(-jitter, jitter), margin, site_.side - margin);
         site_.stations.push_back({px, py, ground(px, py) + height});
     };
-    const bool between = site_.block > 45;  // wide blocks hide too much from the crossings alone
+    const bool between = site_.block > 45;  // crossings alone see too little of wide blocks
     for (int i = 0; i <= blocks_; ++i)
         for (int j = 0; j <= blocks_; ++j) {
             const double x = i * site_.block, y = j * site_.block;
@@ -232,7 +233,7 @@ Site Architect::build()
             Random random(hash(site_.seed, static_cast<std::uint64_t>(i) * 4096 + static_cast<std::uint64_t>(j)));
             const double x = (i + 0.5) * site_.block, y = (j + 0.5) * site_.block;
             if (half < 5) continue;
-            // The first four blocks show something of everything; beyond, town in the west and industry in the east.
+            // The first four blocks show every kind; the others are town in the west and industry in the east.
             const bool town = i + 0.5 < 0.45 * blocks_;
             int kind = town ? (random.chance(0.7) ? 0 : random.chance(0.5) ? 5 : 1) : 1 + random.below(4);
             if (!town && random.chance(0.08)) kind = 5;
@@ -257,7 +258,7 @@ Site Architect::build()
                     park(x, y, half, random);
                     break;
             }
-            // Small sites have no block to spare for spheres.
+            // Small sites have no block of their own for spheres.
             if (blocks_ <= 2 && kind == 3 && construct_.room_for(1)) {
                 const double radius = std::min(2.2, 0.2 * half), px = x - 0.66 * half, py = y + 0.62 * half;
                 construct_.sphere({px, py, ground(px, py) + 0.9 * radius}, radius, {224, 224, 216});

@@ -1,4 +1,4 @@
-// What stands on the generated site: shapes, ground and scanner stations, in metres from the south-west corner.
+// The generated site: shapes, ground and scanner stations, in metres from its south-west corner.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -12,7 +12,7 @@
 
 namespace pcm::scene {
 
-// By one rounded reciprocal: the bytes of generated clouds hang on it.
+// By one rounded reciprocal: the bytes of generated clouds depend on it.
 inline Vec3d unit(const Vec3d& a) { return (1 / std::sqrt(dot(a, a))) * a; }
 
 struct Site {
@@ -22,7 +22,7 @@ struct Site {
     std::uint64_t seed = 0;
     Ground ground;
     std::vector<Shape> shapes;
-    std::vector<Vec3d> stations;             // where the scanner's head is
+    std::vector<Vec3d> stations;             // positions of the scanner's head
     std::vector<ScenePrimitive> primitives;  // primitives[id - 1], in metres from the corner
 };
 

@@ -21,7 +21,7 @@ double cell_value(double i, double j, std::uint64_t seed)
                         static_cast<std::uint64_t>(static_cast<std::int64_t>(j))));
 }
 
-// Value noise 0..1 with cells of one unit.
+// Value noise in [0, 1) with cells of one unit.
 double smooth_noise(double x, double y, std::uint64_t seed)
 {
     const double i = floor(x), j = floor(y);
@@ -36,7 +36,7 @@ Look ground_look(const Site& site, const Vec3d& p)
 {
     Look look;
     look.classification = 2;
-    // Distance from the middle of the nearest street in either direction.
+    // Distance from the middle of the nearest street of either direction.
     const auto from_street = [&](double x) { return std::abs(x - site.block * floor(x / site.block + 0.5)); };
     const double dx = from_street(p[0]), dy = from_street(p[1]);
     const double street = std::min(dx, dy);
@@ -68,10 +68,10 @@ Look ground_look(const Site& site, const Vec3d& p)
     return look;
 }
 
-// Windows in rows and columns on the upright part of a wall; a, b in metres along and up from its middle.
+// Windows in rows and columns on the rectangular part of a wall; a, b in metres along and up from its middle.
 bool is_window(const Shape& s, double a, double b, bool& is_frame)
 {
-    const double height = b + s.half_v - 1.0;  // over the ground: walls reach 1 m below
+    const double height = b + s.half_v - 1.0;  // above the ground: walls reach 1 m below it
     if (height < 0.8 || b > s.half_v - 0.5 || std::abs(a) > s.half_u - 0.6) return false;
     const double column = std::abs(fraction(a / 2.6) - 0.5) * 2.6,
                  row = std::abs(fraction((height - 0.2) / 2.8) - 0.5) * 2.8;

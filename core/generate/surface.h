@@ -1,4 +1,4 @@
-// How the surfaces of the site look: colour with brick courses, windows, road markings, and reflectivity.
+// The look of the site's surfaces: colour (brick courses, windows, road markings) and reflectivity.
 #pragma once
 
 #include "pcm/generate/determinism.h"
@@ -12,7 +12,7 @@ struct Look {
     std::uint8_t classification = 0;
 };
 
-// `shape` null: the ground. `point` in metres from the site's corner; `random` adds the grain.
+// `shape` is null on the ground. `point` in metres from the site's corner; `random` adds the grain.
 Look look_at(const Site& site, const Shape* shape, const Vec3d& point, const Vec3d& normal, Random& random);
 
 }  // namespace pcm::scene

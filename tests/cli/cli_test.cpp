@@ -51,20 +51,20 @@ TEST_F(CliTest, GenerateBuildInfoVerify)
     EXPECT_EQ(Json::parse(verified.out)["points"], 250000);
     EXPECT_TRUE(Json::parse(verified.out)["faults"].empty());
 
-    // The same, for people.
+    // The same as text.
     for (const char* command : {"info ", "verify "}) {
         const Result text = pcmlab(command + path("scene.pct"));
         EXPECT_EQ(text.code, 0);
         EXPECT_NE(text.out.find("250,000"), std::string::npos) << text.out;
     }
-    // A tree is not overwritten unasked.
+    // A tree is overwritten only with --overwrite.
     const Result again = pcmlab("build " + path("scene.las"));
     EXPECT_EQ(again.code, 1);
     EXPECT_NE(again.err.find("scene.pct"), std::string::npos);
     EXPECT_EQ(info["sampling"], "poisson");
     EXPECT_EQ(pcmlab("build --overwrite --fast " + path("scene.las")).code, 0);
     EXPECT_EQ(Json::parse(pcmlab("info --json " + path("scene.pct")).out)["sampling"], "grid");
-    EXPECT_NE(pcmlab("info " + path("scene.pct")).out.find("by a grid"), std::string::npos);
+    EXPECT_NE(pcmlab("info " + path("scene.pct")).out.find("on a grid"), std::string::npos);
     EXPECT_EQ(pcmlab("verify " + path("scene.pct")).code, 0);
 }
 
@@ -78,7 +78,7 @@ TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
     std::set<std::string> names;
     while (std::getline(lines, line) && std::istringstream(line) >> name >> word) {
         EXPECT_TRUE(names.insert(name).second) << name << " is listed twice";
-        if (name == "render") continue;  // a program of its own, which need not be there
+        if (name == "render") continue;  // a program of its own, which may be missing
         const Result own = pcmlab(name + " --help");
         EXPECT_EQ(own.code, 0) << name;
         EXPECT_NE(own.out.find("Usage: pcmlab " + name), std::string::npos) << own.out;
@@ -121,7 +121,7 @@ TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
     EXPECT_FALSE(fs::exists(folder_ / "b.ply"));
 }
 
-TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
+TEST_F(CliTest, ConvertTakesAPartAndReportsIt)
 {
     write_las(folder_ / "in.las", records(Shape::volume, 5000, 1), {{0.01, 0.01, 0.01}, {0, 0, 0}});
     const Result made = pcmlab("convert --json --chunk-points 1000 " + path("in.las") + " " + path("in.pct"));
@@ -132,7 +132,7 @@ TEST_F(CliTest, ConvertTakesAPartAndSaysWhatItDid)
     for (const LasRecord& p : records(Shape::volume, 5000, 1))
         in_box += p.x >= -20000 && p.x <= 20000 && p.y >= -30000 && p.y <= 0 && p.intensity >= 1000;
     const Result part = pcmlab("convert --json " + path("in.pct") + " " + path("part.ply") +
-                            " --box -200 -300 -1e9 200 0 1e9 --where 'intensity>=1000' --attributes intensity,rgb");
+                               " --box -200 -300 -1e9 200 0 1e9 --where 'intensity>=1000' --attributes intensity,rgb");
     ASSERT_EQ(part.code, 0) << part.err;
     const Json json = Json::parse(part.out);
     EXPECT_EQ(json["points"], in_box);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "tests/clouds.h"
-#include "tests/support.h"
 #include "tests/paths.h"
+#include "tests/support.h"
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +25,7 @@ struct Result {
 
 class CommandTest : public testing::Test {
 protected:
-    // Runs pcmlab with `arguments`, quoted for the shell by the caller where need be.
+    // Runs pcmlab with `arguments`, which the caller quotes for the shell.
     Result pcmlab(const std::string& arguments)
     {
         const std::filesystem::path err = folder_ / "stderr.txt";

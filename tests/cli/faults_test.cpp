@@ -1,4 +1,4 @@
-// The fault injection itself: that calls are counted and that each kind of fault does what it says.
+// Tests of the fault injection itself: calls are counted, and each kind of fault does what its name says.
 
 #include "tests/faults.h"
 #include "tests/clouds.h"
@@ -27,11 +27,11 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(Faults, CountsWhatHappensBelowTheFolderAlone)
+TEST_F(Faults, CountsOnlyCallsBelowTheFolder)
 {
     EXPECT_EQ(count_calls(convert(), folder_ / "elsewhere"), 0);
     fs::remove(folder_ / "out/copy.xyz");
-    EXPECT_GE(count_calls(convert(), folder_ / "out"), 3);  // a new file, writing, its name
+    EXPECT_GE(count_calls(convert(), folder_ / "out"), 3);  // open, write, rename
 }
 
 TEST_F(Faults, KillsAtEveryCall)
@@ -47,13 +47,13 @@ TEST_F(Faults, KillsAtEveryCall)
     EXPECT_EQ(run_with_fault(convert(), folder_ / "out", "kill", calls + 1).code, 0);
 }
 
-TEST_F(Faults, FullDiskAndBadDiskAreToldAndLeaveNothing)
+TEST_F(Faults, FullDiskAndBadDiskAreReportedAndLeaveNothing)
 {
     const long calls = count_calls(convert(), folder_ / "out");
     fs::remove(folder_ / "out/copy.xyz");
     for (const long at : spread(calls - 1, 20)) {
         const Faulty full = run_with_fault(convert(), folder_ / "out", "full", at);
-        if (full.code != 0) {  // 0: nothing needed space any more
+        if (full.code != 0) {  // 0: no later call needs space
             EXPECT_EQ(full.code, 1) << at;
             EXPECT_NE(full.err.find("copy.xyz"), std::string::npos) << full.err;
             EXPECT_TRUE(empty()) << at;

@@ -1,4 +1,4 @@
-// pcmlab query as a user meets it, against a look at the points.
+// pcmlab query as a user meets it, against brute force over the points.
 
 #include "pcm/cloud/region.h"
 #include "tests/cli/command.h"
@@ -111,7 +111,7 @@ TEST_F(QueryCommand, SaysWhatIsWrong)
     refused("--sphere 1 2 3 4 --ray 0 0 0 1 0 0 1", 1, "one region");
     refused("--first-hit", 1, "--ray or --cone");
     refused("--first-hit --sphere 1 2 3 4", 1, "--ray or --cone");
-    refused("--nearest 1 2 3 --count", 1, "one thing at a time");
+    refused("--nearest 1 2 3 --count", 1, "cannot be combined");
     refused("--nearest 1 2 nan", 1, "not finite");
     refused("--nearest 1 2 3 --sphere 1 2 3 4", 1, "whole cloud");
     refused("-k 3", 2, "--nearest");

@@ -19,19 +19,19 @@ std::string bytes_of(const fs::path& file)
 
 class RenderWithout : public CommandTest {};
 
-// Debian's packages and other people's scripts may take pcmlab alone.
-TEST_F(RenderWithout, ItsProgramSaysWhatIsMissing)
+// Debian's packages and scripts of others may install pcmlab without pcmlab-render.
+TEST_F(RenderWithout, PcmlabSaysWhatIsMissing)
 {
     fs::copy_file(pcm::paths::command, folder_ / "pcmlab");
     const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     const std::string said = bytes_of(folder_ / "said.txt");
     EXPECT_NE(said.find((folder_ / "pcmlab-render").string()), std::string::npos) << said;
-    EXPECT_NE(said.find("is not there"), std::string::npos) << said;
+    EXPECT_NE(said.find("is missing"), std::string::npos) << said;
     EXPECT_NE(pcmlab("--help").out.find("render"), std::string::npos);
 }
 
-TEST_F(RenderWithout, PcmItselfNeedsNoOpenGL)
+TEST_F(RenderWithout, PcmlabItselfNeedsNoOpenGL)
 {
     const std::string program = bytes_of(pcm::paths::command);
     for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"})
@@ -59,7 +59,7 @@ protected:
         if (tried.err.find("no OpenGL context") != std::string::npos) GTEST_SKIP() << tried.err;
         ASSERT_EQ(tried.code, 0) << tried.err;
     }
-    // Its JSON; of small pictures.
+    // The JSON of a small picture.
     Json render(const std::string& arguments, const std::string& size = "160x120")
     {
         const Result result = pcmlab("render --json --size " + size + " " + arguments);
@@ -93,7 +93,7 @@ TEST_F(Render, TheWholeCloudInFull)
     EXPECT_GT(covered(image), 160u * 120 / 10);
     EXPECT_EQ(image.pixel(0, 0)[3], 0);  // the background is transparent
 
-    // The same again, whatever the budgets and the memory are: full resolution is every point.
+    // Full resolution draws every point, whatever the budgets and the memory: the same picture.
     for (const char* budget :
          {"", " --point-budget 900", " --frame-budget 1", " --l1 1M", " --target-px 50 --threads 1"}) {
         const Json again = render(path("in.pct") + " --overwrite -o " + path("b.png") + budget);
@@ -118,7 +118,7 @@ TEST_F(Render, UntilTheTargetWithinABudget)
     EXPECT_LT(target["pictures"][0]["points_drawn"], 20000);
 }
 
-TEST_F(Render, TheBackgroundAndTheColourAreThoseAskedFor)
+TEST_F(Render, BackgroundAndColourAreAsRequested)
 {
     render(path("in.pct") + " -o " + path("a.png") + " --background white --uniform-colour '#ff8000'");
     Image image = picture("a.png");
@@ -134,7 +134,8 @@ TEST_F(Render, TheBackgroundAndTheColourAreThoseAskedFor)
         orange += point;
     }
     EXPECT_GT(orange, 1000u);
-    // With several samples a pixel, those at edges are between; without a background they keep their colour.
+    // With several samples per pixel, pixels at edges are partly covered; on a transparent background they keep their
+    // colour.
     render(path("in.pct") + " --overwrite -o " + path("a.png") +
            " --samples 4 --point-size 3.5 --uniform-colour 255,128,0");
     image = picture("a.png");
@@ -177,7 +178,7 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
                " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90 --point-size 4",
            "100x100");
     EXPECT_EQ(picture("b.png"), image);
-    // The whole of it without a camera.
+    // Without a camera, everything is in view.
     EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + " --point-size 4"), picture("c.png"))),
               2u * 16);
     EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("d.png") + " --point-size 4 --orthographic"),
@@ -185,7 +186,7 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
               2u * 16);
 }
 
-TEST_F(Render, APathIsAPictureAFrame)
+TEST_F(Render, APathGivesOnePicturePerFrame)
 {
     std::ofstream(folder_ / "way.json")
         << R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
@@ -215,7 +216,7 @@ TEST_F(Render, SeveralTreesAtOnce)
     EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
 }
 
-TEST_F(Render, WhatTheCloudLacksIsSaid)
+TEST_F(Render, AMissingAttributeIsReported)
 {
     const Json json = render(path("in.pct") + " -o " + path("a.png") + " --splats perspective");
     ASSERT_EQ(json["notes"].size(), 1u);

@@ -64,13 +64,13 @@ TEST_F(UpdateCliTest, AppendDeleteCompactRepair)
     EXPECT_EQ(json("info --json " + path("scene.pct"))["coverage_kept"], true);
 }
 
-TEST_F(UpdateCliTest, SaysWhatItDoesAndWhyItDoesNot)
+TEST_F(UpdateCliTest, ReportsWhatItDoesAndWhyItRefuses)
 {
     json("generate -n 5000 --json " + path("scene.las"));
     json("build --json " + path("scene.las"));
     const Result nothing = pcmlab("delete " + path("scene.pct"));
     EXPECT_EQ(nothing.code, 1);
-    EXPECT_NE(nothing.err.find("nothing says which points"), std::string::npos) << nothing.err;
+    EXPECT_NE(nothing.err.find("no points were chosen"), std::string::npos) << nothing.err;
     const Result sphere = pcmlab("delete " + path("scene.pct") + " --sphere 500001 4800001 100 1.5");
     EXPECT_EQ(sphere.code, 0) << sphere.err;
     EXPECT_NE(sphere.out.find("points deleted"), std::string::npos) << sphere.out;

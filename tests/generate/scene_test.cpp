@@ -75,7 +75,7 @@ SceneOptions small_scene(std::uint64_t points, double extent = 90)
     return options;
 }
 
-TEST(Scene, HasExactlyAsManyPointsAsAskedFor)
+TEST(Scene, HasExactlyTheRequestedNumberOfPoints)
 {
     TemporaryFolder folder;
     for (const std::uint64_t count : {0, 1, 2, 8191, 8192, 8193, 100000}) {
@@ -124,8 +124,8 @@ TEST(Scene, PointsLieOnTheirPrimitives)
         const SceneReport report = generate_scene(folder / "a.las", options);
         std::vector<std::uint64_t> counts(report.primitives.size() + 1);
         std::vector<double> squares(counts.size());
-        // The range is off along the ray, so the surface is at most that far; the grid rounds each coordinate by half a
-        // step. The last term is the rounding of map coordinates in double.
+        // Range noise is along the ray, so a point is at most that far from its surface; the grid rounds each
+        // coordinate by half a step. The last term is the rounding of map coordinates in double.
         const double limit = 6 * noise + 0.5 * std::sqrt(3.0) * options.scale + 1e-8;
         for (const Point& point : points_of(folder / "a.las")) {
             ASSERT_LE(point.id, report.primitives.size());
@@ -143,7 +143,7 @@ TEST(Scene, PointsLieOnTheirPrimitives)
             if (p.points > 500) ++seen[p.kind];
             EXPECT_NEAR(length(p.direction), p.kind == ScenePrimitive::Kind::sphere ? 0 : 1, 1e-12);
             EXPECT_EQ(p.radius > 0, p.kind != ScenePrimitive::Kind::plane);
-            // The noise is really there: no primitive is better than the incidence can make it.
+            // The noise is present: grazing incidence can reduce it, but not to nothing.
             if (noise > 0.01 && p.points > 2000) {
                 EXPECT_GT(std::sqrt(squares[i + 1] / static_cast<double>(p.points)), 0.1 * noise);
             }
@@ -154,7 +154,7 @@ TEST(Scene, PointsLieOnTheirPrimitives)
     }
 }
 
-TEST(Scene, TruthFileSaysWhatTheReportSays)
+TEST(Scene, TheTruthFileAgreesWithTheReport)
 {
     TemporaryFolder folder;
     SceneOptions options = small_scene(30000);
@@ -195,7 +195,7 @@ TEST(Scene, TruthFileSaysWhatTheReportSays)
         static const std::string kinds[] = {"plane", "cylinder", "sphere"};
         EXPECT_EQ(kind, kinds[static_cast<int>(p.kind)]);
         EXPECT_EQ(id, p.id);
-        EXPECT_EQ(at, p.point) << "every bit of it";
+        EXPECT_EQ(at, p.point) << "bit for bit";
         EXPECT_EQ(direction, p.direction);
         EXPECT_EQ(radius, p.radius);
         EXPECT_EQ(points, p.points);
@@ -206,7 +206,7 @@ TEST(Scene, TruthFileSaysWhatTheReportSays)
     EXPECT_FALSE(std::filesystem::exists(folder / "plain.truth.json"));
 }
 
-TEST(Scene, OriginIsHonoured)
+TEST(Scene, TheOriginIsKept)
 {
     TemporaryFolder folder;
     SceneOptions options = small_scene(50000, 60);
@@ -246,9 +246,9 @@ TEST(Scene, StaysInItsSquare)
     EXPECT_EQ(*open_reader(folder / "a.las")->info().promised_box, box);
 }
 
-// Around a station on the open street the points of the ground get sparser with the square of the distance or faster
-// (rays also fall in at a lower angle).
-TEST(Scene, DensityFallsWithTheDistance)
+// Around a station on the open street the density of ground points decreases at least with the square of the distance
+// (rays also hit at a lower angle).
+TEST(Scene, DensityDecreasesWithTheDistance)
 {
     TemporaryFolder folder;
     const SceneOptions options = small_scene(1500000, 60);
@@ -274,7 +274,7 @@ TEST(Scene, DensityFallsWithTheDistance)
         for (std::size_t ring = 0; ring < 3; ++ring)
             if (r >= 2 * (1 << ring) && r < 4 * (1 << ring)) ++count[ring];
     }
-    // Twice the radius is four times the area: as many points a ring would be a density that falls with the square.
+    // Twice the radius is four times the area: a density that decreases with the square has equal counts per ring.
     EXPECT_GT(count[0], count[1]);
     EXPECT_GT(count[1], count[2]);
     EXPECT_GT(count[2], 100);
@@ -305,7 +305,7 @@ TEST(Scene, LooksLikeASite)
     EXPECT_GT(near_intensity, 4 * far_intensity / 600000) << "intensity depends on distance and incidence";
 }
 
-// The hall is closed: no ray may end in it, for that ray would have come through a wall.
+// The hall is closed: a ray that ends inside would have passed through a wall.
 TEST(Scene, NothingIsSeenThroughWalls)
 {
     TemporaryFolder folder;
@@ -347,7 +347,7 @@ TEST(Scene, LargeSitesKeepTheirIds)
     }
 }
 
-TEST(Scene, ProgressIsToldAndCancelLeavesNothing)
+TEST(Scene, ProgressIsReportedAndCancelLeavesNothing)
 {
     TemporaryFolder folder;
     SceneOptions options = small_scene(3000000);
@@ -377,7 +377,7 @@ TEST(Scene, ProgressIsToldAndCancelLeavesNothing)
     EXPECT_EQ(last, 1);
 }
 
-TEST(Scene, RefusesWhatItCannotMake)
+TEST(Scene, RefusesOptionsOutOfRange)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<std::function<void(SceneOptions&)>> mistakes = {
@@ -402,7 +402,7 @@ TEST(Scene, RefusesWhatItCannotMake)
     EXPECT_THROW(generate_scene(folder / "nowhere" / "a.las", small_scene(1000)), Error);
 }
 
-// The own elementary functions against those of the C library, which are good to an ulp or so.
+// The elementary functions against those of the C library, which are accurate to about one ulp.
 TEST(SceneDeterminism, ElementaryFunctions)
 {
     scene::Random random(1);

@@ -51,7 +51,7 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
         end = 0;
         if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &c[0], &c[1], &c[2], &end) != 3 ||
             static_cast<std::size_t>(end) != text.size() || std::max({c[0], c[1], c[2]}) > 255)
-            refuse(std::string(option) + " '" + text + "' is no colour",
+            refuse(std::string(option) + " '" + text + "' is not a colour",
                    "write #rrggbb, or three numbers from 0 to 255 as in 255,128,0");
     }
     return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
@@ -59,7 +59,7 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
 
 Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-// Of the pattern NAME%04d.png: where the %-part begins and ends, and how many digits; nothing where there is none.
+// The place for a number in a name such as NAME%04d.png: its begin, its end and the least number of digits.
 struct Pattern {
     std::size_t begin = 0, end = 0;
     int digits = 0;
@@ -73,7 +73,7 @@ std::optional<Pattern> pattern_of(const std::string& name)
     while (at < name.size() && name[at] >= '0' && name[at] <= '9' && at - found.begin < 4)
         found.digits = found.digits * 10 + (name[at++] - '0');
     if (at >= name.size() || name[at] != 'd' || name.find('%', at) != std::string::npos || found.digits > 20)
-        refuse("the output '" + name + "' has a % that is no place for a number", "write one, as in picture%04d.png");
+        refuse("the % in the output '" + name + "' is not a place for a number", "write it as in picture%04d.png");
     found.end = at + 1;
     return found;
 }
@@ -92,27 +92,29 @@ void require_png(const fs::path& file)
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (extension != ".png")
-        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG alone",
-                    "let the output's name end with .png");
+        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG only",
+                    "end the output's name with .png");
 }
 
 void add_camera(Options& options, RenderArguments& a)
 {
-    const char* const group = "Where from (default: the whole, seen obliquely)";
+    const char* const group = "Camera (default: an oblique view of everything)";
     const Option eye =
-        options.option("--eye", a.eye, "Where the camera is, x y z in source coordinates").values(3).group(group);
-    const Option target =
-        options.option("--target", a.target, "What it looks at (default: the middle)").values(3).group(group);
-    const Option up = options.option("--up", a.up, "What is up in the picture (default: 0 0 1)").values(3).group(group);
+        options.option("--eye", a.eye, "Camera position x y z, source coordinates").values(3).group(group);
+    const Option target = options.option("--target", a.target, "Point that the camera looks at (default: the middle)")
+                              .values(3)
+                              .group(group);
+    const Option up =
+        options.option("--up", a.up, "Direction that is up in the picture (default: 0 0 1)").values(3).group(group);
     const Option angle =
-        options.option("--angle", a.angle, "Angle of view from bottom to top, degrees (default 45)").group(group);
-    const Option parallel =
-        options.flag("--orthographic", a.orthographic, "Parallel, not in perspective").group(group).excludes(angle);
-    const Option height =
-        options.option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")
-            .group(group)
-            .excludes(angle);
-    options.option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
+        options.option("--angle", a.angle, "Vertical angle of view, degrees (default 45)").group(group);
+    const Option parallel = options.flag("--orthographic", a.orthographic, "Parallel projection instead of perspective")
+                                .group(group)
+                                .excludes(angle);
+    const Option height = options.option("--height", a.height, "Orthographic: height of the view, source units")
+                              .group(group)
+                              .excludes(angle);
+    options.option("--path", a.path, "Camera path, JSON: one picture per frame")
         .group(group)
         .excludes(eye)
         .excludes(target)
@@ -124,7 +126,7 @@ void add_camera(Options& options, RenderArguments& a)
 
 void add_look(Options& options, RenderArguments& a)
 {
-    const char* const group = "How it looks";
+    const char* const group = "Appearance";
     options.option("--size", a.size, "WIDTHxHEIGHT in pixels").show_default().group(group);
     options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(splat_modes())))
         .show_default()
@@ -134,17 +136,17 @@ void add_look(Options& options, RenderArguments& a)
         .show_default()
         .one_of(names_of(colour_modes()))
         .group(group);
-    options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: all points in this colour")
+    options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: one colour for all points")
         .group(group);
     options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
         .show_default()
         .between(0.1, 1000.0)
         .group(group);
-    options.option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")
+    options.option("--radius-scale", a.style.radius_scale, "Other splats: factor on the radii")
         .show_default()
         .between(1e-6, 1e6)
         .group(group);
-    options.option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")
+    options.option("--samples", a.options.samples, "Samples per pixel (antialiasing): 1 to 8")
         .show_default()
         .between(1, 8)
         .group(group);
@@ -161,7 +163,7 @@ void add_look(Options& options, RenderArguments& a)
 
 void add_amount(Options& options, RenderArguments& a)
 {
-    const char* const group = "How much is drawn";
+    const char* const group = "Level of detail";
     options
         .option("--until", a.until,
                 "full: every point in view; target: until --target-px is reached, or as many points as the budgets "
@@ -169,36 +171,35 @@ void add_amount(Options& options, RenderArguments& a)
         .show_default()
         .one_of({"full", "target"})
         .group(group);
-    options.option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")
+    options.option("--target-px", a.options.target_spacing_px, "Largest distance between points on screen, pixels")
         .show_default()
         .between(0.01, 1e6)
         .group(group);
-    options
-        .option("--frame-budget", a.frame_budget_ms, "Milliseconds that drawing a frame may take (default: no limit)")
+    options.option("--frame-budget", a.frame_budget_ms, "Time limit per frame, milliseconds (default: none)")
         .positive()
         .group(group);
-    options.option("--point-budget", a.options.point_budget, "Most points of a frame")
+    options.option("--point-budget", a.options.point_budget, "Maximum number of points per frame")
         .show_default()
         .positive()
         .group(group);
     options.option("--l1", a.l1, "Video memory for chunks, at least 1M, e.g. 256M (default 512M)").bytes().group(group);
-    options.option("--l2", a.l2, "Memory for chunks of each tree, e.g. 1G (default 512M)").bytes().group(group);
+    options.option("--l2", a.l2, "Memory for chunks, per tree, e.g. 1G (default 512M)").bytes().group(group);
 }
 
 }  // namespace
 
 void add_to(Options& options, RenderArguments& a)
 {
-    options.positional("trees", a.trees, "Trees, drawn together").required();
+    options.positional("trees", a.trees, "Trees, rendered together").required();
     options
         .option("-o,--output", a.output,
-                "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")
+                "PNG file; with --path, a folder or a name with a place for the number, such as tour%04d.png")
         .required();
-    options.flag("--overwrite", a.overwrite, "Replace pictures that are there");
+    options.flag("--overwrite", a.overwrite, "Replace existing pictures");
     add_camera(options, a);
     add_look(options, a);
     add_amount(options, a);
-    options.option("-t,--threads", a.threads, "Threads that load (default: one a processor)").between(1, 256);
+    options.option("-t,--threads", a.threads, "Loading threads (default: one per processor)").between(1, 256);
     add_common(options, a.common);
 }
 
@@ -208,7 +209,7 @@ PictureSize size_of(const RenderArguments& arguments)
     int end = 0;
     if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 ||
         static_cast<std::size_t>(end) != arguments.size.size() || size.width < 1 || size.height < 1)
-        refuse("--size '" + arguments.size + "' is no size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
+        refuse("--size '" + arguments.size + "' is not a size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
     return size;
 }
 
@@ -237,7 +238,8 @@ RenderOptions options_of(const RenderArguments& arguments)
 {
     RenderOptions options = arguments.options;
     options.converge = arguments.until == "full";
-    // Nobody waits for a frame here but Ctrl-C, and the lists of what is to be loaded, which each frame makes anew.
+    // Nobody looks at single frames here. They end so that Ctrl-C is noticed, and so that the lists of chunks to load,
+    // which each frame makes, stay up to date.
     options.upload_budget_ms = 50;
     options.frame_budget_ms = arguments.frame_budget_ms ? *arguments.frame_budget_ms
                               : options.converge        ? 250
@@ -283,7 +285,7 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
         files.push_back(as_path);
     } else if (as_path.has_extension() && !fs::is_directory(as_path, ignored)) {
         throw Error(ErrorCode::invalid_argument, as_path,
-                    "the " + std::to_string(pictures) + " pictures of a path do not go into one file",
+                    "the " + std::to_string(pictures) + " pictures of a path need a file each",
                     "give a folder, or a name with a place for the number, as in picture%04d.png");
     } else {
         const int digits = std::max(4, static_cast<int>(std::to_string(pictures).size()));
@@ -293,10 +295,10 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
         const fs::file_status status = fs::status(file, ignored);
         if (!fs::exists(status)) continue;
         if (!arguments.overwrite)
-            throw Error(ErrorCode::exists, file, "the output is there already", "choose another name, or overwrite it");
+            throw Error(ErrorCode::exists, file, "the output already exists",
+                        "choose another name, or give --overwrite");
         if (!fs::is_regular_file(status))
-            throw Error(ErrorCode::exists, file, "the output's name is that of something that is not a file",
-                        "choose another name");
+            throw Error(ErrorCode::exists, file, "the output exists and is not a file", "choose another name");
     }
     return files;
 }

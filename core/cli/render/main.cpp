@@ -141,7 +141,7 @@ void print(const Summary& summary, const Offscreen& screen)
 {
     const std::vector<std::filesystem::path>& files = summary.files;
     for (const std::string& notice : summary.notices) std::printf("note: %s\n", notice.c_str());
-    const char* const whole = summary.full ? "every point in view" : "as many points as were asked for";
+    const char* const whole = summary.full ? "every point in view" : "as many points as requested";
     if (files.size() == 1)
         std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(summary.most_points).c_str(), whole,
                     time_text(summary.seconds).c_str());
@@ -157,7 +157,8 @@ int render(const RenderArguments& arguments)
     const auto start = Clock::now();
     const PictureSize size = size_of(arguments);
     background_of(arguments);
-    if (arguments.path.empty()) files_of(arguments, 1);  // what can be refused is refused before anything is opened
+    if (arguments.path.empty())
+        files_of(arguments, 1);  // before a tree is opened: wrong arguments are reported at once
     L1Options l1;
     l1.capacity_bytes = arguments.l1;
     l1.block_bytes =
@@ -201,6 +202,6 @@ int main(int argc, char** argv)
 {
     using namespace pcm::cli;
     return run_program(
-        {"pcmlab render", "Draw trees to PNG, from a camera or along a path, without a window", add_render}, argc,
-        argv);
+        {"pcmlab render", "Render trees to PNG, from a camera or along a camera path, without a window", add_render},
+        argc, argv);
 }
