@@ -16,7 +16,7 @@ namespace pcm::host {
 
 namespace {
 
-// Names of parameters. MeshLab sets the first by itself from meshlabserver's option -m sa.
+// Names of parameters. MeshLab sets the first one for meshlabserver's option -m sa.
 const QString binary = "Binary";
 const QString selected_only = "SelectedOnly";
 const QString level = "Level";
@@ -34,8 +34,9 @@ std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const RichPa
     const int chosen = parameters.getInt(level);
     const int deepest = static_cast<int>(layer.cloud->info().levels) - 1;
     if (chosen > deepest)
-        throw Error(ErrorCode::invalid_argument, {},
-                    "there is no level " + std::to_string(chosen) + "; the deepest is " + std::to_string(deepest));
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            "the tree has no level " + std::to_string(chosen) + "; the deepest level is " + std::to_string(deepest));
     const auto asked = chosen < 0 ? std::nullopt : std::optional(static_cast<std::uint16_t>(chosen));
     return std::make_unique<TreeReader>(layer.cloud->tree(), asked, selection_of(parameters));
 }
@@ -63,8 +64,8 @@ std::vector<std::string> layer_lines(const MeshModel& layer, const LayerReader& 
     else if (from_file)
         lines.push_back(
             grouped(reader.moved()) +
-            " vertices are not where their file had them; theirs are MeshLab's, rounded to float relative to "
-            "the document's origin.");
+            " vertices were moved; their coordinates are MeshLab's, rounded to float relative to the document's "
+            "origin.");
     std::string left_out;
     const auto check = [&](bool wanted, int flag, const char* name) {
         if (!wanted && layer.hasDataMask(flag)) left_out += (left_out.empty() ? "" : ", ") + std::string(name);
@@ -75,7 +76,7 @@ std::vector<std::string> layer_lines(const MeshModel& layer, const LayerReader& 
     const auto source = Registry::instance().source_of(layer);
     if (!taken.normal && source && source->has(AttributePlace::Kind::normal))
         left_out += (left_out.empty() ? "" : ", ") + std::string("normals");
-    if (!left_out.empty()) lines.push_back("Left out, as not ticked: " + left_out + ".");
+    if (!left_out.empty()) lines.push_back("Not written, because not ticked: " + left_out + ".");
     return lines;
 }
 
@@ -97,10 +98,10 @@ void add_export_settings(RichParameterList& parameters, const std::string& exten
         parameters.addParam(RichBool(binary, true, "Binary encoding",
                                      "Binary, which is smaller and faster, or plain text. Default on."));
     if (format && format->has(takes_decimals))
-        parameters.addParam(
-            RichInt(decimals, -1, "Decimals",
-                    "Digits after the point of a coordinate. -1, the default: as many as it takes to read "
-                    "back the same number."));
+        parameters.addParam(RichInt(
+            decimals, -1, "Decimals",
+            "Digits after the decimal point of a coordinate, from 0 to 30. -1, the default: as many as are needed to "
+            "read back the same number."));
     if (const auto tree = Registry::instance().find(layer))
         parameters.addParam(RichInt(level, -1, "Level",
                                     "Write the cloud at this level of detail, from 0 to " +
@@ -110,13 +111,13 @@ void add_export_settings(RichParameterList& parameters, const std::string& exten
         parameters.addParam(RichBool(selected_only, false, "Selected vertices only",
                                      "Write only the vertices that are selected. Default off."));
     parameters.addParam(RichString(box, "", "Box",
-                                   "Write only points inside: the smallest x y z and the largest x y z, six numbers "
-                                   "between blanks, in source coordinates and units, both ends included. Empty, the "
-                                   "default: all."));
+                                   "Write only points inside this box: its smallest x y z and its largest x y z, six "
+                                   "numbers separated by blanks, in source coordinates and units, bounds included. "
+                                   "Empty, the default: no box."));
     parameters.addParam(
         RichString(where, "", "Where",
                    "Write only points that meet these conditions on attributes, separated by semicolons. "
-                   "Example: classification = 2,6; intensity >= 100. Empty, the default: all."));
+                   "Example: classification = 2,6; intensity >= 100. Empty, the default: no condition."));
 }
 
 int export_mask()

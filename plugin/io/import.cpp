@@ -15,7 +15,7 @@ std::vector<std::string> open_tree(const std::filesystem::path& path, MeshModel&
     return show_tree(layer, Registry::instance().open(path));
 }
 
-bool says_something(const TextLayout& layout)
+bool is_specified(const TextLayout& layout)
 {
     return layout.separator || layout.skip_lines || !layout.columns.empty() || layout.colour_range;
 }
@@ -30,7 +30,7 @@ std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshMod
     ReadOptions options;
     options.threads = 0;
     options.text = settings.text;
-    TreeBeside tree{path, tree_path(path, settings.tree_folder), options, says_something(settings.text)};
+    TreeBeside tree{path, tree_path(path, settings.tree_folder), options, is_specified(settings.text)};
     const auto reader = open_reader(path, options);
     const FileInfo info = reader->info();
     const bool surely_large = info.points_known && info.points > settings.largest_layer;

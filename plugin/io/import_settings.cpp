@@ -34,16 +34,16 @@ RichInt largest_layer_parameter(const QString& name, int value)
 {
     return RichInt(
         name, value, "Largest layer (points)",
-        "A point cloud of more points becomes a tree on disk, of which MeshLab shows what the view asks for; "
-        "one of fewer becomes an ordinary layer in memory, for all of MeshLab's tools, at about 150 bytes a "
-        "point. In points. Default 1000000.");
+        "Largest number of points in an ordinary layer. A point cloud with more points becomes a tree on disk, which "
+        "is drawn at the detail that the view needs. One with fewer points is loaded into memory, about 150 bytes per "
+        "point, and all of MeshLab's tools work on it. Default 1000000.");
 }
 
 RichString tree_folder_parameter(const QString& name, const QString& value)
 {
     return RichString(name, value, "Folder for trees",
-                      "The folder where the trees of large point clouds are put. Empty, the default: beside the file, "
-                      "NAME.pct. Elsewhere the tree's name tells files of the same name apart.");
+                      "The folder for the trees of large point clouds. Empty, the default: the folder of the file, as "
+                      "NAME.pct. In another folder a suffix distinguishes files of the same name.");
 }
 
 // MeshLab's current settings; null without a window.
@@ -68,11 +68,11 @@ void add_global_settings(RichParameterList& parameters)
 {
     parameters.addParam(largest_layer_parameter(global_prefix + largest_layer, default_largest));
     parameters.addParam(tree_folder_parameter(global_prefix + tree_folder, ""));
-    parameters.addParam(RichEnum(global_prefix + ask, text_files, {"Never", "For text files", "Always"},
-                                 "Ask before importing a cloud",
-                                 "For which point clouds a dialog asks about the layout of text, the largest layer and "
-                                 "the folder for trees before the file is opened. Default: for text files (" +
-                                     QString::fromStdString(extensions_with(asks_layout)) + ")."));
+    parameters.addParam(
+        RichEnum(global_prefix + ask, text_files, {"Never", "For text files", "Always"}, "Ask before importing a cloud",
+                 "For which files a dialog asks for the layout of text, the largest layer and the folder "
+                 "for trees before they are opened. Default: for text files (" +
+                     QString::fromStdString(extensions_with(asks_layout)) + ")."));
 }
 
 void add_file_settings(RichParameterList& parameters, const std::filesystem::path& file)
@@ -92,20 +92,20 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
             if (const auto& layout = reader->info().text_layout)
                 found = " [found: " + QString::fromStdString(describe(*layout)).toHtmlEscaped() + "]";
         } catch (const Error&) {
-            // Then opening it says why; perhaps the user knows the layout.
+            // Opening the file reports the error, unless the user specifies the layout.
         }
         parameters.addParam(
             RichString(columns, "", "Columns" + found,
-                       "What the columns are, from the left, between blanks: x y z, each once; r g b for "
-                       "a colour, nx ny nz for a normal, - for a column to leave out, any other name for "
+                       "Names of the columns from the left, separated by blanks: x y z, each once; r g b for "
+                       "a colour, nx ny nz for a normal, - for a column to skip, any other name for "
                        "an attribute, such as intensity. Example: x y z intensity r g b. Empty, the "
-                       "default: as found, which is said in brackets."));
+                       "default: as detected, shown in brackets."));
         parameters.addParam(RichEnum(separator, 0, {"Detect", "Blanks", "Comma", "Semicolon", "Tab"}, "Separator",
-                                     "What stands between two columns. Default: as found."));
+                                     "Separator between columns. Default: as detected."));
         parameters.addParam(RichInt(skip_lines, -1, "Lines to skip",
-                                    "Number of lines before the first point. -1, the default: as found."));
+                                    "Number of lines before the first point. -1, the default: as detected."));
         parameters.addParam(RichEnum(colour_range, 0, {"Detect", "0 to 1", "0 to 255", "0 to 65535"}, "Colour range",
-                                     "The range of the numbers of a colour. Default: as found."));
+                                     "Range of the colour components. Default: as detected."));
     }
     const RichParameter* points = find(*globals, largest_layer);
     const RichParameter* folder = find(*globals, tree_folder);

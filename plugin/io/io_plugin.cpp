@@ -40,7 +40,7 @@ int mask_of(const MeshModel& layer)
     return mask;
 }
 
-// Errors of the core name their path; the few that know none get it here.
+// Most errors of the core name their path; it is added to the others.
 std::string error_about(const std::filesystem::path& path)
 {
     const std::string error = current_error();
@@ -107,7 +107,7 @@ bool PointCloudIo::hand_over_open(MeshIOInterface& stock, const QString& format,
     const auto origin = Registry::instance().origin_of(*layer.parent);
     if (opened && origin && *origin != Vec3d{0, 0, 0})
         say(GLLogStream::WARNING,
-            "This mesh is at its own coordinates; the clouds of this project are shown relative to the origin " +
+            "This mesh is shown at its own coordinates, but the clouds of this project relative to the origin " +
                 exact(*origin) + ".",
             parent);
     return opened;
@@ -136,7 +136,7 @@ void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, Ri
         add_export_settings(parameters, format.toLower().toStdString(), layer);
 }
 
-// MeshLab does not say which layer it asks for: what either of the exporters can write.
+// MeshLab does not pass the layer, so this is what either exporter can write.
 void PointCloudIo::GetExportMaskCapability(QString& format, int& capability, int& defaults) const
 {
     capability = defaults = export_mask();
@@ -155,7 +155,7 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         Operation::refuse_second();
         if (auto* stock = exporter_instead(format, layer))
             return hand_over_save(*stock, format, file_name, layer, mask, parameters, callback, parent);
-        // Without -m meshlabserver asks for nothing at all; then everything is meant.
+        // meshlabserver without -m passes an empty mask; then all members are written.
         const int wanted = mask == 0 && !parent ? export_mask() : mask;
         Operation operation(callback);
         for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
@@ -184,8 +184,10 @@ bool PointCloudIo::hand_over_save(MeshIOInterface& stock, const QString& format,
     const auto origin = Registry::instance().origin_of(*layer.parent);
     if (saved && origin && *origin != Vec3d{0, 0, 0})
         say(GLLogStream::WARNING,
-            "MeshLab has written the mesh as it is shown: relative to the origin " + exact(*origin) +
-                " if it was made of a cloud of this project.",
+            "MeshLab has saved the mesh with the coordinates shown. If it was made from a cloud of this project, they "
+            "are "
+            "relative to the origin " +
+                exact(*origin) + ".",
             parent);
     return saved;
 }

@@ -50,16 +50,14 @@ std::uint64_t mebibytes(const RichParameterList& parameters, const char* name, i
     return static_cast<std::uint64_t>(std::clamp(parameters.getInt(name), least, 1 << 24)) << 20;
 }
 
-}  // namespace
-
-void add_settings(RichParameterList& parameters)
+// Splats, their size and their colours.
+void add_style(RichParameterList& parameters)
 {
-    const RenderOptions render;
     const CloudStyle style;
     parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), labels_of(splat_modes()), "Splats",
                                  "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
-                                     ". A cloud without normals or radii is shown by the nearest of these that it "
-                                     "has the data for, and the log says so. Default: squares of one size."));
+                                     ". A cloud without normals or radii is shown with the most similar of these that "
+                                     "needs neither, and the log says so. Default: squares of one size."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
     parameters.addParam(RichFloat(radius_scale, style.radius_scale, "Radius scale",
@@ -70,46 +68,72 @@ void add_settings(RichParameterList& parameters)
                      ". A cloud without colours shows its intensity, and one without that its height. Default RGB."));
     const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
     parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
-                                  "Colour of all points when the colour shows nothing. Default light grey."));
+                                  "Colour of all points if Colour by is Uniform. Default light grey."));
+}
+
+// Quality of the picture: multisampling, lighting, level of detail.
+void add_quality(RichParameterList& parameters)
+{
+    const RenderOptions render;
     int default_samples = 0;
     for (int i = 0; i < sample_counts.size(); ++i)
         if ((1u << i) <= render.samples) default_samples = i;
     parameters.addParam(RichEnum(
-        samples, default_samples, sample_counts, "Samples a pixel",
-        "Multisampling of edges (MSAA), in samples a pixel; at most as many as the graphics card can. Default " +
+        samples, default_samples, sample_counts, "Samples per pixel",
+        "Multisampling of edges (MSAA), in samples per pixel, limited to what the graphics card supports. Default " +
             sample_counts[default_samples] + "."));
     parameters.addParam(RichFloat(
         eye_dome, render.eye_dome, "Eye-dome lighting",
-        QString("Strength with which points are darkened that lie behind their neighbours on the screen, from 0 "
-                "(off) to 10: it shows shapes in clouds without normals or colours. Default %1.")
+        QString("Darkens points that lie behind their neighbours on the screen, with a strength from 0 (off) to 10. "
+                "It shows shapes in clouds without normals or colours. Default %1.")
             .arg(static_cast<double>(render.eye_dome))));
     parameters.addParam(RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
-                                  QString("While the view moves, detail is added until points are no farther apart "
-                                          "than this on the screen, in pixels. Default %1.")
+                                  QString("Largest distance between neighbouring points on the screen while the view "
+                                          "moves, in pixels, from 0.1 to 1000. Default %1.")
                                       .arg(render.target_spacing_px)));
+}
+
+// Limits of time and memory.
+void add_budgets(RichParameterList& parameters)
+{
+    const RenderOptions render;
     parameters.addParam(RichFloat(
         frame_budget, static_cast<float>(render.frame_budget_ms), "Frame budget (ms)",
-        QString("Time that drawing a frame may take, in milliseconds. While the view moves, fewer points are drawn "
-                "when all would take longer; while it rests, the rest is added frame by frame until the picture is the "
-                "one of full resolution. Default %1.")
+        QString(
+            "Time for drawing a frame, in milliseconds, at least 1. While the view moves, fewer points are drawn if "
+            "all of them would take longer. While it rests, the others are added frame by frame up to full "
+            "resolution. Default %1.")
             .arg(render.frame_budget_ms)));
     parameters.addParam(RichFloat(
         point_budget, static_cast<float>(static_cast<double>(render.point_budget) / 1e6), "Point budget (millions)",
-        QString("Most points drawn in a frame, of all layers together, in millions. Default %1.")
+        QString(
+            "Largest number of points drawn in a frame, for all layers together, in millions, at least 0.01. Default "
+            "%1.")
             .arg(static_cast<double>(render.point_budget) / 1e6)));
     parameters.addParam(RichFloat(upload_budget, static_cast<float>(render.upload_budget_ms), "Upload budget (ms)",
-                                  QString("Time in each frame for bringing new points to the graphics card while the "
-                                          "view moves, in milliseconds. Default %1.")
+                                  QString("Time per frame for uploading new points to the graphics card while the view "
+                                          "moves, in milliseconds, at least 0.1. Default %1.")
                                       .arg(render.upload_budget_ms)));
     parameters.addParam(RichInt(
         l1_size, static_cast<int>(L1Options().capacity_bytes >> 20), "Video memory (MB)",
-        QString("Memory on the graphics card for the points of all layers of a project, in megabytes. Default %1.")
+        QString(
+            "Memory on the graphics card for the points of all layers of a project, in megabytes, at least 8. Default "
+            "%1.")
             .arg(L1Options().capacity_bytes >> 20)));
-    parameters.addParam(
-        RichInt(l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
-                QString("Main memory for the points of each cloud, in megabytes; what does not fit is read from disk "
-                        "again. Default %1.")
-                    .arg(L2Options().capacity_bytes >> 20)));
+    parameters.addParam(RichInt(
+        l2_size, static_cast<int>(L2Options().capacity_bytes >> 20), "Memory (MB)",
+        QString("Main memory for the points of each cloud, in megabytes, at least 16. Points that do not fit are "
+                "read from disk again. Default %1.")
+            .arg(L2Options().capacity_bytes >> 20)));
+}
+
+}  // namespace
+
+void add_settings(RichParameterList& parameters)
+{
+    add_style(parameters);
+    add_quality(parameters);
+    add_budgets(parameters);
 }
 
 Settings read_settings(const RichParameterList& parameters)

@@ -40,6 +40,7 @@ public:
     QElapsedTimer waiting;          // since the first try of the current command
     QElapsedTimer started, opened;  // since MeshLab's start; since the last command `open`
     int frame_before = 0;           // the last frame before a command that waits for a new one
+    int opening = 0;                // files that MeshLab has not finished opening
     QString message;                // text of the last message box
 
 private slots:

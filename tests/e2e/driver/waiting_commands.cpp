@@ -27,8 +27,10 @@ Done wait_building(TestDriver& driver, const QString&)
 
 Done wait_layers(TestDriver& driver, const QString& argument)
 {
-    return driver.until(driver.document() && driver.document()->meshList.size() == argument.toInt(),
-                        argument + " layers");
+    // While MeshLab opens a file it handles events, so scripts run: the layer exists before it is complete.
+    MeshDocument* document = driver.document();
+    const bool complete = driver.opening == 0 && document && !document->isBusy();
+    return driver.until(complete && document->meshList.size() == argument.toInt(), argument + " layers");
 }
 
 // The status of a frame that starts now: that of the last frame may be about another view.

@@ -52,8 +52,12 @@ Done open(TestDriver& driver, const QString& argument)
 {
     driver.opened.start();
     driver.frame_before = driver.frame();
-    QMetaObject::invokeMethod(driver.window(), "importMeshWithLayerManagement", Qt::QueuedConnection,
-                              Q_ARG(QString, argument));
+    ++driver.opening;
+    QTimer::singleShot(0, driver.window(), [&driver, argument] {
+        QMetaObject::invokeMethod(driver.window(), "importMeshWithLayerManagement", Qt::DirectConnection,
+                                  Q_ARG(QString, argument));
+        --driver.opening;
+    });
     return Done::yes;
 }
 
