@@ -19,7 +19,7 @@ inline std::uint32_t components_of(ColourSource source) { return source == Colou
 // Whether its values have a ColourScale, which the coarsest chunk sets; classes have not.
 inline bool is_scaled(ColourSource source) { return source == ColourSource::rgb || source == ColourSource::intensity; }
 
-// How raw values become 0..255: (value - low) / (high - low), clamped. Chosen once a cloud from its coarsest chunk,
+// Maps raw values to 0..255: (value - low) / (high - low), clamped. Chosen once per cloud from its coarsest chunk,
 // which is a sample of the whole, so that every chunk of a picture has the same scale.
 struct ColourScale {
     double low = 0;
@@ -31,13 +31,13 @@ struct ColourScale {
     static ColourScale of(const Column& column, ColourSource colour);
 };
 
-// For ColourSource::rgb and ::intensity: RGBA8, 4 bytes a point, alpha 255; grey where the attribute has one component.
-// Values that are not numbers are black.
+// For ColourSource::rgb and ::intensity: RGBA8, 4 bytes per point, alpha 255; grey where the attribute has one
+// component. NaN is black.
 void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba);
 
 // For ColourSource::classification: the colour of each point's class, raw * scale + offset rounded. Classes 0 to 18 of
-// LAS 1.4 (ASPRS) have the colours that they mostly have on maps; the reserved and the user's own (19 to 255) have one
-// each, bright, from a fixed sequence. What is no number from 0 to 255 is magenta.
+// LAS 1.4 (ASPRS) have the colours that maps commonly use; reserved and user-defined classes (19 to 255) have one
+// bright colour each from a fixed sequence. NaN and values outside 0 to 255 are magenta.
 void make_class_colours(const Column& column, const Attribute& attribute, std::vector<std::uint8_t>& rgba);
 std::array<std::uint8_t, 3> class_colour(double number);
 

@@ -59,7 +59,7 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
 
 Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-// Of the pattern NAME%04d.png: where the %-part begins and ends, and how many digits; nothing where there is none.
+// In a pattern NAME%04d.png: the range of the %-part and its digits; empty where there is none.
 struct Pattern {
     std::size_t begin = 0, end = 0;
     int digits = 0;
@@ -237,7 +237,7 @@ RenderOptions options_of(const RenderArguments& arguments)
 {
     RenderOptions options = arguments.options;
     options.converge = arguments.until == "full";
-    // Nobody waits for a frame here but Ctrl-C, and the lists of what is to be loaded, which each frame makes anew.
+    // Frames may take long here: only Ctrl-C and the requests for chunks, which each frame renews, wait for them.
     options.upload_budget_ms = 50;
     options.frame_budget_ms = arguments.frame_budget_ms ? *arguments.frame_budget_ms
                               : options.converge        ? 250

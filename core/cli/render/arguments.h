@@ -28,7 +28,7 @@ struct RenderArguments {
 };
 void add_to(Options& options, RenderArguments& arguments);
 
-// Everything that can be said before a tree is opened. Throws Error(invalid_argument).
+// Everything that can be checked before a tree is opened. Throws Error(invalid_argument).
 struct PictureSize {
     int width = 0, height = 0;
 };
@@ -44,8 +44,8 @@ RenderOptions options_of(const RenderArguments& arguments);
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).
 std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size);
 
-// A file for each of so many pictures: OUTPUT itself for one; NAME%04d.png with numbers from 1 on; FOLDER/0001.png, ...
-// Throws Error(invalid_argument), and Error(exists) for a file that is there and is not to be overwritten.
+// One file per picture: OUTPUT itself for one; NAME%04d.png with numbers from 1 on; FOLDER/0001.png, ... Throws
+// Error(invalid_argument), and Error(exists) for an existing file without --overwrite.
 std::vector<std::filesystem::path> files_of(const RenderArguments& arguments, std::size_t pictures);
 
 }  // namespace pcm::cli
