@@ -51,7 +51,7 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
         end = 0;
         if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &c[0], &c[1], &c[2], &end) != 3 ||
             static_cast<std::size_t>(end) != text.size() || std::max({c[0], c[1], c[2]}) > 255)
-            refuse(std::string(option) + " '" + text + "' is no colour",
+            refuse(std::string(option) + " '" + text + "' is not a colour",
                    "write #rrggbb, or three numbers from 0 to 255 as in 255,128,0");
     }
     return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
@@ -73,7 +73,8 @@ std::optional<Pattern> pattern_of(const std::string& name)
     while (at < name.size() && name[at] >= '0' && name[at] <= '9' && at - found.begin < 4)
         found.digits = found.digits * 10 + (name[at++] - '0');
     if (at >= name.size() || name[at] != 'd' || name.find('%', at) != std::string::npos || found.digits > 20)
-        refuse("the output '" + name + "' has a % that is no place for a number", "write one, as in picture%04d.png");
+        refuse("the output '" + name + "' has a % that is not followed by digits and d",
+               "write a place for the number, as in picture%04d.png");
     found.end = at + 1;
     return found;
 }
@@ -92,7 +93,7 @@ void require_png(const fs::path& file)
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (extension != ".png")
-        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG alone",
+        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG only",
                     "let the output's name end with .png");
 }
 
@@ -109,9 +110,7 @@ void add_camera(Options& options, RenderArguments& a)
     const Option parallel =
         options.flag("--orthographic", a.orthographic, "Parallel, not in perspective").group(group).excludes(angle);
     const Option height =
-        options.option("--height", a.height, "Orthographic: what is seen from bottom to top, source units")
-            .group(group)
-            .excludes(angle);
+        options.option("--height", a.height, "Orthographic: visible height, source units").group(group).excludes(angle);
     options.option("--path", a.path, "Camera path, JSON: a picture for each of its frames")
         .group(group)
         .excludes(eye)
@@ -140,11 +139,11 @@ void add_look(Options& options, RenderArguments& a)
         .show_default()
         .between(0.1, 1000.0)
         .group(group);
-    options.option("--radius-scale", a.style.radius_scale, "The others: factor on the radii")
+    options.option("--radius-scale", a.style.radius_scale, "The other splats: factor on the radii")
         .show_default()
         .between(1e-6, 1e6)
         .group(group);
-    options.option("--samples", a.options.samples, "A pixel, against jagged edges: 1 to 8")
+    options.option("--samples", a.options.samples, "Samples per pixel, against jagged edges: 1 to 8")
         .show_default()
         .between(1, 8)
         .group(group);
@@ -169,7 +168,9 @@ void add_amount(Options& options, RenderArguments& a)
         .show_default()
         .one_of({"full", "target"})
         .group(group);
-    options.option("--target-px", a.options.target_spacing_px, "Points are no farther apart on screen")
+    options
+        .option("--target-px", a.options.target_spacing_px,
+                "Refine until points are no farther apart on screen, pixels")
         .show_default()
         .between(0.01, 1e6)
         .group(group);
@@ -194,11 +195,11 @@ void add_to(Options& options, RenderArguments& a)
         .option("-o,--output", a.output,
                 "PNG file; of a path, a folder or a name with a place for the number, as in tour%04d.png")
         .required();
-    options.flag("--overwrite", a.overwrite, "Replace pictures that are there");
+    options.flag("--overwrite", a.overwrite, "Replace existing pictures");
     add_camera(options, a);
     add_look(options, a);
     add_amount(options, a);
-    options.option("-t,--threads", a.threads, "Threads that load (default: one a processor)").between(1, 256);
+    options.option("-t,--threads", a.threads, "Threads that load chunks (default: one per processor)").between(1, 256);
     add_common(options, a.common);
 }
 
@@ -208,7 +209,7 @@ PictureSize size_of(const RenderArguments& arguments)
     int end = 0;
     if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 ||
         static_cast<std::size_t>(end) != arguments.size.size() || size.width < 1 || size.height < 1)
-        refuse("--size '" + arguments.size + "' is no size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
+        refuse("--size '" + arguments.size + "' is not a size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
     return size;
 }
 
@@ -293,10 +294,9 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
         const fs::file_status status = fs::status(file, ignored);
         if (!fs::exists(status)) continue;
         if (!arguments.overwrite)
-            throw Error(ErrorCode::exists, file, "the output is there already", "choose another name, or overwrite it");
+            throw Error(ErrorCode::exists, file, "the output already exists", "choose another name, or overwrite it");
         if (!fs::is_regular_file(status))
-            throw Error(ErrorCode::exists, file, "the output's name is that of something that is not a file",
-                        "choose another name");
+            throw Error(ErrorCode::exists, file, "the output exists and is not a file", "choose another name");
     }
     return files;
 }
