@@ -1,8 +1,8 @@
 // An OpenGL context without a window, where this machine has one.
 #pragma once
 
-#include "pcm/system/error.h"
 #include "pcm/offscreen/offscreen.h"
+#include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 namespace pcm::test {
 
-// Nothing, with the reason, where this machine has no OpenGL. `share` may be null.
+// Null, with the reason in `why`, where this machine has no OpenGL. `share` may be null.
 inline std::unique_ptr<Offscreen> make_offscreen(int width, int height, std::string& why,
                                                  OffscreenProfile profile = OffscreenProfile::compatibility,
                                                  const Offscreen* share = nullptr)
