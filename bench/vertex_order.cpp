@@ -170,11 +170,48 @@ Camera view_of(const TreeInfo& info, double distance, int width, int height)
     return view;
 }
 
-struct Setting {
-    SplatMode mode;
-    float size;
-    double distance;
+double median(std::vector<double>& v)
+{
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    return v[v.size() / 2];
+}
+
+// Medians of the times and of the ratios to the order as stored, milliseconds.
+struct Timing {
+    double ms[orders], ratio[orders];
 };
+
+Timing time_orders(const Offscreen& offscreen, SplatPass& pass, const Cloud& cloud, const Camera& view,
+                   const CloudStyle& style, unsigned rounds)
+{
+    std::vector<double> times[orders], ratios[orders];
+    for (unsigned round = 0; round <= rounds; ++round) {
+        double took[orders];
+        for (std::size_t k = 0; k < orders; ++k) {
+            const std::size_t order = (k + round) % orders;
+            offscreen.make_current();
+            offscreen.clear();
+            glFinish();
+            const auto start = Clock::now();
+            pass.begin(view, cloud.points->info(), style, false, 1);
+            for (const NodeId node : cloud.nodes) pass.draw(*cloud.l1->find(cloud.owners[order], node), {});
+            pass.end();
+            glFinish();
+            took[order] = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        }
+        if (round == 0) continue;  // compilation
+        for (std::size_t k = 0; k < orders; ++k) {
+            times[k].push_back(took[k]);
+            ratios[k].push_back(took[k] / took[0]);
+        }
+    }
+    Timing timing{};
+    for (std::size_t k = 0; k < orders; ++k) {
+        timing.ms[k] = median(times[k]);
+        timing.ratio[k] = median(ratios[k]);
+    }
+    return timing;
+}
 
 int run(const std::string& path, std::uint64_t most, int width, int height, unsigned rounds)
 {
@@ -201,35 +238,11 @@ int run(const std::string& path, std::uint64_t most, int width, int height, unsi
                 if (mode != SplatMode::constant && size != 1) continue;
                 style.point_size_px = size;
                 const Camera view = view_of(cloud.points->info(), distance, width, height);
-                std::vector<double> times[orders], ratios[orders];
-                for (unsigned round = 0; round <= rounds; ++round) {
-                    double took[orders];
-                    for (std::size_t k = 0; k < orders; ++k) {
-                        const std::size_t order = (k + round) % orders;
-                        offscreen.make_current();
-                        offscreen.clear();
-                        glFinish();
-                        const auto start = Clock::now();
-                        pass.begin(view, cloud.points->info(), style, false, 1);
-                        for (const NodeId node : cloud.nodes) pass.draw(*cloud.l1->find(cloud.owners[order], node), {});
-                        pass.end();
-                        glFinish();
-                        took[order] = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-                    }
-                    if (round == 0) continue;  // compilation
-                    for (std::size_t k = 0; k < orders; ++k) {
-                        times[k].push_back(took[k]);
-                        ratios[k].push_back(took[k] / took[0]);
-                    }
-                }
-                const auto median = [](std::vector<double>& v) {
-                    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-                    return v[v.size() / 2];
-                };
+                const Timing timing = time_orders(offscreen, pass, cloud, view, style, rounds);
                 std::printf("| %s | %g | %g | %llu | %.1f | %.1f | %.3f | %.1f | %.3f |\n", name_of(mode),
                             mode == SplatMode::constant ? static_cast<double>(size) : 0.0, distance,
-                            static_cast<unsigned long long>(cloud.count), median(times[0]), median(times[1]),
-                            median(ratios[1]), median(times[2]), median(ratios[2]));
+                            static_cast<unsigned long long>(cloud.count), timing.ms[0], timing.ms[1], timing.ratio[1],
+                            timing.ms[2], timing.ratio[2]);
                 std::fflush(stdout);
             }
         }

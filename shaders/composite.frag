@@ -1,12 +1,11 @@
 #version 330 core
-// Brings a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one a pixel),
-// REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into one of our own, depth as it is), EYE_DOME.
+// Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME.
 //
-// Of several samples the colours of those that a splat covers are averaged, their share becomes the alpha, and the nearest depth stands
-// for all.
+// With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
-// Eye-dome lighting (Boucheny 2009): a pixel is the darker the farther it lies behind its neighbours, so that edges and relief show
-// without normals. Relief is a ratio of distances in perspective, so that it does not depend on the unit of length.
+// Eye-dome lighting (Boucheny 2009): the farther a pixel lies behind its neighbours, the darker it is, so that edges and relief show
+// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length.
 
 #ifdef SAMPLES
 uniform sampler2DMS colours;
@@ -30,7 +29,7 @@ const float farthest = 1.0;
 
 #ifdef EYE_DOME
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
-uniform float relief_of_distance;   // orthographic: 1 over the height of what is seen; 0: perspective
+uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
 uniform float strength;
 uniform ivec2 size;
 

@@ -1,5 +1,5 @@
 #version 330 core
-// Fills a splat. Permutations as in splat.vert, and SAMPLES: how many samples a pixel has, where discs are antialiased.
+// Fills a splat. Permutations as in splat.vert, and SAMPLES: samples per pixel, where discs are antialiased.
 #if defined(SAMPLES)
 #extension GL_ARB_sample_shading : require
 #endif
@@ -16,7 +16,7 @@ flat in vec2 origin;
 flat in vec3 divisor;
 flat in vec3 depth_line;
 
-// False also where something is not a number.
+// Also false where a value is NaN.
 bool is_inside(vec2 p)
 {
     vec2 place = (origin + p.x * along.xy + p.y * along.zw) / (divisor.x + dot(p, divisor.yz));
@@ -48,7 +48,7 @@ void main()
     if (!(depth > 0.0)) discard;
     depth = depth_of.x + depth_of.y / depth;
 #endif
-    // The clip volume's two planes. What lies behind the eye is beyond the near one.
+    // The near and the far plane. Hits behind the eye have depths beyond the near one.
     if (!(depth >= 0.0 && depth <= 1.0)) discard;
     gl_FragDepth = depth;
     fragment = vec4(splat_colour, 1.0);

@@ -4,9 +4,9 @@
 //   kind: none for a square of a constant size; DYNAMIC a square as large as the point's sphere; AFFINE and DISC the point's disc,
 //     found in splat.frag;
 //   ORTHOGRAPHIC (of DISC): parallel rays;
-//   QUADS: drawn as an instanced strip of four vertices in place of a point, which has a largest size and goes when its centre leaves
-//     the clip volume;
-//   DOUBLE (of DISC): what is common to a splat's fragments is computed in double.
+//   QUADS: drawn as an instanced strip of four vertices in place of a point: points have a largest size, and vanish when their centre
+//     leaves the clip volume;
+//   DOUBLE (of DISC): values common to a splat's fragments are computed in double.
 //
 // `reference` is a point of the chunk near the eye, in the chunk's coordinates, exact in float; `translation` is where
 // it lies in eye space, computed in double. Near the reference the subtraction is exact, so the rounding error of
@@ -56,14 +56,14 @@ uniform vec3 uniform_colour;
 vec3 colour_of_point() { return uniform_colour; }
 #endif
 
-uniform float eye_scale;     // eye units in a source unit
-uniform float least_radius;  // source units, but
-uniform float least_pixels;  // no more than so many of a diameter on the screen
+uniform float eye_scale;     // eye units per source unit
+uniform float least_radius;  // source units,
+uniform float least_pixels;  // limited to this diameter on the screen
 
 #if !defined(DYNAMIC) && !defined(AFFINE) && !defined(DISC)
 
 uniform float point_size;
-uniform float pixels;  // that a radius of 1 has as a square's side: at a depth of 1, or, when the view is parallel, anywhere
+uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
 
 void main()
 {
@@ -80,10 +80,10 @@ layout(location = 2) in float radius;  // source units; 0 for a point without on
 uniform float radius_scale;
 uniform vec2 viewport;    // pixels
 
-// `pixel` is what a pixel covers where the point is, in source units.
+// `pixel` is the size of a pixel at the point's depth, source units.
 float radius_of_splat(float pixel) { return max(radius * radius_scale, min(least_radius, 0.5 * least_pixels * pixel)); }
 
-// Outside of the clip volume, whatever convention it has.
+// Outside the clip volume in either depth convention.
 void draw_nothing()
 {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -91,20 +91,20 @@ void draw_nothing()
 }
 
 #if defined(QUADS)
-// The corner of a box that this vertex is.
+// This vertex's corner of a box.
 vec2 corner(vec2 low, vec2 high) { return vec2((gl_VertexID & 1) == 0 ? low.x : high.x, (gl_VertexID & 2) == 0 ? low.y : high.y); }
 #endif
 
 #if defined(DYNAMIC)
 
-uniform float pixels;  // that a radius of 1 has as a square's side: at a depth of 1, or, when the view is parallel, anywhere
-uniform vec2 guard;    // x and y of the clip volume are made wider by as many pixels as half the largest point
+uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
+uniform vec2 guard;    // scales x and y: the clip volume is wider by half the largest point, pixels
 
 void main()
 {
     vec3 eye = to_eye * (position - reference) + translation;
     vec4 place = projection * vec4(eye, 1.0);
-    // Equation 7.1 as it is meant: the side is a diameter. No point vanishes for being small.
+    // Equation 7.1 with the side as a diameter. At least one pixel, so that no point vanishes.
     float unit = eye_scale * pixels / place.w;  // pixels of a square's side for a radius of 1
     float side = max(max(radius * radius_scale * unit, min(least_radius * unit, least_pixels)), 1.0);
     splat_colour = colour_of_point();
@@ -123,11 +123,11 @@ void main()
 
 #else
 
-// A fragment's place in its disc is linear in its pixel, or a quotient of linear functions. With p the fragment's pixel relative to a
+// A fragment's place in its disc is a linear function of its pixel, or a quotient of linear functions. With p the fragment's pixel relative to a
 // base pixel (`base` is a pixel's centre, exact; `rest` what is added to it):
 //   place = (origin + p.x * along_x + p.y * along_y) / (divisor.x + dot(p, divisor.yz)),   inside where |place| <= 1
 //   depth = depth_line.x + dot(p, depth_line.yz)
-// of AFFINE, whose divisor is 1, the last is the distance from the eye along the view, from which the depth follows.
+// For AFFINE the divisor is 1, and depth_line gives the distance from the eye along the view, from which the depth follows.
 flat out vec4 base_and_rest;
 flat out vec4 along;  // along_x, along_y
 flat out vec2 origin;
@@ -136,9 +136,9 @@ flat out vec3 depth_line;
 
 layout(location = 3) in vec3 normal;  // source axes; 0 for a point without one
 
-uniform rvec2 focal;      // pixels: window = principal + focal * eye.xy / depth; when the view is parallel, without the quotient
+uniform rvec2 focal;      // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform rvec2 principal;
-uniform vec2 depth_of;    // window depth is x + y / depth; when the view is parallel, x + y * depth
+uniform vec2 depth_of;    // window depth is x + y / depth; orthographic: x + y * depth
 
 // Two directions that are perpendicular to n and to each other, all of length 1 (Duff et al. 2017).
 void tangents(vec3 n, out vec3 t1, out vec3 t2)
@@ -150,8 +150,8 @@ void tangents(vec3 n, out vec3 t1, out vec3 t2)
     t2 = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-// Draws what lies in a box (normalised device coordinates) and in the viewport, with a pixel to spare. The box of what can be seen lies
-// in the clip volume with its centre, so it does not matter where that of the splat lies.
+// Draws the part of a box (normalised device coordinates) that lies in the viewport, with a margin of one pixel. The centre of that part
+// lies in the clip volume, wherever the splat's own centre is.
 void draw_box(vec2 low, vec2 high)
 {
     vec2 pixel = 2.0 / viewport;
@@ -180,7 +180,7 @@ void set_base(rvec2 window)
 
 uniform mat3 normal_to_eye;
 
-// Equations 7.2 to 7.4: around the splat's centre rays are taken as parallel to the view.
+// Equations 7.2 to 7.4: rays are taken as parallel to the view around the splat's centre.
 void main()
 {
     splat_colour = colour_of_point();
@@ -212,16 +212,15 @@ void main()
 #else
 
 uniform rvec3 from_eye;     // from the eye to the reference
-uniform rvec3 pixel_x;      // how far, and where to, a pixel's step goes at a depth of 1 (parallel: anywhere)
-uniform rvec3 pixel_y;
-uniform rvec3 centre_ray;   // through the centre of the pixel at `centre_pixel`, a depth of 1 long (parallel: every ray)
+uniform rvec3 pixel_x;      // one pixel to the right at a depth of 1 (orthographic: anywhere)
+uniform rvec3 pixel_y;      // one pixel up
+uniform rvec3 centre_ray;   // through the centre of the pixel at `centre_pixel`, to a depth of 1 (orthographic: every ray)
 uniform vec2 centre_pixel;
 uniform vec4 pixel_bounds;  // the centres of the viewport's first and last pixel
-uniform float near;         // depth of the near plane; of a perspective
-// All of them but `near` in the cloud's own axes: there the disc is round and its normal the one that was uploaded, whatever the
-// modelview is.
+uniform float near;         // depth of the near plane; perspective only
+// All vectors are in the cloud's own axes: there the disc is round and its normal the uploaded one, whatever the modelview is.
 
-// The projected disc lies in the box. `centre`, and the ends of two perpendicular radii `u` and `v` relative to it, are in clip space.
+// Draws a box that encloses the projected disc. `centre`, and the ends of two perpendicular radii `u` and `v` relative to it, are in clip space.
 void draw_disc(vec4 centre, vec4 u, vec4 v)
 {
 #if defined(ORTHOGRAPHIC)
@@ -248,14 +247,14 @@ void draw_disc(vec4 centre, vec4 u, vec4 v)
         draw_box(shifted - extent, shifted + extent);
         return;
     }
-    // Through the near plane, or close to the eye: of the square around the disc, sides along and across the view, what lies behind
-    // the near plane.
+    // The disc crosses the near plane, or is close to the eye: the box encloses the part beyond the near plane of the square around
+    // the disc, whose sides run along and across the view.
     vec4 along_side = (u.w * u + v.w * v) / along_view;
     vec4 across_side = (u.w * v - v.w * u) / along_view;
     float first = max((near - centre.w) / along_view, -1.0);
     float first_w = max(centre.w + first * along_view, near);
     if (!(first_w > 1e-4 * (abs(centre.w) + along_view))) {
-        draw_box(vec2(-1.0), vec2(1.0));  // too near for such numbers to tell
+        draw_box(vec2(-1.0), vec2(1.0));  // too near for float to resolve
         return;
     }
     vec2 low = vec2(1e30);
@@ -277,8 +276,8 @@ void draw_disc(vec4 centre, vec4 u, vec4 v)
 // pixel keeps it exact:
 //   far away (beyond four radii) the base is the projected centre. There the numerator is 0, so that everything is relative to the
 //     centre, and no two large numbers are subtracted;
-//   nearer, where v is no large number compared with the radius and the centre may lie beside or behind the eye, the base is the
-//     pixel that is nearest to the plane's horizon, where D.n is smallest.
+//   nearer, where v is not large compared with the radius and the centre may lie beside or behind the eye, the base is the pixel
+//     nearest to the plane's horizon, where D.n is smallest.
 void main()
 {
     splat_colour = colour_of_point();
@@ -303,7 +302,7 @@ void main()
     rvec3 r1 = rvec3(t1);
     rvec3 r2 = rvec3(t2);
     real h = dot(view, rn);
-    if (!(r > 0.0) || h == real(0.0)) {  // seen from exactly the side
+    if (!(r > 0.0) || h == real(0.0)) {  // edge-on
         draw_nothing();
         return;
     }

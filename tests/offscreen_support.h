@@ -11,7 +11,7 @@
 
 namespace pcm::test {
 
-// Nothing, with the reason, where this machine has no OpenGL. `share` may be null.
+// Null, with the reason in `why`, where this machine has no OpenGL. `share` may be null.
 inline std::unique_ptr<Offscreen> make_offscreen(int width, int height, std::string& why,
                                                  OffscreenProfile profile = OffscreenProfile::compatibility,
                                                  const Offscreen* share = nullptr)

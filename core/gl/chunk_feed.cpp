@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// A chunk that could not be loaded is asked for again after this time: the network may be back.
+// A chunk that could not be loaded is requested again after this time: the network may be back.
 constexpr std::chrono::seconds retry_after{5};
 
 }  // namespace
@@ -20,7 +20,7 @@ ChunkFeed::ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache>
 ChunkFeed::~ChunkFeed()
 {
     set_wake({});
-    if (asked_last_) cloud_->cache().request({});  // nobody waits for it any more
+    if (asked_last_) cloud_->cache().request({});  // cancels the latest request
     l1_->remove_owner(owner_);
 }
 
@@ -29,7 +29,7 @@ void ChunkFeed::Inbox::put(NodeId node)
     const std::lock_guard lock(mutex);
     const bool first = arrived.empty();
     arrived.insert(node);
-    // Under the lock: when set_wake has returned, the former function is not running any more.
+    // Under the lock: when set_wake has returned, the former function is not running.
     if (first && wake) wake();
 }
 
@@ -102,7 +102,7 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
     arrivals_format_ = format;
 
     const ColumnSet columns = columns_of(format);
-    // Taken before looking: a chunk that arrives from here on wakes the owner again.
+    // Taken before the search: a chunk that arrives from here on wakes the owner again.
     const std::set<NodeId> arrived = inbox_->take();
     std::vector<ChunkRequest> list;
     for (const NodeId node : window) {
@@ -123,13 +123,13 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
         list.push_back({node, columns});
     }
     const std::set<NodeId> wanted(window.begin(), window.end());
-    std::set<NodeId> silent;  // nobody waits for them
+    std::set<NodeId> silent;  // loaded ahead: their arrival wakes no one
     for (const NodeId node : ahead)
         if (!wanted.count(node) && !cloud_->cache().find(node, columns)) {
             list.push_back({node, columns});
             silent.insert(node);
         }
-    // Also when nothing is missing: what an older view asked for need not be loaded any more.
+    // Also when nothing is missing: this cancels requests of an older view.
     if (!list.empty() || asked_last_) {
         asked_last_ = !list.empty();
         cloud_->cache().request(std::move(list), [box = inbox_, silent = std::move(silent)](NodeId node) {
@@ -180,7 +180,7 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
     const auto supply = [&](NodeId node) {
         const auto found = arrivals_.find(node);
         if (found != arrivals_.end() && found->second.chunk) return Supply::ready;
-        // The coarsest chunk sets the scale for all, so it must come first.
+        // The coarsest chunk sets the colour scale for all, so it must come first.
         return is_scaled(format.colour) && !scales_.count(format.colour) && !has_failed(node) ? Supply::stop
                                                                                               : Supply::absent;
     };

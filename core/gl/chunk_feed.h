@@ -1,4 +1,4 @@
-// Brings the chunks that a view wants from L2 into L1: what is asked for, what has arrived, what cannot be had.
+// Moves the chunks that a view wants from L2 into L1: requests them, uploads loaded ones, remembers failures.
 #pragma once
 
 #include "pcm/gl/l1_cache.h"
@@ -28,8 +28,7 @@ public:
     ChunkFeed(const ChunkFeed&) = delete;
     ChunkFeed& operator=(const ChunkFeed&) = delete;
 
-    // How many chunks may be on their way at a time. More would not come sooner, and what has arrived and waits for its
-    // upload is pinned in L2.
+    // The most chunks in flight. More would not arrive sooner, and chunks that wait for their upload are pinned in L2.
     static constexpr std::size_t window_size = 32;
 
     L1Cache::Owner owner() const { return owner_; }
@@ -39,33 +38,32 @@ public:
         return entry && entry->format.serves(format);
     }
 
-    // The first nodes in `wanted` that video memory lacks (or has in another format): those that are not `current`;
-    // less what lies below a node that cannot be loaded, as it could not be drawn anyway.
+    // The first nodes of `wanted` that are not `current`: absent from video memory, or there in another format. Nodes
+    // below one that cannot be loaded are left out, as they could not be drawn.
     std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current);
-    // What a view will want later and video memory has not got: the loader has time for it only when little is missing
-    // now.
+    // The nodes that a view will want later and that are not in video memory; none while many are missing now.
     std::vector<NodeId> ahead_of(const DetailSelection& later, std::size_t missing_now) const;
-    // Whether the node cannot be loaded for the time being.
+    // Whether loading the node failed recently.
     bool has_failed(NodeId node);
 
-    // Takes what has come of the window from L2 and asks for the rest, and then for what is `ahead`.
+    // Takes loaded chunks of the window from L2 and requests the others, then those of `ahead`.
     void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
-    // Puts what has come into L1, within so much time.
+    // Uploads loaded chunks into L1 within the time budget.
     Served upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms);
-    // Whether something of the window is on its way.
+    // Whether a chunk of the window is being loaded.
     bool waits();
-    // Why some of it cannot be loaded for the time being; empty when all can.
+    // Why a chunk cannot be loaded at present; empty when all can.
     std::string error() const { return failed_.empty() ? std::string() : error_; }
 
     // See DrawnCloud::set_wake().
     void set_wake(std::function<void()> wake);
-    // Lets go of what has come and of what the L1 has.
+    // Drops loaded chunks and the entries in L1.
     void release();
 
 private:
     using Clock = std::chrono::steady_clock;
 
-    // What loader threads leave for the next frame. Shared with the callbacks, so it outlives the feed if need be.
+    // What loader threads leave for the next frame. Shared with the callbacks, which may outlive the feed.
     struct Inbox {
         std::mutex mutex;
         std::set<NodeId> arrived;
@@ -73,10 +71,10 @@ private:
         void put(NodeId node);
         std::set<NodeId> take();
     };
-    // Where a node of the window stands on its way to video memory.
+    // The state of a node of the window on its way to video memory.
     struct Arrival {
-        L2Cache::Handle chunk;  // pinned until it is uploaded or the view has no use for it
-        unsigned lost = 0;      // times it had arrived and was dropped by L2 before it was found
+        L2Cache::Handle chunk;  // pinned until it is uploaded or not wanted any more
+        unsigned lost = 0;      // times that it arrived and L2 evicted it before it was found
     };
 
     ColumnSet columns_of(const VertexFormat& format) const;
@@ -88,7 +86,7 @@ private:
     L1Cache::Owner owner_;
     const std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
     std::map<NodeId, Arrival> arrivals_;
-    VertexFormat arrivals_format_;  // the columns that they hold are for this
+    VertexFormat arrivals_format_;  // the columns that they hold
     bool asked_last_ = false;
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;

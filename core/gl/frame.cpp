@@ -10,10 +10,10 @@
 namespace pcm {
 namespace {
 
-// Beyond so many pixels a picture says nothing whatever its splats are.
+// Gaps wider than this are not filled any further, pixels: such a picture shows nothing anyway.
 constexpr double largest_fill = 32;
 
-// The spacing on the screen that a style's own splats are taken to cover.
+// The spacing on the screen that a style's own splats are assumed to cover.
 double spacing_covered(const CloudStyle& style)
 {
     return traits_of(style.splats).shape == SplatShape::pixels
@@ -51,7 +51,7 @@ DetailLimits Frame::current_limits()
     allowed.page_points = L1Cache::points_per_page({});
     for (const FrameCloud& cloud : clouds) {
         if (!cloud.tree->nodes().empty()) roots += cloud.tree->nodes()[0].points;
-        // Counted as if all entries had colour: those of another style stay until there is need for their room.
+        // Counted as if all entries had colour: entries of another style stay until their pages are needed.
         VertexFormat format = cloud.format;
         if (format.colour == ColourSource::none) format.colour = ColourSource::rgb;
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
@@ -59,7 +59,7 @@ DetailLimits Frame::current_limits()
     allowed.point_budget = picture.budget.points(roots, options.point_budget);
     report.effective_point_budget = allowed.point_budget;
     const std::uint64_t pages = l1.pages_available(owners);
-    // The coarsest chunks in any case.
+    // The coarsest chunks are always allowed.
     const std::uint64_t least = roots / std::max<std::uint64_t>(1, allowed.page_points) + clouds.size();
     allowed.page_budget =
         std::min(pages, std::max(static_cast<std::uint64_t>(picture.page_share * static_cast<double>(pages)), least));
@@ -93,7 +93,7 @@ Served Frame::upload(const SceneSelection& selection)
     Served sum;
     const auto begun = Clock::now();
     for (const std::size_t turn : turns) {
-        // One is uploaded whatever it takes.
+        // At least one is uploaded.
         const double left = std::max(0.0, budget - milliseconds_since(begun));
         if (left == 0 && sum.uploaded > 0) {
             sum.out_of_time = true;

@@ -1,4 +1,4 @@
-// One frame of a Renderer: what it draws, and the steps that moving and resting views share.
+// One frame of a Renderer: its clouds, and the steps that moving and resting views share.
 #pragma once
 
 #include "pcm/gl/picture_state.h"
@@ -14,22 +14,23 @@ namespace pcm {
 // One item, ready for a frame.
 struct FrameCloud {
     ChunkFeed* feed;
-    std::size_t leader;  // the first item of the same cloud, which loads for all of them; mostly itself
+    std::size_t leader;  // the first item of the same cloud, which loads for all of them; usually itself
     const Tree* tree;
     Camera view;
     CloudStyle style;
     VertexFormat format;
-    std::vector<bool> current;    // of its `wanted`: in L1 with the attributes of the style
-    std::vector<NodeId> window;   // to be loaded
-    std::vector<float> residual;  // of its `wanted`: the largest error of what is in view below and not drawn, pixels
-    // How far points are apart where finer ones are not drawn: source units, and on the screen at its nearest point. 0:
-    // nowhere too far.
+    std::vector<bool> current;   // per node of `wanted`: in L1 with the attributes of the style
+    std::vector<NodeId> window;  // to be loaded
+    std::vector<float>
+        residual;  // per node of `wanted`: the largest error of nodes in view below it that are not drawn, pixels
+    // The spacing of points where finer ones are not drawn: in source units, and in pixels at its nearest point. 0: no
+    // gaps.
     struct Gap {
         double spacing = 0;
         double spacing_px = 0;
     };
-    std::vector<Gap> gaps;  // of its `wanted`, below each
-    bool filled = false;    // some of its splats are larger than their own size
+    std::vector<Gap> gaps;  // per node of `wanted`, below it
+    bool filled = false;    // some of its splats are enlarged to fill gaps
 };
 
 struct Frame {
@@ -43,32 +44,32 @@ struct Frame {
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
     DetailLimits limits{};   // of a moving view
-    bool converges = false;  // the view rests, and goes on to full resolution
+    bool converges = false;  // the view rests, and refines to full resolution
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
 
     std::vector<TreeInView> trees() const;
-    // What the budgets of time, points and video memory allow.
+    // As the budgets of time, points and video memory allow.
     DetailLimits current_limits();
-    // Adds to what the item's leader has to load, as far as there is room.
+    // Adds nodes to the window of the item's leader, as far as there is room.
     void want(std::size_t item, const std::vector<NodeId>& nodes);
     // Begins the splats of a cloud, into the picture's target.
     void begin(const FrameCloud& cloud);
-    // Uploads what has come of the clouds' windows, for the cloud first that lacks what is worth most.
+    // Uploads loaded chunks of the clouds' windows, first for the cloud that lacks the node of highest priority.
     Served upload(const SceneSelection& selection);
 };
 
 double milliseconds_since(Frame::Clock::time_point start);
 
-// Splats of this many times the spacing leave few gaps between the points of a level, which lie no nearer than the
-// spacing and leave no disc of that radius empty.
+// Splats of this many times the spacing leave few gaps: the points of a level are a maximal Poisson-disk sample, no two
+// nearer than the spacing and no disc of that radius empty.
 inline constexpr double fill_of_spacing = 1.4;
 
-// How large splats are to be, in whole pixels, so that this spacing shows no gaps; 0 where the style's own do.
+// The size of splats, in whole pixels, that fills gaps of this spacing; 0 where the style's own size does.
 float fill_of(double spacing_px, const CloudStyle& style);
 
-// Draws entries one after the other; neighbours of one cloud share what is set once.
+// Draws entries one after the other; consecutive ones of one cloud share the state that is set once.
 class Strokes {
 public:
     explicit Strokes(Frame& frame) : frame_(frame) {}
@@ -97,7 +98,7 @@ private:
     const FrameCloud* cloud_ = nullptr;
 };
 
-// Draws, measures it and learns from it. The picture's target, or `next`, is bound.
+// Calls `draw`, measures its time on the device and feeds it to the budget. The picture's target, or `next`, is bound.
 void begin_strokes(Frame& frame);
 void end_strokes(Frame& frame);
 template <class Draw>
@@ -114,11 +115,12 @@ void timed(Frame& frame, const Draw& draw)
     frame.drawing_ms = milliseconds_since(start);
 }
 
-// What a view that has moved, or whose chunks are still coming, shows. When a resting one shows all that it should,
+// Draws a view that has moved, or whose chunks are still being loaded. When a resting one shows all of its selection,
 // `picture.rest` begins.
 void draw_moving(Frame& frame, const SceneSelection& selection, bool resting);
 
-// The picture holds all of `rest->lod` that can be had, `drawn` of each tree's `wanted`; what follows is added to it.
+// The picture holds the chunks of `rest->lod` that could be loaded, `drawn` of each tree's `wanted`; later frames add
+// to it.
 void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::vector<bool>>& drawn);
 void draw_resting(Frame& frame);
 

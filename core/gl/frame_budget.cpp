@@ -7,12 +7,11 @@
 namespace pcm {
 namespace {
 
-// Before anything is known: what they cost in proportion to each other.
+// Initial costs, in proportion to each other.
 constexpr std::array<double, 3> first_costs{1, 1, 0.2};
-// Standard deviations, relative: of what is believed at first, of what it changes by from frame to frame, of a time
-// that is measured.
+// Relative standard deviations: of the initial costs, of their change from frame to frame, of a measured time.
 constexpr double first_deviation = 0.7, change = 0.03, noise = 0.1;
-// A frame that took much longer than expected was held up by something else, as far as one frame tells.
+// A frame that took much longer than expected was probably delayed by something else: its time is clamped.
 constexpr double largest_surprise = 0.5;
 
 }  // namespace
@@ -32,7 +31,7 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
 {
     last_ms_ = milliseconds;
     expected_ms_ = 0;
-    // A nearly empty frame measures the fixed cost, not that of a point: that it is no more is all it says of that.
+    // A nearly empty frame measures the fixed cost: it gives only an upper bound of the cost per point.
     const Features x = features(work);
     if (!(milliseconds > 0) || (x[0] < least / 4 && (measures_ == 0 || milliseconds > expected(work)))) return;
     if (measures_++ == 0) {
@@ -44,7 +43,7 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
         return;
     }
     expected_ms_ = expected(work);
-    // Everything in proportion to what was expected: z are the shares, which come to 1.
+    // Everything relative to the expected time: z are the shares, whose sum is 1.
     Features z{}, gain{};
     for (std::size_t i = 0; i < 3; ++i) {
         z[i] = x[i] * costs_[i] / std::max(expected_ms_, 1e-9);
@@ -69,11 +68,11 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
 void FrameBudget::measured_overhead(double milliseconds)
 {
     if (measures_ > 3 && expected_ms_ > 0) {
-        // A quantile by steps: those up are so much larger than those down that they balance when one frame in 150 is
-        // above.
+        // A quantile by steps: upward steps are larger than downward ones by the factor at which they balance when one
+        // frame in 150 exceeds it.
         const double ratio = (last_ms_ + milliseconds) / (expected_ms_ + overhead_ms_);
         margin_ = std::clamp(margin_ * (ratio > margin_ ? 1.25 : 0.9985), 1.05, largest_margin);
-        expected_ms_ = 0;  // once a frame that was measured
+        expected_ms_ = 0;  // each measured frame counts once
     }
     overhead_ms_ += (overhead_ms_ == 0 ? 1.0 : 0.2) * (milliseconds - overhead_ms_);
 }

@@ -1,11 +1,10 @@
-// What frames cost on the device, and how much they may draw so that they take no longer than they should.
+// What frames cost on the device, and how many points they may draw within the frame budget.
 //
-// Model: time = overhead + vertices * a + splats in view * b + pixels * c. How much of each a frame has is estimated
-// before it is drawn; a, b and c are learnt from the times that frames took, by a Kalman filter whose state is a random
-// walk: what recent frames do not tell apart keeps the proportions that are believed. How much longer than expected
-// about one frame in a hundred takes is learnt too, and left as a margin, so that the slow frames keep to the time
-// asked for as well. Growth is limited and small changes are not followed (hysteresis), so that the density does not
-// tremble.
+// Model: time = overhead + vertices * a + splats in view * b + pixels * c. The three counts are estimated before a
+// frame is drawn; a, b and c are learnt from measured times by a Kalman filter whose state is a random walk: where
+// recent frames do not distinguish the costs, these keep their proportions. The margin by which about one frame in a
+// hundred exceeds its expected time is learnt too, so that slow frames also keep to the budget. Growth is limited and
+// small changes are not followed (hysteresis), so that the density does not flicker.
 #pragma once
 
 #include <algorithm>
@@ -17,41 +16,39 @@ namespace pcm {
 // What a frame draws.
 struct FrameWork {
     std::uint64_t points = 0;
-    std::uint64_t vertices = 0;  // runs of the vertex stage: none, one or four a point
-    double splats = 0;           // of the points, that are in view, about
-    double pixels = 0;           // that they cover, each of them, about
+    std::uint64_t vertices = 0;  // invocations of the vertex stage: none, one or four per point
+    double splats = 0;           // points in view, estimated
+    double pixels = 0;           // sum over the splats, estimated
 };
 
 class FrameBudget {
 public:
     static constexpr std::uint64_t first_guess = 300'000;
-    static constexpr std::uint64_t least = 20'000;  // a view of fewer points says nothing; most devices draw it at once
+    static constexpr std::uint64_t least = 20'000;  // fewer points show nothing; most devices draw these in no time
     static constexpr double most_growth = 1.5;      // of the points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
-    static constexpr double most_at_rest =
-        50;  // milliseconds beyond the budget: whoever moves the view again has to wait as long
+    static constexpr double most_at_rest = 50;  // milliseconds beyond the budget: the delay when the view moves again
 
-    // A frame drew so much in so many milliseconds.
+    // The drawing of a frame took this long.
     void measured(const FrameWork& work, double milliseconds);
-    // What else the frame took, of what a moving view's takes: choice of nodes, uploads, the picture's way into the
-    // host's.
+    // The rest of a frame's time, as in a moving view: choice of nodes, uploads, compositing.
     void measured_overhead(double milliseconds);
 
     // Points to choose for the next frame, between `floor` and `ceiling` (which wins).
     std::uint64_t points(std::uint64_t floor, std::uint64_t ceiling);
-    // Milliseconds that drawing may be expected to take; infinite as long as nothing is known.
+    // The expected drawing time that fits into the budget, milliseconds; infinite while nothing has been measured.
     double available(double budget_ms) const;
-    // Milliseconds for what a frame adds to the picture of a view that rests, uploads and drawing: all that the budget
-    // has, as no frame is too late; and what each frame takes anyway is matched, up to some point: else where that
-    // leaves little it would take minutes.
+    // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves beside the
+    // overhead, as no frame is too late; but at least as much as the overhead (up to most_at_rest), or a small rest
+    // would take minutes to draw.
     double at_rest(double budget_ms) const
     {
         return std::max(budget_ms - overhead_ms_, std::min(overhead_ms_, most_at_rest));
     }
     double expected(const FrameWork& work) const;
-    // Of the points that points() allowed there was time for the first so many: all of them, or fewer.
+    // Of the points that points() allowed there was time for the first `points` only.
     void fewer(std::uint64_t points) { goal_ = static_cast<double>(points); }
-    // For so many times what the frame draws.
+    // There would be time for `times` as much as the frame draws.
     void all(const FrameWork& work, double times)
     {
         if (measures_ > 0 && work.points > 0)
@@ -65,7 +62,7 @@ public:
     }
     double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
 
-    // Points of another kind cost something else. It goes on with as many as there were.
+    // Call it when the style changes: costs are learnt anew, the number of points stays.
     void forget()
     {
         const std::uint64_t points = points_;

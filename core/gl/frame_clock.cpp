@@ -23,11 +23,11 @@ void FrameClock::begin()
 {
     if (!decided_) queries_are_used_ = has_useful_queries();
     decided_ = true;
-    if (!queries_are_used_) glFinish();  // so that what the host and the uploads have queued is not counted
+    if (!queries_are_used_) glFinish();  // excludes what the host and the uploads have queued
     start_ = Clock::now();
     if (!queries_are_used_) return;
     Span& span = spans_[next_];
-    open_ = !span.pending;  // all are on their way: this frame goes unmeasured
+    open_ = !span.pending;  // all are pending: this frame is not measured
     if (!open_) return;
     if (span.from == 0) {
         glGenQueries(1, &span.from);
@@ -54,7 +54,7 @@ void FrameClock::end(const FrameWork& work)
 std::optional<FrameClock::Measure> FrameClock::take()
 {
     if (queries_are_used_) {
-        for (std::size_t k = 0; k < spans_.size(); ++k) {  // from the oldest on
+        for (std::size_t k = 0; k < spans_.size(); ++k) {  // oldest first
             Span& span = spans_[(next_ + k) % spans_.size()];
             if (!span.pending) continue;
             GLuint there = GL_FALSE;

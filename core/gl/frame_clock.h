@@ -1,8 +1,8 @@
-// How long a frame takes on the device, without waiting for it where that can be had.
+// Measures how long a frame takes on the device, without waiting for it where possible.
 //
 // With timer queries (OpenGL 3.3) a frame's time is known a few frames later, when the device has finished it; where
-// handing it to the driver took longer, it is that. Without, and on a software rasteriser, whose queries leave out the
-// vertices' share and which shares the processor with us anyway, end() waits. GL thread only, one context.
+// submitting it to the driver took longer, that time counts. Without queries end() waits, and also on a software
+// rasteriser: its queries omit the vertex stage, and it runs on the same processor anyway. GL thread only, one context.
 #pragma once
 
 #include "pcm/gl/frame_budget.h"
@@ -17,22 +17,22 @@ namespace pcm {
 class FrameClock {
 public:
     struct Measure {
-        FrameWork work;  // as end() was told
+        FrameWork work;  // as given to end()
         double milliseconds = 0;
     };
 
     FrameClock() = default;
-    // Decided beforehand: queries that the device may have, or waiting.
+    // Forces one of the two: queries, which the device must have, or waiting.
     explicit FrameClock(bool queries) : decided_(true), queries_are_used_(queries) {}
 
-    // Around what draws.
+    // Around the drawing calls.
     void begin();
     void end(const FrameWork& work);
     // The latest frame whose time has become known since the last call.
     std::optional<Measure> take();
     bool waits() const { return !queries_are_used_; }
 
-    // Deletes the queries; what has not been taken is lost.
+    // Deletes the queries; measurements not yet taken are lost.
     void release();
 
 private:
@@ -47,7 +47,7 @@ private:
     bool queries_are_used_ = false;
     std::array<Span, 4> spans_{};
     std::size_t next_ = 0;
-    bool open_ = false;  // a span was begun that has room
+    bool open_ = false;  // begin() found a free span
     Clock::time_point start_{};
     std::optional<Measure> known_;
 };

@@ -32,7 +32,7 @@ FrameWork FrameCost::work(const Stroke& stroke, const FrameCloud::Gap& gap) cons
         own ? static_cast<double>(style.radius_scale) * static_cast<double>(stroke.entry->typical_radius) : 0;
     const double least = own ? 1.0 : std::max(1.0, static_cast<double>(style.point_size_px));
     const auto most_filled = static_cast<double>(fill_of(gap.spacing_px, style));
-    // What covers the whole picture covers no more.
+    // A splat cannot cover more than the whole picture.
     const double largest = std::max(frame_.picture.target.width(), frame_.picture.target.height());
     FrameWork work{stroke.entry->points, stroke.vertices, 0, 0};
     for (std::size_t i = stroke.first_part; i < stroke.first_part + stroke.parts; ++i) {

@@ -1,4 +1,4 @@
-// What the chunks of a frame cost to draw, before they are drawn.
+// Estimates what the chunks of a frame cost to draw, before they are drawn.
 #pragma once
 
 #include "pcm/gl/frame.h"
@@ -12,14 +12,13 @@ namespace pcm {
 struct Stroke {
     SceneSelection::Place place;
     const VertexEntry* entry;
-    std::uint64_t vertices;         // runs of the vertex stage
-    std::size_t first_part, parts;  // of the FrameCost's, in view
+    std::uint64_t vertices;         // invocations of the vertex stage
+    std::size_t first_part, parts;  // of the FrameCost's parts: those in view
 };
 
 class FrameCost {
 public:
-    // Of places in the order in which they are drawn, whose chunks are in L1. Begins and ends the splats of each cloud
-    // once.
+    // `places` are in drawing order and their chunks in L1. Begins and ends the splats of each cloud once.
     FrameCost(Frame& frame, const SceneSelection& selection, const std::vector<SceneSelection::Place>& places);
 
     const std::vector<Stroke>& strokes() const { return strokes_; }

@@ -69,7 +69,7 @@ GlStateGuard::GlStateGuard()
     glGetIntegerv(GL_BLEND_EQUATION_RGB, &blend_equation_[0]);
     glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &blend_equation_[1]);
     polygon_mode_ = {GL_FILL, GL_FILL};
-    glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());  // one value in core contexts, two in compatible ones
+    glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());  // one value in core contexts, two in compatibility contexts
     if (gl_has_clip_control()) {
         glGetIntegerv(GL_CLIP_ORIGIN, &clip_[0]);
         glGetIntegerv(GL_CLIP_DEPTH_MODE, &clip_[1]);
@@ -98,7 +98,7 @@ void GlStateGuard::set_plain() const
 
 GlStateGuard::~GlStateGuard()
 {
-    // A program that was deleted while in use cannot be bound again once it is let go of.
+    // A program that was deleted while in use cannot be bound again after another one was.
     if (program_ == 0 || glIsProgram(static_cast<GLuint>(program_)))
         glUseProgram(static_cast<GLuint>(program_));
     else
@@ -155,7 +155,7 @@ bool gl_is_software()
 std::string drain_gl_errors()
 {
     std::string names;
-    // A lost context reports errors for ever.
+    // A lost context reports errors forever: stop after some.
     for (int i = 0; i < 32; ++i) {
         const GLenum error = glGetError();
         if (error == GL_NO_ERROR) break;

@@ -20,13 +20,12 @@ public:
     GlStateGuard& operator=(const GlStateGuard&) = delete;
     bool compatibility() const { return compatibility_; }
 
-    // What the host draws into.
+    // The host's framebuffer.
     std::uint32_t framebuffer() const { return static_cast<std::uint32_t>(draw_framebuffer_); }
     const std::array<std::int32_t, 4>& viewport() const { return viewport_; }
     std::array<float, 2> depth_range() const { return depth_range_; }
 
-    // The state that a picture of our own is drawn with: depth tested and written, no blending, clipping or masking of
-    // any kind.
+    // Sets the state for drawing a picture of our own: depth tested and written, no blending, clipping or masking.
     void set_plain() const;
 
 private:
@@ -69,10 +68,10 @@ bool is_compatibility_context();
 // or ARB_clip_control).
 bool gl_has_clip_control();
 
-// Whether the current context is drawn by the processor.
+// Whether the current context is a software rasteriser.
 bool gl_is_software();
 
-// Takes all pending errors off the context; their names, empty if there was none.
+// Clears all pending errors of the context and returns their names; empty if there was none.
 std::string drain_gl_errors();
 
 }  // namespace pcm

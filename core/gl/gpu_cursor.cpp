@@ -1,7 +1,7 @@
 #include "pcm/gl/gpu_cursor.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/gl_state.h"
+#include "pcm/system/error.h"
 #include "pcm/tree/selected_nodes.h"
 
 #include <GL/glew.h>
@@ -32,7 +32,7 @@ std::uint32_t stride_of(GpuPositions positions)
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MB"; }
 
-// `To` is what a coordinate becomes, little-endian as the GPU reads it.
+// `To` is a coordinate's type in video memory, little-endian.
 template <class To, class Values, class Convert>
 void interleave(std::byte* to, const std::array<Values, 3>& xyz, std::size_t first, std::size_t count,
                 const Convert& convert)
@@ -50,7 +50,7 @@ void copy_positions(std::byte* to, GpuPositions form, const std::array<Values, 3
 {
     using From = typename Values::value_type;
     if (form == GpuPositions::f32)
-        // The product is made in double, so that it is rounded once only.
+        // The product is computed in double, so that it is rounded only once.
         interleave<float>(to, xyz, first, count,
                           [&](From v, std::size_t a) { return static_cast<float>(static_cast<double>(v) * scale[a]); });
     else if (form == GpuPositions::u32)
@@ -60,7 +60,7 @@ void copy_positions(std::byte* to, GpuPositions form, const std::array<Values, 3
         interleave<std::uint64_t>(to, xyz, first, count, [](From v, std::size_t) { return std::uint64_t(v); });
 }
 
-// Into the cloud's L2.
+// Writes back into the cloud's L2.
 class CloudWriteBack final : public L1WriteBack {
 public:
     CloudWriteBack(std::shared_ptr<PointCloud> cloud, std::vector<std::size_t> slots)
@@ -101,9 +101,9 @@ struct GpuCursor::State {
     std::vector<std::size_t> slots;  // in the schema, of the query's attributes
     ColumnSet columns;
     std::vector<NodeId> nodes;
-    std::unordered_map<NodeId, std::uint32_t> points;  // of the level asked for
+    std::unordered_map<NodeId, std::uint32_t> points;  // down to the query's level
     L1Cache::Owner owner = 0;
-    bool may_write = false;  // L2 has once said so
+    bool may_write = false;  // L2 has accepted a write once
 
     State() = default;
     State(const State&) = delete;
@@ -170,9 +170,8 @@ struct GpuCursor::State {
         throw Error(ErrorCode::no_space, {},
                     "video memory has no room for " + name_of(node) + ", which needs " +
                         megabytes(pages_of(node) * L1Cache::page_bytes) + "; of the L1's " +
-                        megabytes(l1->options().capacity_bytes) +
-                        ", too much is held by views or by what is on the screen",
-                    "let go of views that are not needed any more, or give the L1 more memory");
+                        megabytes(l1->options().capacity_bytes) + ", too much is held by views or shown on the screen",
+                    "release views that are not needed any more, or give the L1 more memory");
     }
 };
 
@@ -200,7 +199,7 @@ void GpuView::mark_written(std::size_t attribute)
     GpuCursor::State& s = *hold_->state;
     s.check_attribute(attribute);
     if (!s.may_write) {
-        // Says now, rather than when the chunk is evicted, that the cloud cannot be written to.
+        // Reports now, rather than when the chunk is evicted, that the cloud cannot be written to.
         ColumnSet columns;
         columns.positions = false;
         columns.attributes.set(s.slots[attribute]);
@@ -247,7 +246,8 @@ GpuCursor::GpuCursor(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache>
         if (info.schema[*slot].bytes() > L1Cache::max_stride)
             throw Error(ErrorCode::unsupported, folder,
                         "attribute '" + name + "' has " + std::to_string(info.schema[*slot].bytes()) +
-                            " bytes a point; at most " + std::to_string(L1Cache::max_stride) + " go into video memory");
+                            " bytes per point; at most " + std::to_string(L1Cache::max_stride) +
+                            " fit into video memory");
         s.slots.push_back(*slot);
         s.columns.attributes.set(*slot);
     }
@@ -322,8 +322,8 @@ std::vector<GpuView> GpuCursor::load_all()
             ErrorCode::no_space, {},
             "all " + std::to_string(s.nodes.size()) + " chunks together need " +
                 megabytes(pages * L1Cache::page_bytes) + " of video memory; " +
-                megabytes(available * L1Cache::page_bytes) + " can be had",
-            "ask for a coarser level or a smaller box, give the L1 more memory, or take one chunk after the other");
+                megabytes(available * L1Cache::page_bytes) + " are available",
+            "ask for a coarser level or a smaller box, give the L1 more memory, or visit one chunk after the other");
     std::vector<GpuView> views;
     s.l1->request(
         s.nodes, std::nullopt, [](NodeId) { return Supply::ready; },
@@ -334,7 +334,7 @@ std::vector<GpuView> GpuCursor::load_all()
     return views;
 }
 
-// Looks whether the columns of the chunk that was in view are as they were, but for those that are marked.
+// Checks that the unmarked columns of the last chunk in view are unchanged.
 void GpuCursor::check_last()
 {
     State& s = *state_;

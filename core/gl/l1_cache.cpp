@@ -1,8 +1,8 @@
 #include "pcm/gl/l1_cache.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/gl_state.h"
 #include "pcm/gl/l1_read_back.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 
@@ -41,8 +41,8 @@ std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
 
 struct L1Cache::Payload {
     VertexEntry vertices;
-    std::unique_ptr<ColumnEntry> columns;     // in place of them
-    std::shared_ptr<L1WriteBack> write_back;  // while something is marked
+    std::unique_ptr<ColumnEntry> columns;     // instead of the vertices
+    std::shared_ptr<L1WriteBack> write_back;  // while a column is marked
 };
 
 // The table with the container that was chosen at run time.
@@ -161,13 +161,13 @@ std::vector<std::byte> L1Cache::read(Owner owner, NodeId node, std::size_t colum
 bool L1Cache::add_block()
 {
     if (blocks_.size() >= max_blocks_) return false;
-    drain_gl_errors();  // so that the next one is this call's
+    drain_gl_errors();  // the next error is from this call
     GLuint buffer = 0;
     glGenBuffers(1, &buffer);
     glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
     glBufferData(GL_COPY_WRITE_BUFFER, options_.block_bytes, nullptr, GL_STATIC_DRAW);
     if (glGetError() == GL_OUT_OF_MEMORY) {
-        // The driver has less than we may use: live with what there is.
+        // The driver has less memory than the capacity: the blocks so far are all.
         glDeleteBuffers(1, &buffer);
         max_blocks_ = blocks_.size();
         return false;
@@ -226,7 +226,7 @@ const ColumnEntry* L1Cache::upload_columns(Owner owner, NodeId node, std::uint32
         if (column.stride == 0 || column.stride > max_stride)
             throw Error(ErrorCode::unsupported, {},
                         "a column of " + std::to_string(column.stride) +
-                            " bytes a point does not go into video memory; 1 to " + std::to_string(max_stride) +
+                            " bytes per point does not fit into video memory; 1 to " + std::to_string(max_stride) +
                             " were expected");
         pages += pages_of(column.stride, points);
     }
@@ -297,7 +297,7 @@ void L1Cache::mark_written(Owner owner, NodeId node, std::size_t column)
                             (!columns ? "it is not in video memory"
                              : column >= columns->written.size()
                                  ? "there are " + std::to_string(columns->written.size()) + " columns"
-                                 : "nobody writes it back"));
+                                 : "its owner has no write-back"));
         columns->written[column] = true;
         entry->payload.write_back = write_back->second;
         table.mark_written(*entry);
@@ -309,7 +309,7 @@ bool L1Cache::write_back(NodeId node, Payload& payload)
     const auto start = Clock::now();
     const ReadBack changed(*payload.columns);
     try {
-        // What shaders have written is seen by glGetBufferSubData from here on.
+        // After this, glGetBufferSubData reads what shaders have written.
         if (glMemoryBarrier) glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         payload.write_back->write(node, changed);
     } catch (...) {
@@ -367,8 +367,9 @@ void L1Cache::set_capacity(std::uint64_t bytes)
         const auto first = static_cast<std::uint32_t>(blocks * pages_per_block_);
         if (!(*table_)([&](auto& table) { return table.retire_pages(first, Hooks{*this}); })) {
             if (write_back_error_) std::rethrow_exception(write_back_error_);
-            throw Error(ErrorCode::invalid_argument, {}, "video memory cannot be taken from chunks that somebody holds",
-                        "let go of the views of them first");
+            throw Error(ErrorCode::invalid_argument, {},
+                        "the capacity of video memory cannot shrink below chunks that views hold",
+                        "release the views first");
         }
         glDeleteBuffers(static_cast<GLsizei>(blocks_.size() - blocks), blocks_.data() + blocks);
         blocks_.resize(blocks);
@@ -383,7 +384,7 @@ void L1Cache::release()
     if (pinned > 0)
         throw Error(ErrorCode::invalid_argument, {},
                     "video memory cannot be freed while " + std::to_string(pinned) + " chunks in it are held",
-                    "let go of the views of them first");
+                    "release the views first");
     flush();
     if (!blocks_.empty()) glDeleteBuffers(static_cast<GLsizei>(blocks_.size()), blocks_.data());
     blocks_.clear();

@@ -1,22 +1,22 @@
-// L1: chunks in video memory, between L2 and those who draw them or compute on them.
+// L1: chunks in video memory, between L2 and the code that draws them or computes on them.
 //
-// Memory comes in blocks, a VBO each, that are cut into pages; a chunk takes as many pages as it needs, wherever they
-// are free, so a small chunk does not cost a block and no block is ever too fragmented to be used. When no page is
-// free, the replacement policy chooses entries to drop.
+// Memory is allocated in blocks, one VBO each, divided into pages. A chunk takes as many pages as it needs, wherever
+// they are free: a small chunk does not cost a block, and fragmentation never makes a block unusable. When no page is
+// free, the replacement policy chooses entries to evict.
 //
 // An entry holds a chunk either as vertices to be drawn (upload()) or as columns to compute on (upload_columns()).
-// Columns that were changed there are marked as written; before such an entry is dropped, and on flush() and release(),
-// they are read back and given to the owner's L1WriteBack. When that refuses, the entry stays as it is.
+// Changed columns are marked as written. Before such an entry is evicted, and on flush() and release(), they are read
+// back and given to the owner's L1WriteBack. When that refuses, the entry stays as it is.
 //
 // One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics()
-// and the constructor wants a context of that group current, except those that say so. No GL object is made before the
+// and the constructor needs a current context of that group, unless it says otherwise. No GL object is made before the
 // first upload.
 #pragma once
 
 #include "pcm/bpc/chunk.h"
-#include "pcm/gl/l1_table.h"
 #include "pcm/cache/load_times.h"
 #include "pcm/cloud/geometry.h"
+#include "pcm/gl/l1_table.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/gl/vertex_groups.h"
 #include "pcm/tree/tree.h"
@@ -38,9 +38,9 @@ struct L1Options {
     L1Container container = L1Container::hash_map;
 };
 
-// A miss is counted at upload: compulsory when this was never uploaded before, capacity when it had been and was
-// dropped; forced, beside either, when a computation had to wait for it. A hit is a chunk that was drawn or computed on
-// from the cache.
+// A miss is counted at upload: compulsory when the chunk was never uploaded before, capacity when it had been evicted;
+// also forced when a computation had to wait for it. A hit is a use of a resident chunk, to draw it or to compute on
+// it.
 struct L1Statistics {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
@@ -54,7 +54,7 @@ struct L1Statistics {
     std::uint64_t written_back_chunks = 0;
     std::uint64_t written_back_bytes = 0;
     std::uint64_t failed_write_backs = 0;
-    double write_back_seconds = 0;     // reading out of video memory and handing over
+    double write_back_seconds = 0;     // reading out of video memory and passing on
     LoadTimes write_back_times;        // of a chunk
     std::uint64_t resident_bytes = 0;  // of the pages in use
     std::uint64_t resident_chunks = 0;
@@ -80,21 +80,21 @@ struct VertexEntry {
     std::uint32_t stride() const { return format.stride(); }
 };
 
-// What the format has beside positions; the others may be null.
+// The attributes of the format beside positions; others may be null.
 struct VertexAttributes {
-    const std::uint8_t* rgba = nullptr;  // 4 bytes a point
-    const float* radii = nullptr;        // 1 a point
-    const float* normals = nullptr;      // 3 a point
+    const std::uint8_t* rgba = nullptr;  // 4 bytes per point
+    const float* radii = nullptr;        // 1 per point
+    const float* normals = nullptr;      // 3 per point
 };
 
 // Bytes of a buffer object.
 struct BufferRange {
     std::uint32_t buffer = 0;  // GL name
-    std::uint64_t offset = 0;  // a multiple of 256, as bindings of shader storage want it
+    std::uint64_t offset = 0;  // a multiple of 256, as shader storage bindings need
     std::uint64_t bytes = 0;
 };
 
-// Consecutive points, each of whose columns lies in one range, `bytes` of the column's stride a point.
+// Consecutive points. Each column of them lies in one range, the column's stride in bytes per point.
 struct ColumnPiece {
     std::uint32_t first = 0;  // point; a multiple of 256
     std::uint32_t count = 0;
@@ -104,7 +104,7 @@ struct ColumnPiece {
 struct ColumnEntry {
     std::uint32_t points = 0;
     Vec3i origin{};                      // of the chunk, grid coordinates
-    std::vector<std::uint32_t> strides;  // of each column, bytes a point
+    std::vector<std::uint32_t> strides;  // of each column, bytes per point
     std::vector<bool> written;           // which columns are marked
     std::vector<ColumnPiece> pieces;     // all points, in order
 };
@@ -121,11 +121,12 @@ public:
     virtual ~ChangedColumns() = default;
     virtual std::uint32_t points() const = 0;
     virtual const std::vector<std::size_t>& columns() const = 0;  // numbers in the entry, ascending
-    // Reads one of them: points() * stride bytes. Throws Error(io) when OpenGL does not give them.
+    // Reads one of them: points() * stride bytes. Throws Error(io) when OpenGL fails.
     virtual void read(std::size_t column, std::byte* to) const = 0;
 };
 
-// Where an owner's changed columns go. Throws when it cannot take them; they are kept, and offered again.
+// Where an owner's changed columns go. Throws when it cannot store them; they stay in video memory and are offered
+// again.
 class L1WriteBack {
 public:
     virtual ~L1WriteBack() = default;
@@ -135,13 +136,13 @@ public:
 // Whether a client can upload a node that it asked for.
 enum class Supply : std::uint8_t {
     ready,
-    absent,  // not here yet, or not wanted any more: go on with the next one
-    stop,    // no use in going on
+    absent,  // not loaded yet, or not wanted any more: the next one is tried
+    stop,    // the request ends here
 };
 struct Served {
     std::size_t uploaded = 0;
-    bool out_of_time = false;  // there is a node that is ready and was not uploaded
-    bool refused = false;      // there was no room for one, which ended the request
+    bool out_of_time = false;  // a node was ready and not uploaded
+    bool refused = false;      // a node had no room, which ended the request
 };
 
 class L1Cache {
@@ -149,27 +150,29 @@ public:
     using Owner = std::uint64_t;
 
     // 240 * 256: a column whose stride divides 240 fills its pages, with a multiple of 256 points each. A page holds
-    // 5120 bare vertices, 3840 with colour, 1920 with all there is; a block of 1, 2 or 4 MiB has 17 pages a MiB.
+    // 5120 vertices of positions alone, 3840 with colour, 1920 with all attributes; a block of 1, 2 or 4 MiB has 17
+    // pages per MiB.
     static constexpr std::uint32_t page_bytes = 61440;
     static std::uint32_t points_per_page(const VertexFormat& format) { return page_bytes / format.stride(); }
     static constexpr std::uint32_t max_stride = page_bytes / 256;  // of a column
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
     explicit L1Cache(const L1Options& options = {});
-    // Touches no OpenGL: what release() has not freed is left to the context's end, and what was marked as written and
-    // neither flush() nor release() has written back is lost.
+    // Makes no OpenGL call: objects that release() has not freed live until the context ends. Marked columns that
+    // neither flush() nor release() has written back are lost.
     ~L1Cache();
     L1Cache(const L1Cache&) = delete;
     L1Cache& operator=(const L1Cache&) = delete;
 
-    // `write_back` may be null for an owner that marks nothing. Needs no context.
+    // `write_back` may be null for an owner that never marks a column. Needs no context.
     Owner add_owner(std::shared_ptr<L1WriteBack> write_back = nullptr);
-    // Drops the owner's entries; the pages stay for others. Entries that are marked as written stay, with the
-    // write-back, until they have been written back, pinned ones until they are let go of. Needs no context.
+    // Drops the owner's entries and frees their pages. Marked entries, and the write-back, stay until they have been
+    // written back; pinned ones until they are unpinned. Needs no context.
     void remove_owner(Owner owner);
 
-    // A new frame of this owner: what it used in its last frame may be evicted from now on. What the others used in
-    // their latest frames may not, unless they have drawn nothing for a while (frames_protected frames of all owners).
+    // Begins a frame of this owner: entries that it used in its last frame may be evicted from now on. Entries that
+    // other owners used in their latest frames may not, unless these have drawn nothing for frames_protected frames of
+    // all owners.
     void begin_frame(Owner owner);
     void begin_frame(const std::vector<Owner>& owners);  // one frame that these share
     static constexpr std::uint64_t frames_protected = 16;
@@ -181,61 +184,60 @@ public:
     const ColumnEntry* use_columns(Owner owner, NodeId node);
     const ColumnEntry* find_columns(Owner owner, NodeId node) const;
 
-    // Uploads a chunk, in place of an entry of the same node if there is one, and marks it as used in this frame.
-    // Of `attributes` is read what `format` has. Evicts as needed, as the policy says, never what
-    // is protected. False when that does not make room enough (an entry of the same node is kept then), as when the
-    // driver is out of memory, or when write-backs failed: see write_back_error(). Leaves the binding of
-    // GL_COPY_WRITE_BUFFER changed. Throws Error(invalid_argument) for an owner that is not there.
+    // Uploads a chunk, replaces an entry of the same node, and marks it as used in this frame. Reads the members of
+    // `attributes` that `format` has. Evicts by the policy, never a protected entry. False when that does not free
+    // enough, when the driver is out of memory, or when write-backs failed (see write_back_error()); an entry of the
+    // same node is kept then. Changes the binding of GL_COPY_WRITE_BUFFER. Throws Error(invalid_argument) for an
+    // unknown owner.
     bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
                 const VertexFormat& format, const VertexAttributes& attributes);
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
-    // Error(unsupported) for a column of more than max_stride bytes a point.
+    // Error(unsupported) for a column of more than max_stride bytes per point.
     const ColumnEntry* upload_columns(Owner owner, NodeId node, std::uint32_t points, const Vec3i& origin,
                                       const std::vector<ColumnSource>& columns, bool forced);
     static std::uint64_t pages_of(std::uint32_t stride, std::uint64_t points);  // of a column
 
-    // A column as it is in video memory. Throws Error(invalid_argument) for what is not there, Error(io) when OpenGL
+    // A column as it is in video memory. Throws Error(invalid_argument) when it is not resident, Error(io) when OpenGL
     // fails.
     std::vector<std::byte> read(Owner owner, NodeId node, std::size_t column) const;
 
-    // Requests restricted by time: uploads one node after the other, as far as `supply` has them ready, until
-    // `milliseconds` are spent; one is uploaded whatever it takes. Without a time, all are, as computations want it
-    // that need all nodes to a level. `upload` uploads a node; false when that was refused. Throws what these two
-    // throw.
+    // Uploads within a time limit: one node after the other, as far as `supply` has them ready, until `milliseconds`
+    // are spent; at least one is uploaded. Without a limit all are, for computations that need every node down to a
+    // level. `upload` uploads a node and returns false when that was refused. Throws what these two throw.
     Served request(const std::vector<NodeId>& nodes, std::optional<double> milliseconds,
                    const std::function<Supply(NodeId)>& supply, const std::function<bool(NodeId)>& upload);
     static constexpr double default_milliseconds = 3;
 
-    // Keeps an entry where it is until it is unpinned as often. Needs no context.
+    // Keeps an entry where it is until it has been unpinned as many times. Needs no context.
     void pin(Owner owner, NodeId node);
     void unpin(Owner owner, NodeId node);
 
-    // The column has been changed in video memory by what was sent to OpenGL before; the owner has a write-back. Throws
-    // Error(invalid_argument) for what is not there.
+    // Marks a column that earlier OpenGL commands have changed in video memory; the owner has a write-back. Throws
+    // Error(invalid_argument) when it is not resident.
     void mark_written(Owner owner, NodeId node, std::size_t column);
-    // Writes back what is marked, of one owner or of all. Throws the first error after having tried all; what failed
-    // stays marked.
+    // Writes back all marked columns of one owner, or of all. Throws the first error after having tried all; columns
+    // that failed stay marked.
     void flush(Owner owner);
     void flush();
-    // Takes the marks off, of one owner or of all, when what they are for is wanted no more or its cloud is closed.
-    // Needs no context.
+    // Removes the marks of one owner, or of all: the changes are discarded. Needs no context.
     void discard(Owner owner);
     void discard();
-    // Why the latest upload could write back nothing more; null if it did not fail so.
+    // Why a write-back failed in the latest upload; null if none did.
     std::exception_ptr write_back_error() const { return write_back_error_; }
 
-    // Pages that the owner, or these together, can count on: all, less those that others' latest frames protect.
+    // Pages that the owner, or these together, can count on: all pages but those that other owners' latest frames
+    // protect.
     std::uint64_t pages_available(Owner owner) const;
     std::uint64_t pages_available(const std::vector<Owner>& owners) const;
 
-    // Takes effect at once: the blocks above it are freed, and what lies in them is evicted, protected or not. Throws
-    // Error(invalid_argument), and nothing is changed, below one block or when pinned entries lie there, and what a
-    // write-back threw.
+    // Takes effect at once: blocks beyond it are freed and their entries evicted, protected or not. Throws
+    // Error(invalid_argument) for less than one block or when pinned entries lie there, and what a write-back threw;
+    // nothing is changed then.
     void set_capacity(std::uint64_t bytes);
 
-    // Frees all GL objects; the cache is empty and usable afterwards. Throws, and nothing is freed, what flush()
-    // throws, and Error(invalid_argument) while entries are pinned.
+    // Frees all GL objects; the cache is empty and usable afterwards. Throws what flush() throws, and
+    // Error(invalid_argument) while entries are pinned; nothing is freed then.
     void release();
 
     L1Statistics statistics() const;

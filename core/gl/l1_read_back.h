@@ -1,9 +1,9 @@
-// The columns of an entry of L1 that were changed, as they are read out of video memory.
+// Reads the changed columns of an L1 entry out of video memory.
 #pragma once
 
-#include "pcm/system/error.h"
 #include "pcm/gl/gl_state.h"
 #include "pcm/gl/l1_cache.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 

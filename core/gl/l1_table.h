@@ -2,15 +2,15 @@
 // them make room for others.
 //
 // An owner is one client of the cache (a renderer, a computation); an entry is one node of it. Entries take whole
-// pages, wherever they are free. An entry is protected, so that no other takes its room, while somebody pins it, and
+// pages, wherever they are free. A protected entry is never evicted. An entry is protected while it is pinned, and
 // while its owner used it in the latest frame, unless `frames_protected` frames of all owners have begun since. An
-// entry that is marked as written holds what is nowhere else: it leaves only after it has been written back, and stays
-// when that fails.
+// entry that is marked as written holds the only copy of its changes: it is evicted only after it has been written
+// back, and stays when that fails.
 //
 // What to drop is the policy's choice; how entries are found is the container's. One thread.
 //
-// Invariants: every page below pages() is free or of exactly one entry; the list from newest_ to oldest_ has every
-// entry once; an entry whose owner has been removed is pinned or marked as written.
+// Invariants: every page below pages() is free or belongs to exactly one entry; the list from newest_ to oldest_ has
+// every entry once; an entry whose owner has been removed is pinned or marked as written.
 #pragma once
 
 #include "pcm/tree/tree.h"
@@ -28,13 +28,13 @@
 
 namespace pcm {
 
-// lru: the entries that were used longest ago, as many as it takes. naive: one sweep over the whole cache drops every
-// entry that is not protected, whatever its age.
+// lru: evicts the least recently used entries, as many as needed. naive: one sweep over the whole cache evicts every
+// unprotected entry, whatever its age.
 enum class L1Policy : std::uint8_t { lru, naive };
 enum class L1Container : std::uint8_t { hash_map, ordered_map };
 
 // A miss is counted at insert: compulsory when this form of the node was never inserted before, capacity when it had
-// been and was dropped; forced, beside either, when somebody waited for it. A hit is a use() that found its entry.
+// been evicted; also forced when a caller waited for it. A hit is a use() that found its entry.
 struct L1Counts {
     std::uint64_t hits = 0;
     std::uint64_t compulsory_misses = 0;
@@ -49,6 +49,7 @@ class L1Table {
 public:
     using Owner = std::uint64_t;
     static constexpr std::uint64_t frames_protected = 16;
+    static constexpr unsigned max_forms = 32;
 
     struct Key {
         Owner owner;
@@ -88,7 +89,7 @@ public:
         latest_frame_[next_owner_] = 0;
         return next_owner_++;
     }
-    // Drops the owner's entries; those that are pinned or marked as written go as soon as they are neither.
+    // Drops the owner's entries; pinned or marked entries are dropped as soon as they are neither.
     void remove_owner(Owner owner)
     {
         latest_frame_.erase(owner);
@@ -133,11 +134,11 @@ public:
         return entry;
     }
 
-    // A new entry of `pages` pages of an owner that is there, in place of the node's former one if there is one; used
-    // in the owner's latest frame. Null when no room can be made, or the former entry is pinned or cannot be written
-    // back: nothing is dropped then. `form` (0 to 15) tells forms of a node apart for the counting of misses. Asks, in
-    // this order and as far as needed,
-    //   hooks.grow()              for more pages: how many add_pages() has added, 0 when there are no more to be had;
+    // A new entry of `pages` pages for an existing owner. It replaces the node's former entry and counts as used in the
+    // owner's latest frame. Null when no room can be made, or the former entry is pinned or cannot be written back;
+    // nothing is dropped then. `form` (below max_forms) distinguishes forms of a node when misses are counted. Calls,
+    // in this order and as far as needed,
+    //   hooks.grow()              for more pages: how many add_pages() has added, 0 when no more are available;
     //   hooks.write_back(Entry&)  for a marked entry to be written back: false when that failed.
     template <class Hooks>
     Entry* insert(Owner owner, NodeId node, std::size_t pages, unsigned form, bool forced, Hooks&& hooks)
@@ -159,11 +160,11 @@ public:
         link_as_newest(entry);
         touch(entry);
 
-        std::uint16_t& seen = seen_[entry.key()];
-        const auto bit = static_cast<std::uint16_t>(1u << form);
+        std::uint32_t& seen = seen_[entry.key()];
+        const std::uint32_t bit = std::uint32_t{1} << form;
         ++(seen & bit ? counts_.capacity_misses : counts_.compulsory_misses);
         counts_.forced_misses += forced;
-        seen = static_cast<std::uint16_t>(seen | bit);
+        seen |= bit;
         return &entry;
     }
 
@@ -191,7 +192,7 @@ public:
         return failed;
     }
 
-    // Takes the marks off, of one owner's entries or of all, and says so for each.
+    // Removes the marks of one owner's entries or of all, and calls `discarded` for each.
     template <class Discarded>
     void discard(const Owner* owner, Discarded&& discarded)
     {
@@ -321,8 +322,8 @@ private:
     }
 
     // Frees pages until `pages` are free, counting those of the entry that is about to be replaced (may be null).
-    // Victims are chosen and written back first, and dropped only if together they make the room: a refusal costs
-    // nobody his pages.
+    // Victims are chosen and written back first, and dropped only if together they free enough: a refusal evicts
+    // nothing.
     template <class Hooks>
     bool make_room(std::size_t pages, const Entry* former, Hooks& hooks)
     {
@@ -359,7 +360,7 @@ private:
     Entry* oldest_ = nullptr;
     std::set<std::uint32_t> free_;  // ordered, so that an entry gets neighbouring pages where it can
     std::uint32_t pages_ = 0;
-    std::unordered_map<Key, std::uint16_t, KeyHash> seen_;  // forms ever inserted, a bit each
+    std::unordered_map<Key, std::uint32_t, KeyHash> seen_;  // forms ever inserted, one bit per form
     std::map<Owner, std::uint64_t> latest_frame_;
     std::uint64_t frame_ = 0;
     Owner next_owner_ = 1;

@@ -1,4 +1,4 @@
-// How chunks become bytes in the pages of L1.
+// Converts chunks to bytes in the pages of L1.
 #include "pcm/gl/l1_cache.h"
 
 #include <GL/glew.h>
@@ -10,8 +10,8 @@
 namespace pcm {
 namespace {
 
-// Vertices of `count` points from `first` on. The product is made in double: a relative grid position may exceed what
-// float holds exactly, and must be rounded once only.
+// Vertices of `count` points from `first` on. The product is computed in double: a relative grid position may not be
+// exact in float, and must be rounded only once.
 template <class T>
 void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale,
                     const VertexFormat& format, const VertexAttributes& attributes, std::size_t first,
@@ -31,7 +31,7 @@ void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, cons
     }
 }
 
-// How many points of a column go into a page.
+// Points of a column per page.
 std::size_t points_per_column_page(std::uint32_t stride) { return L1Cache::page_bytes / stride / 256 * 256; }
 
 }  // namespace
@@ -47,10 +47,10 @@ void L1Cache::transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pag
 {
     const std::size_t stride = entry.stride();
     const std::size_t per_page = points_per_page(entry.format);
-    staging_.assign(page_bytes, std::byte{0});  // what a format leaves out between its members is 0
+    staging_.assign(page_bytes, std::byte{0});  // gaps between a format's members are 0
     std::size_t first = 0;
     for (const std::uint32_t page : pages) {
-        // One page at a time: what was just written is still in the processor's cache when the driver copies it.
+        // One page at a time: it is still in the processor's cache when the driver copies it.
         const std::size_t count = std::min(per_page, positions.size() - first);
         positions.wide
             ? write_vertices(staging_.data(), positions.wide_xyz, scale, entry.format, attributes, first, count)

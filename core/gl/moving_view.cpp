@@ -8,7 +8,7 @@
 namespace pcm {
 namespace {
 
-// What is in view and not drawn leaves gaps between the points of the nodes above it, all the way up.
+// Nodes in view that are not drawn leave gaps between the points of all their ancestors.
 void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::vector<bool>& drawn, bool fill)
 {
     const std::size_t count = selection.wanted.size();
@@ -40,8 +40,8 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
 
 using DrawnOfTrees = std::vector<std::vector<bool>>;  // of each tree's `wanted`
 
-// Of the chunks that can be drawn, how many there is time for, from the first on. Gaps, the frame's work and `drawn`
-// are as of these.
+// How many of the drawable chunks there is time for, from the first on. Sets gaps, the frame's work and `drawn` for
+// these.
 std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const FrameCost& cost, DrawnOfTrees& drawn)
 {
     const std::vector<Stroke>& strokes = cost.strokes();
@@ -58,7 +58,7 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         return budget.expected(frame.work);
     };
     const double available = budget.available(frame.options.frame_budget_ms);
-    // The coarsest chunks in any case.
+    // The coarsest chunks are always drawn.
     std::size_t fits = 0, count = strokes.size();
     while (fits < strokes.size() &&
            selection.trees[strokes[fits].place.tree].wanted[strokes[fits].place.index].ancestor == no_ancestor)
@@ -76,7 +76,7 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
     if (count == strokes.size()) {
         budget.all(frame.work, available / expected);
     } else {
-        // Chunks that are yet to come count, too: they will be drawn.
+        // Chunks still being loaded count too: they will be drawn.
         std::uint64_t points = 0;
         const SceneSelection::Place& left_out = strokes[count].place;
         for (const SceneSelection::Place& place : selection.order) {
@@ -94,7 +94,7 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
     return count;
 }
 
-// What of each tree is there; asks for what is not, and for what a moving view will need.
+// Requests missing chunks, and those that a moving view will need later.
 void load(Frame& frame, const SceneSelection& selection, const SceneSelection* later)
 {
     const std::size_t count = frame.clouds.size();
@@ -211,7 +211,7 @@ Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnO
             progress.everything = progress.everything && cloud.current[i] && drawn[t][i];
         }
         progress.everything = progress.everything && wanted.beyond.empty();
-        // What failed is missing for the time being and not waited for.
+        // Chunks that failed to load are missing at present and not waited for.
         progress.more_to_come = progress.more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
         progress.waits = progress.waits || cloud.feed->waits();
     }
@@ -245,12 +245,12 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
 
     const Progress progress = progress_of(frame, selection, drawn);
     adapt_page_share(p, served.refused);
-    // When video memory refuses, waiting helps nothing: it is full of what is on the screen.
+    // When video memory refuses, waiting does not help: it is full of chunks on the screen.
     const bool more_to_come = progress.more_to_come && !served.refused;
     const bool budget_grows = all_fit && selection.budget_reached &&
                               report.effective_point_budget < frame.options.point_budget &&
                               p.budget.can_grow(frame.options.point_budget);
-    // Also when the window is through and the next one has not been asked for.
+    // Also when the window is finished and the next one has not been requested.
     report.repaint =
         served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !progress.waits);
     report.refining = report.repaint || more_to_come;

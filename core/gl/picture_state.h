@@ -1,4 +1,4 @@
-// What a Picture and a DrawnCloud are made of; renderer.cpp works on them.
+// The state of a Picture and of a DrawnCloud, for renderer.cpp, moving_view.cpp and resting_view.cpp.
 #pragma once
 
 #include "pcm/gl/chunk_feed.h"
@@ -19,10 +19,10 @@ struct DrawnCloud::Impl {
     std::shared_ptr<PointCloud> cloud;
     std::shared_ptr<L1Cache> l1;
     std::unique_ptr<ChunkFeed> feed;
-    std::uint64_t serial = 0;  // no other cloud of the process has it
+    std::uint64_t serial = 0;  // unique in the process
 };
 
-// What must be equal for a picture to be drawn further.
+// What must be equal for frames to add to a picture.
 struct PictureKey {
     struct Shown {
         std::uint64_t cloud;
@@ -47,7 +47,7 @@ struct PictureKey {
                target_px == o.target_px && converge == o.converge && fill_gaps == o.fill_gaps && order == o.order &&
                items == o.items;
     }
-    // Whether a point costs the same to draw.
+    // Whether a point costs the same to draw: the styles are equal.
     bool looks_as(const PictureKey& o) const
     {
         if (items.size() != o.items.size()) return false;
@@ -59,34 +59,33 @@ struct PictureKey {
 
 struct PictureState {
     RenderTarget target;  // what is shown
-    RenderTarget next;    // what a resting view is drawn into while `target` shows larger splats than it will have
+    RenderTarget next;    // of a resting view, while `target` still shows enlarged splats
     RenderTarget resolved;
     unsigned asked_samples = 1;
     FrameClock clock;
     FrameBudget budget;
     std::optional<PictureKey> key;
     std::vector<Camera> views;  // of the items, in the latest frame
-    unsigned unmeasured = 2;    // so many frames from now on pay for the driver's compilation and tell nothing
+    unsigned unmeasured = 2;    // this many next frames include the driver's compilation and are not measured
 
     std::set<std::pair<std::uint64_t, NodeId>> kept;  // (cloud, node) drawn in the latest frame of a moving view
 
-    // Of the video memory that the clouds can have, this share holds what a moving view draws; what only a resting view
-    // needs streams through the rest. Smaller after a refusal, as entries may hold attributes that were not reckoned
-    // with.
+    // The share of the available video memory for what a moving view draws; chunks that only a resting view needs
+    // stream through the rest. It shrinks after a refusal, as entries may hold more attributes than were counted.
     double page_share = most_page_share;
     static constexpr double most_page_share = 0.75;
 
-    // A view that rests.
+    // A resting view.
     struct Rest {
-        SceneSelection lod;                 // what a moving view would draw
-        SceneSelection all;                 // everything in view; begins with `lod`
-        bool begun = false;                 // the target holds `lod`, as far as it can be loaded
-        std::size_t added = 0;              // of `all.order`, that the target holds or that were left out
+        SceneSelection lod;                 // as a moving view would draw it
+        SceneSelection all;                 // all nodes in view; begins with `lod`
+        bool begun = false;                 // the target holds `lod`, except chunks that cannot be loaded
+        std::size_t added = 0;              // how many of `all.order` the target holds or were left out
         std::vector<std::size_t> left_out;  // of these: could not be loaded
         std::uint64_t points = 0, nodes = 0;
         std::vector<std::uint64_t> points_of;  // of each item
-        std::size_t held = 0;                  // of `lod.order`, that L1 is asked to hold on to
-        bool behind = false;                   // it is drawn into `next`, and what is shown is what follows
+        std::size_t held = 0;                  // how many of `lod.order` are kept in L1
+        bool behind = false;  // it is drawn into `next`; the members below describe the picture that is shown
         std::uint64_t shown_points = 0, shown_nodes = 0;
         std::vector<std::uint64_t> shown_points_of;
         double shown_error_px = 0;

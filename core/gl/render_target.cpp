@@ -61,7 +61,7 @@ bool RenderTarget::prepare(int width, int height, unsigned samples)
     if (status != GL_FRAMEBUFFER_COMPLETE || !errors.empty()) {
         release();
         throw Error(ErrorCode::unsupported, {},
-                    "the driver makes no picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                    "the driver cannot make a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                         " pixels with " + std::to_string(samples) + " samples each" +
                         (errors.empty() ? "" : ": OpenGL error " + errors),
                     "ask for fewer samples or a smaller picture");
@@ -131,7 +131,7 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
         glUniform2i(composite.uniform("corner"), to_host ? host.viewport()[0] : 0, to_host ? host.viewport()[1] : 0);
         glUniform2f(composite.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
         if (into == the_host_shaded) {
-            // Scaled, so that near planes of 1e-30 are no reason to leave the numbers.
+            // Scaled, so that near planes of 1e-30 do not underflow.
             std::array<double, 4> k = distance_of_depth(projection);
             double largest = 0;
             for (const double v : k) largest = std::max(largest, std::abs(v));

@@ -1,9 +1,9 @@
-// A picture of our own, colour and depth, and how it comes into the host's.
+// An offscreen picture, colour and depth, and its composition into the host's framebuffer.
 //
-// Splats are drawn here and not into the host's framebuffer for three things that the host may not have: several
-// samples a pixel, depth as 32-bit float that runs from 1 at the near plane to 0 (so that its precision does not end a
-// few metres from the eye), and that it stays: a view that rests is drawn further, not anew. GL thread only; a target
-// belongs to one context, a Compositor to a share group.
+// Splats are drawn here and not into the host's framebuffer for three features that the host may lack: several samples
+// per pixel; 32-bit float depth that runs from 1 at the near plane to 0 (so that its precision does not end a few
+// metres from the eye); and persistence: frames of a resting view add to the picture. GL thread only; a target belongs
+// to one context, a Compositor to a share group.
 #pragma once
 
 #include "pcm/gl/gl_state.h"
@@ -18,10 +18,10 @@ namespace pcm {
 
 class RenderTarget {
 public:
-    // Makes it this large, with so many samples a pixel or as many as the driver can have, whichever is fewer. True
-    // when what it held is lost. Throws Error(unsupported) when the driver makes no such framebuffer.
+    // Resizes it, with `samples` per pixel or the driver's most, whichever is fewer. True when the contents are lost.
+    // Throws Error(unsupported) when the driver cannot make such a framebuffer.
     bool prepare(int width, int height, unsigned samples);
-    void bind() const;  // to draw into, with its whole as the viewport
+    void bind() const;  // for drawing, the viewport covering all of it
     void clear() const;
 
     int width() const { return width_; }
@@ -42,9 +42,9 @@ private:
 
 class Compositor {
 public:
-    // Draws the picture into what the host draws into, depth tested (GL_LEQUAL) and written as the host's projection
-    // and depth range have it; pixels partly covered are blended. `eye_dome`: strength of eye-dome lighting, 0: none.
-    // `resolved` is a target for pictures of several samples with eye-dome lighting.
+    // Draws the picture into the host's framebuffer, depth tested (GL_LEQUAL) and written in the host's projection and
+    // depth range; partly covered pixels are blended. `eye_dome`: strength of eye-dome lighting, 0: none. `resolved` is
+    // scratch for pictures of several samples with eye-dome lighting.
     void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection,
               float eye_dome);
     void release();

@@ -17,7 +17,7 @@ struct Renderer::Impl {
     SplatPass splats;
     Compositor compositor;
 
-    // Items of one cloud read the same vertices, with what either style reads.
+    // Items of one cloud share its vertices, which have the attributes of all their styles.
     static void share_format(Frame& frame, FrameCloud& cloud)
     {
         VertexFormat& former = frame.clouds[cloud.leader].format;

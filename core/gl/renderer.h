@@ -1,22 +1,21 @@
-// Draws point clouds: chooses nodes for the view, has them loaded in the background, uploads within a time budget,
-// draws what is there, and brings the picture into the host's framebuffer. draw() never waits for a load.
+// Draws point clouds: chooses nodes for the view, requests them from loader threads, uploads within a time budget,
+// draws the resident ones, and composites the picture into the host's framebuffer. draw() never waits for a load.
 //
-// A *Renderer* has what a GL share group has once (programs), a *DrawnCloud* what a cloud has once in a share group
-// (its chunks on the way into L1), a *Picture* what a view has once (a framebuffer and what it holds). Clouds that are
-// drawn together share one budget and one L1, by what the eye sees: the node with the largest error on the screen comes
-// first, whichever cloud it is of.
+// A *Renderer* holds what a GL share group needs once (programs), a *DrawnCloud* what a cloud needs once per share
+// group (its chunks on the way into L1), a *Picture* what a view needs once (a framebuffer). Clouds that are drawn
+// together share one budget and one L1: the node with the largest error on the screen comes first, of whichever cloud.
 //
 //     report = renderer.draw(picture, view, {{&cloud, origin}}, options);
 //     if (report.repaint) schedule another frame now;       // there is more to draw
-//     else if (report.refining) set_wake's function will be called when something has arrived; a slow timer besides
-//         (some 250 ms) covers chunks that another client of the same cache is loading
+//     else if (report.refining) wait: set_wake's function is called when a chunk has arrived, and a slow timer (some
+//         250 ms) covers chunks that another client of the same cache is loading
 //
-// While the view moves, a picture is as good as its time allows. When the same view is drawn again, it rests: what is
-// drawn stays in the picture's framebuffer, and each frame adds what its time allows, best first, streaming through L1
-// what does not fit, until every point that is in view has been drawn. That is the full-resolution picture, whatever
-// the budgets are; further frames only bring it to the host.
+// While the view moves, a picture is as good as its time allows. When the same view is drawn again, it rests: the
+// picture's framebuffer is kept, and each frame adds as many chunks as its time allows, largest error first, streaming
+// through L1 what does not fit, until every point in view has been drawn. That is the full-resolution picture, whatever
+// the budgets are; further frames only composite it into the host's framebuffer.
 //
-// GL thread only, except where it says otherwise. Works in compatibility and core contexts of OpenGL 3.3 and later; the
+// GL thread only, unless a member says otherwise. Works in compatibility and core contexts of OpenGL 3.3 and later; the
 // contexts of one share group may take turns. GLEW's function pointers must be loaded (a host like MeshLab has done it;
 // else call glewInit(), whose GLEW_ERROR_NO_GLX_DISPLAY under EGL is harmless).
 #pragma once
@@ -39,17 +38,17 @@ struct RenderOptions {
     double target_spacing_px = 1.4;           // refine until points are no farther apart than this on screen
     double frame_budget_ms = 33;              // fewer points are drawn in a frame when they would take longer
     std::uint64_t point_budget = 20'000'000;  // never draw more than this in a frame
-    double upload_budget_ms = L1Cache::default_milliseconds;  // of a frame, at least while the view moves; one chunk is
-                                                              // uploaded whatever it takes
-    unsigned prefetch_frames = 8;  // what a moving view will need so many frames later is loaded ahead; 0: nothing is
-    unsigned samples = 1;          // a pixel: 1 to what the driver has (FrameReport::samples)
+    double upload_budget_ms = L1Cache::default_milliseconds;  // per frame while the view moves; at least one chunk is
+                                                              // uploaded
+    unsigned prefetch_frames = 8;  // a moving view loads ahead what it will need in this many frames; 0: nothing
+    unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
     float eye_dome = 0;            // strength of eye-dome lighting, 1 is usual; 0: none
-    bool converge = true;          // a view that rests goes on to the full-resolution picture; else to the target
-    bool fill_gaps = true;         // while finer points are not drawn, splats are as large as the gaps that leaves
+    bool converge = true;          // a resting view refines to full resolution; else to the target
+    bool fill_gaps = true;         // while finer points are not drawn, splats grow to fill the gaps
     DetailOrder order = DetailOrder::error;
 };
 
-// A cloud as one client of an L1 has it.
+// A cloud as one client of an L1.
 class DrawnCloud {
 public:
     // Makes no GL object yet.
@@ -59,11 +58,11 @@ public:
     DrawnCloud& operator=(const DrawnCloud&) = delete;
 
     // `wake` is called on a loader thread when chunks have arrived since the last draw(); it must return quickly and
-    // not call back into this object (queue a repaint). Any thread. When set_wake returns, the former function runs no
-    // more.
+    // not call back into this object (queue a repaint). Any thread. When set_wake returns, the former function is not
+    // running and will not be called again.
     void set_wake(std::function<void()> wake);
 
-    // Lets go of what the L1 has of this cloud. It may be drawn again afterwards.
+    // Drops this cloud's chunks from the L1. It may be drawn again afterwards.
     void release();
 
     const std::shared_ptr<PointCloud>& cloud() const;
@@ -76,7 +75,7 @@ private:
 };
 
 struct SceneItem {
-    DrawnCloud* cloud = nullptr;  // may be there again, in another place, but not in the colours of another attribute
+    DrawnCloud* cloud = nullptr;  // may occur twice with other placements, but not with colours of two attributes
     Vec3d origin{};               // source coordinates of the cloud's local origin
     Matrix4d placement = identity_matrix;  // from (source - origin) to the scene's coordinates; affine and invertible
     CloudStyle style;
@@ -85,40 +84,40 @@ struct SceneItem {
 struct CloudReport {
     std::uint64_t points_drawn = 0;
     CloudStyle style;    // as it was drawn
-    std::string notice;  // what the cloud lacks for the style that was asked for
-    std::string error;   // why some of it cannot be loaded for the time being
+    std::string notice;  // the attributes that the style asked for and the cloud lacks
+    std::string error;   // why some chunks cannot be loaded at present
 };
 
 struct FrameReport {
     std::uint64_t points_drawn = 0;  // in the picture
     std::uint64_t points_added = 0;  // by this frame
-    double screen_error_px = 0;  // largest spacing on screen where finer points exist; 0: all that is visible is drawn
+    double screen_error_px = 0;  // largest spacing on screen where finer points exist; 0: all visible points are drawn
     double frame_ms = 0;         // time in draw(), on the CPU
-    double measured_ms = 0;      // latest measure of a frame's drawing until the last pixel; 0 before the first
+    double measured_ms = 0;      // latest measured time from a frame's first call to its last pixel; 0: none yet
     double upload_ms = 0;        // of this frame
     std::uint64_t nodes_drawn = 0;  // in the picture
     std::uint64_t nodes_wanted = 0;
-    std::uint64_t nodes_missing = 0;  // wanted and not yet in video memory (or with the attributes of another style)
-    std::uint64_t effective_point_budget = 0;  // what the time allowed this frame
-    unsigned samples = 1;                      // that the picture has
+    std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
+    std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
+    unsigned samples = 1;                      // of the picture
     bool full_resolution = false;              // every point in view is in the picture
-    bool refining = false;                     // more will come: the picture is not final yet
+    bool refining = false;                     // the picture is not final yet
     bool repaint = false;                      // ask for another frame at once; implies refining
     std::string error;                         // the last background load error or OpenGL error; empty if none
-    std::vector<CloudReport> clouds;           // as the items
+    std::vector<CloudReport> clouds;           // in the order of the items
 };
 
 struct PictureState;
 
-// What a view shows. Belongs to the context it was first drawn in; GL objects that release() has not freed are
-// abandoned to it.
+// The framebuffer of a view. Belongs to the context in which it was first drawn; GL objects that release() has not
+// freed live until that context ends.
 class Picture {
 public:
     Picture();
     ~Picture();
     Picture(Picture&&) noexcept;
     Picture& operator=(Picture&&) noexcept;
-    // The next frame begins anew: the points of a cloud are no longer what they were.
+    // The next frame starts from an empty picture: call it when the points of a cloud have changed.
     void invalidate();
     void release();
 
@@ -129,7 +128,7 @@ private:
 
 class Renderer {
 public:
-    // All clouds that it is given have this L1.
+    // All clouds that it draws use this L1.
     explicit Renderer(std::shared_ptr<L1Cache> l1);
     ~Renderer();  // touches no OpenGL; release() frees the programs
     Renderer(const Renderer&) = delete;

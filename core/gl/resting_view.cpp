@@ -7,10 +7,10 @@
 namespace pcm {
 namespace {
 
-// So many nodes are on their way into the picture at a time.
+// The most nodes that one frame prepares.
 constexpr std::size_t rest_window = 64;
 
-// Whether splats of their own sizes cover this spacing in all clouds.
+// Whether splats of their own sizes fill gaps of this spacing in all clouds.
 bool has_no_gaps(const Frame& frame, double spacing_px)
 {
     return std::all_of(frame.clouds.begin(), frame.clouds.end(),
@@ -166,7 +166,7 @@ private:
                     add(i, strokes);
                     drawn.insert(i);
                 } else if (first_time_) {
-                    // One after the other, so that of points at equal depth the same one is seen each time.
+                    // In order, so that among points at equal depth the same one is visible each time.
                     if (!cloud_at(i).feed->has_failed(node_at(i).node)) break;
                     rest_.left_out.push_back(i);
                 }

@@ -26,7 +26,7 @@ public:
                   const std::vector<std::string>& defines = {});
     ShaderProgram(ShaderProgram&& other) noexcept;
     ShaderProgram& operator=(ShaderProgram&& other) noexcept;
-    // Touches no OpenGL, as no context may be current; release() frees the program.
+    // Makes no OpenGL call, as no context may be current; release() frees the program.
     ~ShaderProgram() = default;
 
     explicit operator bool() const { return program_ != 0; }

@@ -16,7 +16,7 @@ Vec3d product(const Matrix3& m, const Vec3d& v)
             m[2] * v[0] + m[5] * v[1] + m[8] * v[2]};
 }
 
-// Of a matrix that is invertible; scaled, so that no determinant of a small unit becomes 0.
+// Of an invertible matrix; scaled, so that the determinant does not underflow for small units.
 Matrix3 inverse(Matrix3 m)
 {
     double largest = 0;
@@ -35,7 +35,7 @@ Matrix3 inverse(Matrix3 m)
     return result;
 }
 
-// At most the square root of a bound of the eigenvalues of M'M, and exactly that where M turns and scales.
+// The square root of an upper bound of the eigenvalues of M'M; exact where M only rotates and scales.
 double largest_stretch(const Matrix3& m)
 {
     double most = 0;
@@ -86,8 +86,8 @@ std::optional<SplatCamera> SplatCamera::of(const Camera& view, int x, int y, boo
         camera.depth_of = {0.5 + sign * p[14], -sign * p[10]};
     } else {
         camera.principal = {x + (1 - p[8]) * width / 2, y + (1 - p[9]) * height / 2};
-        // z / w is -p[10] + p[14] / depth. In double, as with near / far of 1e-6 the first is 1 but for the sixth
-        // decimal.
+        // z / w is -p[10] + p[14] / depth. In double, because with near / far of 1e-6 p[10] differs from 1 only in the
+        // sixth decimal.
         camera.depth_of = reversed ? std::array<double, 2>{(1 + p[10]) / 2, -p[14] / 2}
                                    : std::array<double, 2>{(1 - p[10]) / 2, p[14] / 2};
         const double near = p[14] / (p[10] - 1);
@@ -155,16 +155,16 @@ double SplatCamera::largest_box_of(double pixels) const
     return bound_of(k < 1 ? k / (1 - k) : std::numeric_limits<double>::infinity());
 }
 
-// Of a disc with the radius k (parallel), or k times the depth of its nearest point.
+// For a disc of radius k (orthographic), or of k times the depth of its nearest point.
 double SplatCamera::bound_of(double k) const
 {
-    constexpr double spare = 4;  // pixels: what shaders/splat.vert adds, and rounding
+    constexpr double spare = 4;  // pixels: the margin of shaders/splat.vert, and rounding
     // No box is drawn beyond the viewport.
     const double viewport = std::max(view.width, view.height) + spare;
     const double pixels = std::max(std::abs(focal[0]), std::abs(focal[1]));
     if (orthographic) return std::min(viewport, 2.02 * k * pixels + spare);
-    // Of a point q of the sphere around c, with x as tangent of the angle to the axis: |x_q - x_c| <= r (1 + |x_c|) /
-    // depth_q. A box that is seen is at most its half size e from the view, where |x| <= v, so e <= k (1 + v + e).
+    // For a point q of the sphere around c, with x the tangent of its angle to the axis: |x_q - x_c| <= r (1 + |x_c|) /
+    // depth_q. A visible box is at most its half size e away from the view, where |x| <= v, so e <= k (1 + v + e).
     if (!(k < 0.5)) return viewport;
     double v = 0;
     for (std::size_t a = 0; a < 2; ++a)

@@ -29,7 +29,7 @@ bool has_extension(const char* name)
     return false;
 }
 
-// What the driver can, asked once.
+// The driver's capabilities and limits, queried once.
 struct Device {
     bool compatibility = false;
     bool doubles = false;
@@ -42,7 +42,7 @@ struct Device {
         Device device;
         device.compatibility = is_compatibility_context();
         const auto* vendor = reinterpret_cast<const char*>(glGetString(GL_VENDOR));
-        // Intel's devices have had none since their 11th generation; Mesa emulates them there with integers, a hundred
+        // Intel's devices have no doubles since their 11th generation; Mesa emulates them with integers, a hundred
         // times slower.
         const bool emulated = vendor && std::strstr(vendor, "Intel") != nullptr;
         device.doubles = !emulated && glUniform3dv && glUniformMatrix3dv && has_extension("GL_ARB_gpu_shader_fp64");
@@ -95,25 +95,27 @@ struct SplatPass::Impl {
         glDisable(GL_BLEND);
         glEnable(GL_PROGRAM_POINT_SIZE);
         if (device->compatibility) {
-            // Points of a core context, and sprites here, are squares of exactly the asked size. Plain legacy points
-            // have size and place rounded to whole pixels, which for a whole size covers the very same pixels; and
-            // Mesa's software rasteriser draws them twice as fast. With several samples they would be round.
-            const bool plain = traits_of(usable.splats).shape == SplatShape::pixels && samples == 1 &&
+            // Points of a core context, and point sprites here, are squares of exactly the requested size. Plain legacy
+            // points have their size and place rounded to whole pixels, which for a whole size covers the same pixels,
+            // and Mesa's software rasteriser draws them twice as fast. With several samples they would be round; and
+            // they have no gl_PointCoord, which a shader of another kind may read.
+            const SplatTraits& traits = traits_of(usable.splats);
+            const bool plain = traits.shape == SplatShape::pixels && traits.define[0] == 0 && samples == 1 &&
                                usable.point_size_px == std::floor(usable.point_size_px);
             plain ? glDisable(GL_POINT_SPRITE) : glEnable(GL_POINT_SPRITE);
             glDisable(GL_POINT_SMOOTH);
         }
         guard_the_border();
         sieve.emplace(view->camera, view->style, static_cast<double>(view->largest_point), view->guard);
-        // Not kept: contexts of a share group do not share vertex arrays.
+        // Made anew each time: contexts of a share group do not share vertex arrays.
         glGenVertexArrays(1, &vertex_array);
         glBindVertexArray(vertex_array);
         enabled = {};
         enable(0, true);
     }
 
-    // OpenGL drops a point whose centre is outside of the clip volume, however much of it is inside. So that splats do
-    // not vanish at the border, the volume is made larger than the picture, which is cut out of it. (Discs are placed
+    // OpenGL drops a point whose centre is outside the clip volume, however much of it is inside. So that splats do not
+    // vanish at the border, the volume is made larger than the picture and the scissor crops it. (Discs are placed
     // inside by their shader.)
     void guard_the_border()
     {
@@ -222,8 +224,8 @@ struct SplatPass::Impl {
     void draw_runs(const VertexEntry& entry, const std::vector<VertexRun>& runs, bool quads)
     {
         auto run = runs.begin();
-        std::uint32_t passed = 0;  // points of the chunk, in the ranges before
-        std::uint32_t buffer = 0;  // that `first` and `count` are of
+        std::uint32_t passed = 0;  // points of the chunk, in earlier ranges
+        std::uint32_t buffer = 0;  // the one that `first` and `count` refer to
         first.clear();
         count.clear();
         for (GLuint a = 0; quads && a < 4; ++a) glVertexAttribDivisor(a, 1);
@@ -244,7 +246,7 @@ struct SplatPass::Impl {
                     first.push_back(vertex);
                     count.push_back(static_cast<GLsizei>(to - from));
                 }
-                if (run->first + run->count > end) break;  // it goes on in the next range
+                if (run->first + run->count > end) break;  // it continues in the next range
                 ++run;
             }
             passed = end;

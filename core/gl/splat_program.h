@@ -68,7 +68,7 @@ private:
     };
     ShaderProgram program_;
     unsigned samples_;
-    bool doubles_;  // its uniforms of type real, rvec2, rvec3 and rmat3 are double
+    bool doubles_;  // its uniforms of type real, rvec2, rvec3 and rmat3 are doubles
     Uniforms at_;
 };
 

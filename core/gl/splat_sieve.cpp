@@ -7,9 +7,9 @@
 namespace pcm {
 namespace {
 
-constexpr double border = 2;  // pixels around the view that count as in it: half of the least splat, and rounding
+constexpr double border = 2;  // pixels around the view that count as in it: half the smallest splat, and rounding
 
-// Below such a range of depths a box is looked at as one place, and from such a one on group by group.
+// Relative depth ranges: up to `even` a box is treated as one place, from `by_groups` on group by group.
 constexpr double even = 0.25, by_groups = 0.7;
 
 Box3d grown(Box3d box, double by)
@@ -68,7 +68,7 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
     }
 }
 
-// Whether splats in a box may be larger than the driver's points. A constant one is never drawn larger.
+// Whether splats in a box may be larger than the driver's points. SplatShape::pixels never is.
 bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const
 {
     if (shape == SplatShape::pixels) return false;
@@ -80,7 +80,7 @@ bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_r
     return !(largest <= largest_point_ && largest <= 2 * guard_);
 }
 
-// How far from its centre a splat can be seen, source units. A constant one goes with its centre.
+// How far from its centre a splat can be visible, source units. One of SplatShape::pixels vanishes with its centre.
 double SplatSieve::reach(SplatShape shape, float largest_radius, const ChunkLook& look) const
 {
     if (shape == SplatShape::pixels) return 0;
@@ -96,12 +96,12 @@ double SplatSieve::depth_range(const Box3d& box) const
 
 SplatPart SplatSieve::part_of(const Box3d& box, std::uint32_t points) const
 {
-    // What surrounds the eye is not nearer than its own size.
+    // A box around the eye is treated as no nearer than a quarter of its size.
     const double depth = std::max(depth_of(box.centre()), 0.25 * box.diagonal() * camera_.scale);
     return {static_cast<double>(points), camera_.pixels_at(depth)};
 }
 
-// Of a box that is partly in view, or reaches from near the eye to far from it: by eighths.
+// For a box that is partly in view or has a large depth range: estimated by its octants.
 SplatPart SplatSieve::part_in_view(const Box3d& box, std::uint32_t points) const
 {
     const Vec3d centre = box.centre();

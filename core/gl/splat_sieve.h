@@ -1,4 +1,4 @@
-// Which points of a chunk are drawn, and as what: those of groups (gl/vertex_groups.h) that may be in view; as quads
+// Chooses the points of a chunk that are drawn: those of groups (gl/vertex_groups.h) that may be in view, as quads
 // where their splats may be larger than the driver's points. No OpenGL here.
 #pragma once
 
@@ -13,20 +13,19 @@
 
 namespace pcm {
 
-// Points that are about as far from the eye.
+// Points at about the same distance from the eye.
 struct SplatPart {
-    double points = 0;           // in view, about
-    double pixels_per_unit = 0;  // that a source unit covers there, face on
+    double points = 0;           // in view, estimated
+    double pixels_per_unit = 0;  // there, face-on
 };
 
 class SplatSieve {
 public:
-    // `largest_point`: of the driver, pixels; `guard`: what the clip volume can be made wider by on each side for
-    // points, pixels.
+    // `largest_point`: of the driver, pixels; `guard`: by how many pixels the clip volume can be extended on each side.
     SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
 
-    // Sorts a chunk's points; `box` is that of their positions, relative to the view's origin. Adds to `parts`, if
-    // there, where they are. Nothing is left out that can be seen, and no point is too large for the driver.
+    // Sorts a chunk's points; `box` encloses their positions, relative to the view's origin. Adds their places to
+    // `parts` unless it is null. No visible point is left out, and none of as_points() is too large for the driver.
     void sort(const VertexEntry& entry, const Box3d& box, SplatShape shape, const ChunkLook& look,
               std::vector<SplatPart>* parts = nullptr);
     const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
@@ -36,7 +35,7 @@ private:
     bool needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const;
     double reach(SplatShape shape, float largest_radius, const ChunkLook& look) const;
     double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
-    double depth_range(const Box3d& box) const;  // of its points, at most so many times either way of its centre's
+    double depth_range(const Box3d& box) const;  // of its points, relative to its centre's depth
     SplatPart part_of(const Box3d& box, std::uint32_t points) const;
     SplatPart part_in_view(const Box3d& box, std::uint32_t points) const;
 

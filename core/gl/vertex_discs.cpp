@@ -37,7 +37,7 @@ void make_normals(const Column& column, const Attribute& attribute, std::vector<
             double n[3];
             for (std::size_t c = 0; c < 3; ++c)
                 n[c] = static_cast<double>(raw[p * components + c]) * attribute.scale + attribute.offset;
-            // Scaled first: the squares of very long and very short ones are no numbers.
+            // Scaled first: the squares of very long and very short vectors overflow or underflow.
             const double size = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
             const bool usable = size > 0 && std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
             double length = 0;

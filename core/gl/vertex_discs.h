@@ -1,4 +1,4 @@
-// Turns radii and normals of any type into the floats that the rasteriser reads.
+// Converts radii and normals of any type to the floats that the shaders read.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -8,15 +8,15 @@
 
 namespace pcm {
 
-// Radii beyond this are taken as this: their squares are still floats.
+// Larger radii are clamped to this, whose square is still finite in float.
 inline constexpr float largest_vertex_radius = 1e18f;
 
-// One float a point: raw * scale + offset. What is not a positive number is 0, a splat that is not seen unless the mode
-// draws every point at least one pixel large. Returns the largest.
+// One float per point: raw * scale + offset. NaN and values that are not positive become 0: such a splat is invisible
+// unless its mode draws every point at least one pixel large. Returns the largest.
 float make_radii(const Column& column, const Attribute& attribute, std::vector<float>& radii);
 
-// Three floats a point, of length 1 whatever the length of (raw * scale + offset) is; (0, 0, 0) for one that is zero or
-// no number, which is drawn facing the eye. `column` has at least three components.
+// Three floats per point: raw * scale + offset, normalised to length 1. (0, 0, 0) where that is zero or not finite;
+// such a disc faces the eye. `column` has at least three components.
 void make_normals(const Column& column, const Attribute& attribute, std::vector<float>& normals);
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// What is uploaded of a point for drawing. No OpenGL here.
+// The attributes of a point that are uploaded for drawing. No OpenGL here.
 #pragma once
 
 #include "pcm/gl/splat_style.h"
@@ -9,10 +9,10 @@
 namespace pcm {
 
 // Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour; float
-// radius, source units; float[3] normal, of length 1 or, where the cloud has none, 0. Of the last three only what the
-// format says, except that the colour's place is kept where there is a normal: 12, 16, 20 or 32 bytes, which all divide
-// L1's page, so that a chunk in consecutive pages is one array. Normals are full floats: at a graze of 0.1 degree an
-// error of 1e-4 would be a twentieth of what is seen.
+// radius, source units; float[3] normal, of length 1 or, where the cloud has none, 0. The format names which of the
+// last three are present; with a normal, the colour's bytes are present too, used or not. Strides are 12, 16, 20 or 32
+// bytes, which all divide L1's page, so that a chunk in consecutive pages is one array. Normals are full floats: at a
+// graze of 0.1 degree an error of 1e-4 would change a disc's visible width by a twentieth.
 struct VertexFormat {
     ColourSource colour = ColourSource::none;
     bool radius = false;
@@ -22,25 +22,25 @@ struct VertexFormat {
     {
         return normal ? 32u : 12u + (colour != ColourSource::none ? 4u : 0u) + (radius ? 4u : 0u);
     }
-    // Byte places in a vertex; meaningful for what the format has.
+    // Byte offsets in a vertex; meaningful for attributes that the format has.
     static constexpr std::uint32_t colour_place = 12;
     std::uint32_t radius_place() const { return normal || colour != ColourSource::none ? 16 : 12; }
     static constexpr std::uint32_t normal_place = 20;
 
-    // Whether vertices of this format have all that `wanted` names.
+    // Whether vertices of this format have all attributes of `wanted`.
     bool serves(const VertexFormat& wanted) const
     {
         return (wanted.colour == ColourSource::none || wanted.colour == colour) && (radius || !wanted.radius) &&
                (normal || !wanted.normal);
     }
-    // Unique for each format.
+    // Unique for each format, and below L1Table::max_forms.
     unsigned number() const { return (radius ? 1u : 0u) + (normal ? 2u : 0u) + 4u * static_cast<unsigned>(colour); }
 };
 inline bool operator==(const VertexFormat& a, const VertexFormat& b) { return a.number() == b.number(); }
 inline bool operator!=(const VertexFormat& a, const VertexFormat& b) { return !(a == b); }
 inline bool operator<(const VertexFormat& a, const VertexFormat& b) { return a.number() < b.number(); }
 
-// What a style reads and nothing else. `usable`: see usable_style().
+// Exactly the attributes that a style reads. `usable`: see usable_style().
 inline VertexFormat format_of(const CloudStyle& usable)
 {
     const SplatTraits& splats = traits_of(usable.splats);

@@ -17,7 +17,7 @@ void set_boxes(std::vector<VertexGroup>& groups, const std::array<PageVector<T>,
                 low = std::min(low, xyz[a][i]);
                 high = std::max(high, xyz[a][i]);
             }
-            // Rounded as the vertices are, which keeps the order.
+            // Rounded like the vertices; rounding is monotonic, so the box stays tight.
             groups[g].low[a] = static_cast<float>(static_cast<double>(low) * scale[a]);
             groups[g].high[a] = static_cast<float>(static_cast<double>(high) * scale[a]);
         }

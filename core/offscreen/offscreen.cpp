@@ -1,7 +1,7 @@
 #include "pcm/offscreen/offscreen.h"
 
-#include "pcm/system/error.h"
 #include "pcm/gl/gl_state.h"
+#include "pcm/system/error.h"
 
 #include <GL/glew.h>
 
@@ -28,7 +28,7 @@ Function egl_function(const char* name)
     return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Those to try, best first: each device, then what Mesa draws without one, then the default.
+// Displays to try, best first: each device, then Mesa's surfaceless platform, then the default.
 std::vector<EGLDisplay> displays()
 {
     std::vector<EGLDisplay> found;
@@ -78,14 +78,14 @@ struct Offscreen::Impl {
         display = on;
         context = made;
         glewExperimental = GL_TRUE;
-        glewInit();  // complains that there is no GLX display, after having loaded the functions
+        glewInit();  // reports that there is no GLX display, after having loaded the functions
         drain_gl_errors();
         return gl_functions_loaded();
     }
 
     void make_best()
     {
-        // Looked for once: a context on every display takes longer than many a picture.
+        // Searched once per process: a context on every display takes longer than drawing a small picture.
         static std::mutex mutex;
         static std::array<EGLDisplay, 2> best_of_profiles{EGL_NO_DISPLAY, EGL_NO_DISPLAY};
         const std::lock_guard lock(mutex);
@@ -96,7 +96,7 @@ struct Offscreen::Impl {
         }
         for (const EGLDisplay on : displays()) {
             if (make(on)) {
-                best = on;  // of software the last: the later ones ask for less of the machine
+                best = on;  // of several software displays the last, which needs the least of the machine
                 if (!gl_is_software()) return;
             }
             destroy();
@@ -108,11 +108,11 @@ struct Offscreen::Impl {
     {
         const EGLint error = eglGetError();
         destroy();
-        throw Error(
-            ErrorCode::unsupported, {},
-            "no OpenGL context: EGL finds no device or software that has OpenGL 3.3 (last error " +
-                std::to_string(error) + ")",
-            "on Debian and its kin: apt-get install libegl1 libgl1-mesa-dri, which draws without a graphics card too");
+        throw Error(ErrorCode::unsupported, {},
+                    "no OpenGL context: EGL finds no device or software renderer with OpenGL 3.3 (last error " +
+                        std::to_string(error) + ")",
+                    "on Debian and derivatives: apt-get install libegl1 libgl1-mesa-dri, which draws without a "
+                    "graphics card too");
     }
 
     void make_framebuffer()
@@ -163,7 +163,7 @@ Offscreen::Offscreen(int width, int height, OffscreenProfile profile, const Offs
     impl_->profile = profile;
     impl_->share = share ? share->impl_.get() : nullptr;
     impl_->make_best();
-    impl_->share = nullptr;  // it may die first
+    impl_->share = nullptr;  // it may be destroyed first
     impl_->make_framebuffer();
 }
 

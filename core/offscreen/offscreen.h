@@ -1,4 +1,4 @@
-// An OpenGL context without a window or a display server, by EGL, and a picture to draw into.
+// An OpenGL context without a window or a display server, made by EGL, and a framebuffer to draw into.
 #pragma once
 
 #include "pcm/offscreen/image.h"
@@ -11,14 +11,14 @@ namespace pcm {
 
 enum class OffscreenProfile { compatibility, core };
 
-// Current on the thread that made it, until it dies or another one is made current. GLEW's functions are loaded. OpenGL
-// is 3.3 or whatever later version the driver gives in its stead.
+// Current on the thread that made it, until it is destroyed or another one is made current. GLEW's functions are
+// loaded. OpenGL 3.3, or a later version that the driver gives instead.
 class Offscreen {
 public:
-    // On a device of its own where EGL knows one that is no software, else on Mesa's software rasteriser. The
-    // framebuffer, RGBA8 and 24 bits of depth, is bound and the viewport set. Objects are shared with `share`, which
-    // may be null and must be on the same device. Throws Error(unsupported) "no OpenGL context ..." where there is no
-    // OpenGL 3.3, with what to install; Error(invalid_argument) for a size that the driver cannot draw.
+    // On a hardware device where EGL lists one, else on Mesa's software rasteriser. The framebuffer, RGBA8 and 24 bits
+    // of depth, is bound and the viewport set. Objects are shared with `share`, which may be null and must be on the
+    // same device. Throws Error(unsupported) "no OpenGL context ..." where OpenGL 3.3 is unavailable, with what to
+    // install; Error(invalid_argument) for a size that the driver cannot draw.
     explicit Offscreen(int width = 16, int height = 16, OffscreenProfile profile = OffscreenProfile::compatibility,
                        const Offscreen* share = nullptr);
     ~Offscreen();
@@ -30,8 +30,8 @@ public:
     int height() const;
     // Colour and depth; with alpha 0 the picture is transparent where nothing is drawn.
     void clear(const std::array<float, 4>& colour = {0, 0, 0, 1}) const;
-    Image read() const;            // what was drawn
-    std::string renderer() const;  // as the driver calls itself, with the version
+    Image read() const;            // the framebuffer's colours
+    std::string renderer() const;  // the driver's name and version
     bool is_software() const;
 
 private:

@@ -1,5 +1,5 @@
-// Trees that are drawn together without a window: what `pcmlab render`, benchmarks and tests draw with, which is what
-// draws in MeshLab.
+// Trees that are drawn together without a window. `pcmlab render`, benchmarks and tests use it; the renderer is the one
+// that draws in MeshLab.
 //
 //     pcm::Offscreen screen(640, 480);
 //     pcm::OffscreenScene scene({"city.pct"});
@@ -12,7 +12,7 @@
 //     } while (report.refining);
 //     pcm::write_png("city.png", screen.read());
 //
-// GL thread only: what it draws into, and the context that it is made and dies in, is the caller's.
+// GL thread only. The caller provides the framebuffer, and the context that must be current during its lifetime.
 #pragma once
 
 #include "pcm/gl/renderer.h"
@@ -47,9 +47,9 @@ public:
 
     // One frame into the current framebuffer and viewport, whose size is the view's; all clouds in the same style.
     FrameReport draw(const Camera& view, const CloudStyle& style, const RenderOptions& options);
-    // Until a chunk has arrived since the last draw(), at most so long.
+    // Waits until a chunk has arrived since the last draw(), at most `most`.
     void wait(std::chrono::milliseconds most = std::chrono::milliseconds(250));
-    // The next frame begins a picture anew, as after a cut.
+    // The next frame starts from an empty picture.
     void forget() { picture_.invalidate(); }
 
     L1Statistics l1_statistics() const { return l1_->statistics(); }

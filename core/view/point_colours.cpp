@@ -12,7 +12,7 @@ namespace pcm {
 
 namespace {
 
-// Calls `use` with the column's values as what they are.
+// Calls `use` with a pointer to the column's values, of their type.
 template <class Use>
 void with_values(const Column& column, const Use& use)
 {
@@ -61,10 +61,10 @@ ColourScale ColourScale::of(const Column& column, ColourSource colour)
         std::nth_element(values.begin(), place, values.end());
         return *place;
     };
-    // Rounded outwards: of a few values, the extremes.
+    // Ranks are rounded outwards: with few values, these are the extremes.
     const auto last = static_cast<double>(values.size() - 1);
     ColourScale scale{ranked(std::floor(0.005 * last)), ranked(std::ceil(0.995 * last))};
-    // All alike: show it bright rather than black.
+    // All values equal: bright rather than black.
     if (!(scale.high > scale.low)) scale = {scale.low - 1, scale.low};
     return scale;
 }
@@ -79,7 +79,7 @@ void make_colours(const Column& column, const ColourScale& scale, std::vector<st
     with_values(column, [&](const auto* raw) {
         const auto byte = [&](std::size_t i) {
             const double v = (static_cast<double>(raw[i]) - low) * factor + 0.5;
-            return static_cast<std::uint8_t>(v >= 255 ? 255 : v > 0 ? v : 0);  // false for what is not a number: 0
+            return static_cast<std::uint8_t>(v >= 255 ? 255 : v > 0 ? v : 0);  // NaN: 0
         };
         for (std::size_t p = 0; p < points; ++p) {
             std::uint8_t* to = rgba.data() + 4 * p;

@@ -1,4 +1,4 @@
-// How a picture comes into the host's framebuffer: depth, multisampling, eye-dome lighting.
+// Composition of a picture into the host's framebuffer: depth, multisampling, eye-dome lighting.
 #include "tests/gl/gl_support.h"
 
 #include <algorithm>
@@ -28,8 +28,8 @@ double mean_brightness(const std::vector<Pixel>& pixels)
 
 }  // namespace
 
-// The host's own things before and behind the cloud; the depth that is left is the host's.
-TEST(Compositor, IsComposedWithWhatTheHostHasDrawn)
+// The host's objects in front of and behind the cloud; the resulting depth is in the host's convention.
+TEST(Compositor, IsDepthTestedAgainstTheHostsPicture)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
@@ -49,7 +49,7 @@ TEST(Compositor, IsComposedWithWhatTheHostHasDrawn)
                 FrameReport report;
                 for (int frame = 0; frame < 1000; ++frame) {
                     framebuffer.clear();
-                    // Left half: something of the host's 2 before the sheet; right half: 2 behind it.
+                    // Left half: an object of the host, 2 in front of the sheet; right half: 2 behind it.
                     glEnable(GL_SCISSOR_TEST);
                     for (const bool right : {false, true}) {
                         glScissor(right ? 50 : 0, 0, 50, 100);
@@ -58,7 +58,7 @@ TEST(Compositor, IsComposedWithWhatTheHostHasDrawn)
                         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
                     }
                     glClearDepth(1);
-                    glScissor(10, 10, 80, 80);  // it is not ours, and does not cut us
+                    glScissor(10, 10, 80, 80);  // the host's, which must not crop the picture
                     glDepthRange(0, range_end);
                     report = drawing.draw(view, {0, 0, 0}, options);
                     EXPECT_TRUE(glIsEnabled(GL_SCISSOR_TEST));
@@ -101,7 +101,7 @@ TEST(Compositor, SeveralSamplesSmoothEdges)
         options.samples = samples;
         const FrameReport report = draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
         if (samples > 4) {
-            EXPECT_LT(report.samples, samples);  // what the driver has
+            EXPECT_LT(report.samples, samples);  // the driver's most
             EXPECT_GE(report.samples, 4u);
         }
         std::size_t partly = 0, whole = 0;
@@ -119,8 +119,7 @@ TEST(Compositor, SeveralSamplesSmoothEdges)
     }
 }
 
-// A plane seen face on stays as it is, a step gets a shadow on its lower side, whatever the unit of length and the
-// projection.
+// A face-on plane is unchanged; a step gets a shadow on its lower side, for any unit of length and either projection.
 TEST(Compositor, EyeDomeLightingShowsSteps)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -155,7 +154,7 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
                 const auto stronger = brightness(step, 3);
                 EXPECT_LT(mean_brightness(shaded), 254);
                 EXPECT_LT(mean_brightness(stronger), mean_brightness(shaded));
-                // Row in the middle: dark on the lower side of the step alone.
+                // The middle row: dark only on the lower side of the step.
                 int least = 255, place = 0;
                 for (int x = 5; x < 95; ++x) {
                     const int g = shaded[static_cast<std::size_t>(50 * 100 + x)].g;

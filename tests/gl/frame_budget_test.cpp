@@ -16,8 +16,8 @@ FrameWork work(std::uint64_t points)
     return {points, points, static_cast<double>(points), 4 * static_cast<double>(points)};
 }
 
-// A frame as the renderer makes it, of a view with `visible` points on a device for which `cost` is what work takes:
-// what is chosen by the points that are allowed, cut to what there is time for, drawn and learnt from. Gives its time.
+// One frame as the renderer runs it, for a view with `visible` points on a device where work takes `cost`: chosen
+// within the allowed points, cut to the available time, drawn, and measured. Returns its time.
 template <class Cost>
 double frame(FrameBudget& budget, const Cost& cost, double budget_ms, std::uint64_t visible,
              std::uint64_t ceiling = 1'000'000'000)
@@ -60,7 +60,7 @@ TEST(FrameBudget, SettlesBelowTheAskedTimeOnFastAndSlowDevices)
     }
 }
 
-// What a frame takes beside its points is left for it.
+// Time that a frame needs beside its points is reserved.
 TEST(FrameBudget, LeavesRoomForTheRestOfTheFrame)
 {
     FrameBudget budget;
@@ -91,8 +91,8 @@ TEST(FrameBudget, StaysPutOnceSettledAndFollowsAChange)
     EXPECT_NEAR(settle(budget, cost_of_points(1e-5), 33, 200), 27, 6);
 }
 
-// After looking at views of all kinds it knows what the next one costs, whatever the device is slow at.
-TEST(FrameBudget, TellsWhatAnotherViewCosts)
+// After views of all kinds it predicts the cost of the next one, whichever stage is the device's slowest.
+TEST(FrameBudget, PredictsWhatAnotherViewCosts)
 {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> share(0.02, 1), size(1, 60), noise(0.95, 1.05);
@@ -120,7 +120,7 @@ TEST(FrameBudget, TellsWhatAnotherViewCosts)
     }
 }
 
-// A frame that something else held up is no reason to draw little from then on.
+// A single delayed frame does not reduce the points of later frames.
 TEST(FrameBudget, ASingleSlowFrameIsForgotten)
 {
     FrameBudget budget;
@@ -132,7 +132,7 @@ TEST(FrameBudget, ASingleSlowFrameIsForgotten)
     EXPECT_NEAR(budget.expected(work(1'000'000)), before, 0.1 * before);
 }
 
-// One frame in a hundred that takes half as long again: the time asked for holds for these, too.
+// One frame in a hundred takes half as long again: these keep to the budget too.
 TEST(FrameBudget, LeavesAMarginForTheSlowFrames)
 {
     FrameBudget budget;
@@ -149,7 +149,7 @@ TEST(FrameBudget, LeavesAMarginForTheSlowFrames)
     EXPECT_LT(over, 10);
 }
 
-TEST(FrameBudget, GoesOnWithAsManyPointsOfAnotherKind)
+TEST(FrameBudget, KeepsTheNumberOfPointsWhenTheStyleChanges)
 {
     FrameBudget budget;
     settle(budget, cost_of_points(1e-4), 33, 100);
@@ -161,7 +161,7 @@ TEST(FrameBudget, GoesOnWithAsManyPointsOfAnotherKind)
     EXPECT_LT(frame(budget, cost_of_points(1e-3), 33, 1'000'000'000), 33);
 }
 
-TEST(FrameBudget, AViewAtRestHasTheBudgetAndAtLeastWhatAFrameTakesAnyway)
+TEST(FrameBudget, ARestingViewHasTheBudgetAndAtLeastTheOverhead)
 {
     for (const auto& [overhead, time] : {std::pair{0.0, 33.0}, {10.0, 23.0}, {30.0, 30.0}, {200.0, 50.0}}) {
         FrameBudget budget;

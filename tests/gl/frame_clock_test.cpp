@@ -24,7 +24,7 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
             clock.end({frame, frame, 0});
             if (frame % 10 == 0) glFinish();
             while (const auto measure =
-                       clock.take()) {  // the device may finish another one meanwhile, but no frame comes twice
+                       clock.take()) {  // the device may finish another one meanwhile, but each frame is reported once
                 ++known;
                 EXPECT_GT(measure->work.points, last);
                 EXPECT_LE(measure->work.points, frame);
@@ -39,7 +39,7 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
         if (!queries) EXPECT_EQ(known, 50u);
         clock.release();
         EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
-        clock.begin();  // and from the beginning again
+        clock.begin();  // and again from the start
         clock.end({1, 1, 0});
         glFinish();
         EXPECT_TRUE(clock.take());

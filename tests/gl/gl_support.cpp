@@ -165,7 +165,7 @@ RenderOptions everything()
 {
     RenderOptions options;
     options.target_spacing_px = 0;
-    options.frame_budget_ms = 1e9;  // what is drawn does not depend on the machine's pace
+    options.frame_budget_ms = 1e9;  // the picture does not depend on the machine's speed
     options.upload_budget_ms = 1000;
     return options;
 }

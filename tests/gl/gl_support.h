@@ -34,7 +34,7 @@ public:
     ~Framebuffer();
     Framebuffer(const Framebuffer&) = delete;
     Framebuffer& operator=(const Framebuffer&) = delete;
-    void bind() const;  // again, after another one was
+    void bind() const;  // again, after another framebuffer was bound
     void clear() const;
     std::vector<Pixel> read() const;
     int width() const { return width_; }
@@ -59,7 +59,7 @@ Camera view_of(const Matrix& modelview, const Matrix& projection, int width, int
 std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std::string& name, const Grid& grid,
                                        const std::vector<LasPoint>& points, std::uint32_t chunk_points = 5000);
 
-// One cloud in one view, and all that drawing it takes. White squares of two pixels unless the style is changed.
+// One cloud in one view, with everything needed to draw it. White squares of two pixels unless the style is changed.
 class Drawing {
 public:
     explicit Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1 = {});
@@ -78,8 +78,7 @@ private:
     bool l1_is_own_ = false;
 };
 
-// What most scenes are made of: a cube of random points at map coordinates, a view of it from above and in front, and
-// no budgets.
+// The usual scene: a cube of random points at map coordinates, a view of it from above and in front, and no budgets.
 inline constexpr Vec3d map_offset{500000, 5000000, 100};
 std::vector<LasPoint> random_points(std::size_t count, std::int32_t extent, std::uint64_t seed);
 // `count` x `count` points, 0.1 apart, in a plane z = height(x).
@@ -104,13 +103,13 @@ RenderOptions everything();
 
 std::size_t count_lit(const std::vector<Pixel>& pixels);
 
-// Draws until nothing more will come; the last report. Fails the test after `most` frames.
+// Draws until the picture is final and returns the last report. Fails the test after `most` frames.
 FrameReport draw_until_done(Drawing& drawing, const Framebuffer& framebuffer, const Camera& view, const Vec3d& origin,
                             const RenderOptions& options, int most = 5000);
 
 }  // namespace pcm::test
 
-// Skips the test, saying so, where no context can be made.
+// Skips the test, with the reason, where no context can be made.
 #define PCM_REQUIRE_GL(name, profile)                                         \
     std::string name##_why;                                                   \
     const auto name = pcm::test::make_offscreen(16, 16, name##_why, profile); \

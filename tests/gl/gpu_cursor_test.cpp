@@ -14,7 +14,7 @@ using namespace pcm::test;
 
 namespace {
 
-// Of all points of a view.
+// The positions of all points of a view.
 std::vector<std::byte> positions_of(const GpuView& view)
 {
     std::vector<std::byte> all;
@@ -101,7 +101,7 @@ TEST(GpuCursor, ViewsHoldWhatTheProcessorsCursorGives)
             query.level = level;
             const auto expected = on_the_processor(*cloud, query);
             query.attributes = {"intensity", "rgb"};
-            const auto l1 = make_l1(megabyte);  // of a cloud of 2 MB
+            const auto l1 = make_l1(megabyte);  // the cloud has 2 MB
             {
                 GpuOptions options;
                 options.positions = form;
@@ -117,7 +117,7 @@ TEST(GpuCursor, ViewsHoldWhatTheProcessorsCursorGives)
                 EXPECT_FALSE(view);
                 EXPECT_EQ(chunks, expected.size());
                 EXPECT_EQ(l1->statistics().forced_misses, chunks);
-                // Any of them again, and all from the first.
+                // Any chunk again, and all from the first.
                 const NodeId last = cursor.nodes().back();
                 expect_equal(cursor.get(last), expected.at(last), form);
                 EXPECT_EQ(l1->statistics().hits, 1u);
@@ -204,7 +204,7 @@ TEST(GpuCursor, AllOfALevelIsThereAtOnceOrRefusedBeforehand)
     for (const GpuView& view : views) expect_equal(view, expected.at(view.node()), GpuPositions::f32);
 }
 
-TEST(GpuCursor, MisuseIsToldByWhatIsWrong)
+TEST(GpuCursor, MisuseIsReportedByItsCause)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
@@ -243,7 +243,7 @@ TEST(GpuCursor, MisuseIsToldByWhatIsWrong)
     EXPECT_NE(said.find("read"), std::string::npos) << said;
     expect_says("views", [&] { l1->release(); });
 
-    // Views that are never let go of fill video memory.
+    // Views that are never released fill video memory.
     std::vector<GpuView> hoard;
     expect_says("held by views", [&] {
         for (const NodeId node : cursor.nodes()) hoard.push_back(cursor.get(node));

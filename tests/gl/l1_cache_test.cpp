@@ -74,7 +74,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
         auto& owner = owners[random() % owners.size()];
         const auto node = static_cast<NodeId>(random() % 60);
         const std::uint64_t action = random() % 1000;
-        if (action < (step / 5000 % 2 ? 100u : 2u)) {  // at times few frames, so that much is protected
+        if (action < (step / 5000 % 2 ? 100u : 2u)) {  // phases of few frames, in which much is protected
             cache.begin_frame(owner);
             model.latest[owner] = ++model.frame;
         } else if (action < 700) {
@@ -144,7 +144,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
     cache.release();
 }
 
-TEST(L1Cache, RequestsEndWhenTheTimeIsSpentAndWithoutATimeWhenAllIsThere)
+TEST(L1Cache, RequestsEndWhenTheTimeIsSpentAndWithoutALimitWhenAllIsUploaded)
 {
     L1Cache cache;
     std::vector<NodeId> uploaded;
@@ -154,13 +154,13 @@ TEST(L1Cache, RequestsEndWhenTheTimeIsSpentAndWithoutATimeWhenAllIsThere)
         uploaded.push_back(node);
         return true;
     };
-    Served served = cache.request(nodes, 0.0, ready, upload);  // one, whatever it takes
+    Served served = cache.request(nodes, 0.0, ready, upload);  // at least one
     EXPECT_EQ(uploaded, (std::vector<NodeId>{4}));
     EXPECT_EQ(served.uploaded, 1u);
     EXPECT_TRUE(served.out_of_time);
     served = cache.request(
         nodes, 0.0, [](NodeId node) { return node == 4 ? Supply::ready : Supply::absent; }, upload);
-    EXPECT_FALSE(served.out_of_time);  // nothing that is ready is left
+    EXPECT_FALSE(served.out_of_time);  // every ready node was uploaded
     uploaded.clear();
     served = cache.request(nodes, std::nullopt, ready, upload);
     EXPECT_EQ(uploaded, (std::vector<NodeId>{4, 6, 7}));

@@ -1,4 +1,4 @@
-// Columns in L1: the cache against a naive model, and what is read back of changed columns.
+// Columns in L1: the cache against a naive model, and changed columns read back.
 #include "tests/gl/gl_support.h"
 
 #include "pcm/gl/l1_cache.h"
@@ -46,7 +46,7 @@ std::vector<ColumnSource> sources_of(const Columns& columns)
     return sources;
 }
 
-// What a shader would do: other bytes in the column's buffers.
+// Does what a shader would do: writes other bytes into the column's buffers.
 void change_in_video_memory(const ColumnEntry& entry, std::size_t column, const Bytes& bytes)
 {
     for (const ColumnPiece& piece : entry.pieces) {
@@ -57,7 +57,7 @@ void change_in_video_memory(const ColumnEntry& entry, std::size_t column, const 
     }
 }
 
-// An owner's store, whose disk has faults at some nodes for the time being.
+// An owner's store, whose disk fails at some nodes for a while.
 struct FaultyStore final : L1WriteBack {
     const std::set<NodeId>* broken = nullptr;
     std::map<NodeId, std::map<std::size_t, Bytes>> stored;
@@ -104,7 +104,7 @@ TEST_P(L1ColumnsWith, RandomChangesOfColumnsComeBackByteForByte)
         return owner;
     };
     for (int i = 0; i < 2; ++i) owners.push_back(add_owner());
-    std::map<Key, Columns> shadow;  // of what was uploaded last, with what was changed since
+    std::map<Key, Columns> shadow;  // the latest uploads with later changes
     std::map<L1Cache::Owner, std::map<NodeId, std::map<std::size_t, Bytes>>> marked;
     const std::vector<std::uint32_t> sizes{1, 255, 256, 257, 5120, 5121, 0, 30000};
     std::uint64_t refused_by_store = 0, failed_flushes = 0, failed_shrinks = 0;
@@ -184,7 +184,7 @@ TEST_P(L1ColumnsWith, RandomChangesOfColumnsComeBackByteForByte)
     EXPECT_GT(cache.statistics().evictions, 100u);
     EXPECT_GT(cache.statistics().failed_write_backs, 20u);
 
-    // The disk works again: nothing of what was marked, by whatever owner, is lost.
+    // The disk works again: no marked column of any owner is lost.
     if (!broken.empty()) broken.clear();
     cache.flush();
     std::uint64_t bytes = 0;
@@ -199,7 +199,7 @@ TEST_P(L1ColumnsWith, RandomChangesOfColumnsComeBackByteForByte)
     EXPECT_EQ(cache.statistics().resident_chunks, 0u);
 }
 
-TEST(L1Columns, WhatCannotBeWrittenBackStaysAndTheErrorReachesTheCaller)
+TEST(L1Columns, FailedWriteBacksStayAndTheErrorReachesTheCaller)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     L1Options options;
@@ -209,7 +209,7 @@ TEST(L1Columns, WhatCannotBeWrittenBackStaysAndTheErrorReachesTheCaller)
     std::set<NodeId> broken{7};
     store->broken = &broken;
     const auto owner = cache.add_owner(store);
-    const Columns columns = random_columns(30000, 1);  // 690 kB: there is room for one
+    const Columns columns = random_columns(30000, 1);  // 690 kB: room for one
     ASSERT_TRUE(cache.upload_columns(owner, 7, 30000, {}, sources_of(columns), true));
     const Columns other = random_columns(30000, 2);
     change_in_video_memory(*cache.find_columns(owner, 7), 1, other[1]);
@@ -235,7 +235,7 @@ TEST(L1Columns, WhatCannotBeWrittenBackStaysAndTheErrorReachesTheCaller)
     cache.remove_owner(owner);  // as when a computation ended early
     EXPECT_THROW(cache.release(), Error);
     EXPECT_EQ(cache.read(owner, 7, 1), other[1]);
-    cache.flush(owner + 1);  // nothing of that one
+    cache.flush(owner + 1);  // another owner has nothing to flush
 
     broken.clear();
     cache.release();
@@ -244,7 +244,7 @@ TEST(L1Columns, WhatCannotBeWrittenBackStaysAndTheErrorReachesTheCaller)
     EXPECT_EQ(cache.statistics().allocated_bytes, 0u);
 }
 
-TEST(L1Columns, WhatIsWantedNoMoreIsDiscarded)
+TEST(L1Columns, DiscardedChangesAreNotWrittenBack)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     L1Cache cache;

@@ -62,7 +62,7 @@ struct L1Model {
             if (!taken[p]) free.insert(p);
         return free;
     }
-    // Numbers of the entries, those used longest ago first.
+    // Numbers of the entries, least recently used first.
     std::vector<std::pair<std::uint64_t, NodeId>> by_age() const
     {
         std::vector<std::pair<std::uint64_t, std::pair<std::uint64_t, NodeId>>> order;

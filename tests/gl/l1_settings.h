@@ -1,4 +1,4 @@
-// Settings of an L1 that tests run with, and the naive model with the same settings.
+// Settings of an L1 for parametrised tests, and the naive model with the same settings.
 #pragma once
 
 #include "pcm/gl/l1_cache.h"

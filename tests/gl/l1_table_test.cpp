@@ -12,7 +12,7 @@ namespace {
 
 using Log = std::vector<std::array<std::uint64_t, 3>>;  // write-backs in order: owner, node, content
 
-// One table with hooks that hand out blocks and write back unless the node is broken.
+// A table with hooks that add blocks, and that write back unless the node is broken.
 template <L1Container container>
 struct Subject {
     using Table = L1Table<std::uint64_t, container>;
@@ -84,7 +84,7 @@ TEST_P(L1TableWith, AMillionRandomOperationsAgreeWithANaiveModel)
 {
     constexpr std::uint32_t per_block = 17;
     std::mt19937_64 random(29);
-    std::set<NodeId> broken;  // whose write-backs fail for the time being
+    std::set<NodeId> broken;  // their write-backs fail for a while
     Subject<L1Container::hash_map> hashed(GetParam(), per_block, 4, broken);
     Subject<L1Container::ordered_map> ordered(GetParam(), per_block, 4, broken);
     L1Model model;
@@ -112,7 +112,7 @@ TEST_P(L1TableWith, AMillionRandomOperationsAgreeWithANaiveModel)
         auto& owner = owners[random() % owners.size()];
         const auto node = static_cast<NodeId>(random() % 40);
         const std::uint64_t action = random() % 1000;
-        if (action < (step / 10000 % 2 ? 100u : 8u)) {  // at times few frames, so that much is protected
+        if (action < (step / 10000 % 2 ? 100u : 8u)) {  // phases of few frames, in which much is protected
             hashed.table.begin_frame(owner);
             ordered.table.begin_frame(owner);
             model.latest[owner] = ++model.frame;
@@ -202,7 +202,7 @@ TEST_P(L1TableWith, AMillionRandomOperationsAgreeWithANaiveModel)
             ASSERT_TRUE(same(ordered.table.counts(), model.counts)) << "step " << step;
         }
     }
-    // All of it happened.
+    // Every case occurred.
     EXPECT_GT(model.counts.evictions, 10000u);
     EXPECT_GT(model.counts.refused, 1000u);
     EXPECT_GT(model.counts.capacity_misses, 10000u);
@@ -210,7 +210,7 @@ TEST_P(L1TableWith, AMillionRandomOperationsAgreeWithANaiveModel)
     EXPECT_GT(failed_shrinks, 100u);
 }
 
-TEST(L1Table, LruTakesWhatItNeedsAndNaiveAllThatIsNotNecessary)
+TEST(L1Table, LruEvictsAsMuchAsNeededAndNaiveEverythingUnprotected)
 {
     for (const L1Policy policy : {L1Policy::lru, L1Policy::naive}) {
         const std::set<NodeId> none;
@@ -230,7 +230,7 @@ TEST(L1Table, LruTakesWhatItNeedsAndNaiveAllThatIsNotNecessary)
     }
 }
 
-TEST(L1Table, WhatCannotBeWrittenBackStaysAndAnotherEntryGoes)
+TEST(L1Table, AnEntryThatCannotBeWrittenBackStaysAndAnotherIsEvicted)
 {
     std::set<NodeId> broken{0};
     Subject<L1Container::ordered_map> s(L1Policy::lru, 2, 1, broken);
@@ -248,7 +248,7 @@ TEST(L1Table, WhatCannotBeWrittenBackStaysAndAnotherEntryGoes)
     EXPECT_FALSE(s.table.find(owner, 1));
     s.table.begin_frame(owner);
     EXPECT_FALSE(s.table.insert(owner, 3, 2, 0, false, decltype(s)::Hooks{s}));
-    EXPECT_TRUE(s.table.find(owner, 2));  // a refusal costs nobody anything
+    EXPECT_TRUE(s.table.find(owner, 2));  // a refusal evicts nothing
     s.table.remove_owner(owner);
     EXPECT_EQ(s.table.size(), 1u);
     EXPECT_EQ(s.table.flush(nullptr, decltype(s)::Hooks{s}), 1u);

@@ -1,4 +1,4 @@
-// What a picture becomes while its view moves and rests.
+// Pictures of moving and of resting views.
 #include "tests/gl/gl_support.h"
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 using namespace pcm;
 using namespace pcm::test;
 
-// Whatever the budgets and the caches are, a view that rests comes to the picture of all points, pixel for pixel; and
-// that is the one a z-buffer in double gives.
+// For any budgets and caches, a resting view converges to the picture of all points, pixel for pixel, and that equals a
+// z-buffer in double.
 TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -30,7 +30,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
         for (int way = 0; way < 3; ++way) {
             L1Options l1;
             l1.block_bytes = 1u << 20;
-            if (way > 0) l1.capacity_bytes = 1u << 20;  // a third of the points have room
+            if (way > 0) l1.capacity_bytes = 1u << 20;  // room for a third of the points
             Drawing drawing(cloud, l1);
             drawing.style.colour = ColourMode::rgb;
             RenderOptions options;
@@ -56,7 +56,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
             EXPECT_TRUE(report.full_resolution);
             EXPECT_EQ(report.screen_error_px, 0);
             EXPECT_TRUE(framebuffer.read() == at_once) << "way " << way;
-            // From now on nothing is drawn but the picture itself.
+            // From now on only the finished picture is composited.
             framebuffer.clear();
             report = drawing.draw(view, map_offset, options);
             EXPECT_EQ(report.points_added, 0u);
@@ -66,7 +66,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
             drawing.release();
         }
 
-        // Squares of two pixels; points whose edges or depths are too near to one another to tell are left out.
+        // Squares of two pixels; pixels where edges or depths are too close to decide are left out.
         struct Nearest {
             double depth = 2, second = 2;
             const LasPoint* point = nullptr;
@@ -119,8 +119,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
     }
 }
 
-// The limit of uploads is there so that a moving view does not falter: one that rests uploads as long as its frames may
-// take.
+// The limit of uploads keeps moving views smooth: a resting view uploads as long as its frames may take.
 TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -136,7 +135,7 @@ TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
         cloud->cache().clear();
         Drawing drawing(cloud);
         RenderOptions options = everything();
-        options.upload_budget_ms = 0;  // one chunk a frame
+        options.upload_budget_ms = 0;  // one chunk per frame
         options.converge = converge;
         std::size_t frames = 1;
         FrameReport report = drawing.draw(view, map_offset, options);
@@ -155,8 +154,9 @@ TEST(Picture, ARestingViewUsesTheTimeOfItsFrames)
     }
 }
 
-// What both trees need most is drawn first, under one budget; and each may be placed anywhere.
-TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
+// Under one budget, the nodes with the largest errors are drawn first, of whichever tree; each tree may be placed
+// anywhere.
+TEST(Picture, SeveralCloudsShareABudgetByScreenError)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
@@ -199,10 +199,10 @@ TEST(Picture, SeveralCloudsShareABudgetByWhatTheEyeSees)
     EXPECT_GT(report.clouds[0].points_drawn, 3 * report.clouds[1].points_drawn);
     EXPECT_GT(report.clouds[1].points_drawn, 0u);
     const std::uint64_t near_points = report.clouds[0].points_drawn;
-    // The nearer one alone has the budget to itself.
+    // The nearer tree alone has the whole budget.
     report = until_done({near_item});
     EXPECT_GT(report.clouds[0].points_drawn, near_points);
-    // And all of both in the end, in two places.
+    // Both trees are complete in the end, at their two places.
     options.converge = true;
     report = until_done({near_item, far_item});
     EXPECT_TRUE(report.full_resolution);
@@ -263,7 +263,7 @@ TEST(Picture, ACloudMayBeShownTwice)
         for (int x = 0; x < 200; ++x) lit[x >= 100] += pixels[static_cast<std::size_t>(y * 200 + x)].a > 0;
     EXPECT_GT(lit[0], 500u);
     EXPECT_GT(lit[1], 500u);
-    // Not in two attributes' colours, and not with another cache: it says so and draws nothing.
+    // Colours of two attributes, or another cache, are refused with an error, and nothing is drawn.
     right.style.colour = ColourMode::intensity;
     EXPECT_NE(renderer.draw(picture, view, {left, right}, everything()).error, "");
     DrawnCloud stranger(cloud, std::make_shared<L1Cache>());
@@ -277,7 +277,7 @@ TEST(Picture, ACloudMayBeShownTwice)
     l1->release();
 }
 
-// A flight through a cloud with an L1 far too small for it: no place that has points is ever empty.
+// A flight through a cloud with an L1 far too small for it: no part of the cloud is ever blank.
 TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -301,19 +301,19 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
         const FrameReport report = drawing.draw(view, map_offset, options);
         ASSERT_EQ(report.error, "");
         cloud->cache().wait_idle();
-        if (frame == 0) {  // the first picture may have nothing yet
+        if (frame == 0) {  // the first picture may be empty
             draw_until_done(drawing, framebuffer, view, map_offset, options);
             continue;
         }
         EXPECT_LE(report.points_drawn, 25000u);
-        // Tiles that lie on the sheet, well inside.
+        // Tiles well inside the sheet.
         const auto pixels = framebuffer.read();
         std::size_t blank = 0, tiles = 0;
         for (int ty = 0; ty < 120; ty += 20)
             for (int tx = 0; tx < 160; tx += 20) {
                 bool inside = true;
                 for (const auto& [dx, dy] : {std::pair{0, 0}, {20, 0}, {0, 20}, {20, 20}}) {
-                    // The ray of this corner, cut with z = 0.
+                    // The ray of this corner, intersected with z = 0.
                     const double ndc[2] = {(tx + dx) / 80.0 - 1, (ty + dy) / 60.0 - 1};
                     const double d[3] = {ndc[0] / view.projection[0], ndc[1] / view.projection[5], -1};
                     const double c = std::cos(0.6), s = std::sin(0.6);  // back by rotation_x(0.6)
@@ -336,8 +336,8 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     drawing.release();
 }
 
-// A coarse picture has no holes where the full one has none: splats are as large as what is missing between them. At
-// rest they shrink, and no frame in between shows less of the surface.
+// A coarse picture has no holes where the full one has none: splats grow to fill the gaps. At rest they shrink, and no
+// frame in between shows less of the surface.
 TEST(Picture, CoarsePicturesHaveNoHoles)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);

@@ -56,7 +56,7 @@ TEST_P(RendererAccuracyIn, ConstantSplatsCoverExactlyTheirSquares)
             const auto pixels = framebuffer.read();
 
             // A pixel is covered when its centre lies in the square around a projected point. Rasterisers place points
-            // on a subpixel raster (1/256 here; 1/16 is what OpenGL asks for): edges nearer than that are left to them.
+            // on a subpixel raster (1/256 here; OpenGL requires 1/16): edges nearer than that are not tested.
             constexpr double slack = 1.0 / 128;
             std::vector<int> expected(320 * 240, 0);  // 0 dark, 1 either, 2 lit
             for (const LasPoint& p : points) {
@@ -99,7 +99,7 @@ TEST_P(RendererAccuracyIn, MapCoordinatesDrawTheSamePicture)
         pictures.push_back(framebuffer.read());
         if (offset[0] > 0) {
             // Another local origin, as when several clouds share one: coordinates round to 1e-9 of the scene's metre,
-            // so only a pixel whose edge a splat all but touches may change.
+            // so only a pixel whose centre a splat's edge nearly touches may change.
             const Vec3d other{offset[0] - 1234.567, offset[1] + 77.7, offset[2] + 3.3};
             const Camera moved = view_of(
                 product(overview(10), translation(other[0] - offset[0], other[1] - offset[1], other[2] - offset[2])),
@@ -119,8 +119,8 @@ TEST_P(RendererAccuracyIn, MapCoordinatesDrawTheSamePicture)
 TEST(RendererAccuracy, ASlowPanDoesNotMakePointsTremble)
 {
     // One point seen from 2 m, in a tile of 20 km at map coordinates, through a projection that magnifies the
-    // surroundings of where it should appear 64 times: the place of the lit pixel tells its place in the picture to
-    // 1/64 pixel. The modelview, where the large numbers are, is the one of the plain picture.
+    // surroundings of where it should appear 64 times: the lit pixel gives its place in the picture to 1/64 pixel. The
+    // modelview, where the large numbers are, is the one of the plain picture.
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     auto points = random_points(400, 20000000, 3);
@@ -200,7 +200,7 @@ TEST(RendererAccuracy, DrawsWidePositions)
     renderer.style.colour = ColourMode::rgb;
     renderer.style.point_size_px = 3;
     const FrameReport report = draw_until_done(renderer, framebuffer, camera, {0, 0, 0}, options);
-    EXPECT_EQ(report.clouds[0].style.colour, ColourMode::height);  // it has neither colour nor intensity
+    EXPECT_EQ(report.clouds[0].style.colour, ColourMode::height);  // the cloud has neither colour nor intensity
     EXPECT_EQ(report.points_drawn, 500u);
     const auto pixels = framebuffer.read();
     for (const Vec3d& p : points) {

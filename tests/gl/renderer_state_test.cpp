@@ -1,7 +1,6 @@
 // What the renderer promises to its host: OpenGL's state, shared contexts, views that show nothing.
 #include "tests/gl/gl_support.h"
 
-
 using namespace pcm;
 using namespace pcm::test;
 
@@ -130,10 +129,10 @@ TEST_P(RendererStateIn, LeavesTheStateOfTheHostAsItWas)
             const auto before = snapshot();
             while (glGetError() != GL_NO_ERROR) {
             }                  // core contexts do not know all of the names
-            glEnable(0xdead);  // an error that the host left behind is not reported as ours
+            glEnable(0xdead);  // an error left by the host is not reported as the renderer's
             RenderOptions options = everything();
             renderer.style.colour = mode;
-            // All that may be switched on, in one of the hosts.
+            // Every option is on in one of the hosts.
             options.samples = host >= 2 ? 4 : 1;
             options.eye_dome = odd ? 1.0f : 0.0f;
             FrameReport report;
@@ -170,7 +169,7 @@ TEST(RendererState, ContextsOfOneGroupTakeTurns)
     const Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
     second->make_current();
     auto in_second = std::make_unique<Framebuffer>(100, 100);
-    Picture of_second;  // a picture is of one context
+    Picture of_second;  // a picture belongs to one context
     first->make_current();
     auto in_first = std::make_unique<Framebuffer>(100, 100);
     draw_until_done(renderer, *in_first, camera, map_offset, everything());
@@ -192,7 +191,7 @@ TEST(RendererState, ContextsOfOneGroupTakeTurns)
     second->make_current();
     of_second.release();
     in_second.reset();
-    renderer.release();  // with another context of the group current than the one that uploaded
+    renderer.release();  // in another context of the group than the one that uploaded
     EXPECT_EQ(renderer.l1()->statistics().allocated_bytes, 0u);
 }
 

@@ -15,7 +15,7 @@ class RendererIn : public testing::TestWithParam<Profile> {};
 INSTANTIATE_TEST_SUITE_P(Profiles, RendererIn, testing::Values(Profile::compatibility, Profile::core),
                          [](const auto& info) { return info.param == Profile::core ? "Core" : "Compatibility"; });
 
-// What a moving view comes to see is in RAM before; nothing of it when that is not asked for.
+// Chunks that a moving view will see are loaded ahead; none are when prefetching is off.
 TEST_P(RendererIn, AMovingViewLoadsAhead)
 {
     PCM_REQUIRE_GL(context, GetParam());
@@ -33,14 +33,14 @@ TEST_P(RendererIn, AMovingViewLoadsAhead)
         };
         draw_until_done(renderer, framebuffer, camera_at(20), map_offset, options);
         for (double x = 21; x <= 24; ++x) {
-            for (int frame = 0; frame < 20; ++frame) {  // all of this view, and then what is ahead
+            for (int frame = 0; frame < 20; ++frame) {  // all of this view, then the chunks ahead
                 renderer.draw(camera_at(x + frame * 1e-9), map_offset, options);
                 cloud->cache().wait_idle();
             }
             renderer.draw(camera_at(x + 0.5), map_offset, options);
             cloud->cache().wait_idle();
         }
-        // Seen eight frames of half a metre from here.
+        // The view after eight frames of half a metre.
         const Camera later = camera_at(24.5 + 8 * 0.5);
         Camera view = later;
         view.origin = map_offset;
@@ -77,7 +77,7 @@ TEST(Renderer, RefinesWithoutEverShowingLess)
         options.target_spacing_px = target;
         options.converge = false;
         options.fill_gaps = false;
-        options.upload_budget_ms = 0;  // one chunk a frame
+        options.upload_budget_ms = 0;  // one chunk per frame
         FrameReport last;
         last.screen_error_px = 1e9;
         std::size_t lit = 0;
@@ -108,7 +108,7 @@ TEST(Renderer, RefinesWithoutEverShowingLess)
         const L1Statistics s = renderer.l1()->statistics();
         EXPECT_EQ(s.compulsory_misses, last.nodes_drawn);
         EXPECT_EQ(s.capacity_misses, 0u);
-        EXPECT_EQ(s.uploaded_bytes, last.points_drawn * 12);  // no colour was asked for, none was uploaded
+        EXPECT_EQ(s.uploaded_bytes, last.points_drawn * 12);  // no colours were needed, none were uploaded
         renderer.release();
     }
     EXPECT_GT(wakes, 0);
@@ -145,7 +145,7 @@ TEST(Renderer, ColoursAreTheCloudsOwn)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;
-    // Four points far apart, looked at straight down, 1 unit a pixel.
+    // Four points far apart, looked at straight down, 1 unit per pixel.
     std::vector<LasPoint> points(4);
     const std::uint16_t bytes[4][3] = {{255, 0, 10}, {1, 128, 254}, {77, 200, 0}, {0, 0, 33}};
     const Camera camera = view_of(identity(), product(translation(-1, -1, 0), orthographic(20, 20, -10, 10)), 40, 40);
@@ -179,7 +179,7 @@ TEST(Renderer, ColoursAreTheCloudsOwn)
             draw_until_done(renderer, framebuffer, camera, {0, 0, 0}, options);
             pixels = framebuffer.read();
             int before = -1;
-            for (std::size_t i = 0; i < 4; ++i) {  // both rise from point to point
+            for (std::size_t i = 0; i < 4; ++i) {  // both increase from point to point
                 const Pixel p = pixels[20 * 40 + 5 + 8 * i];
                 EXPECT_GT(p.r + 2 * p.g, before);
                 before = p.r + 2 * p.g;
@@ -189,7 +189,7 @@ TEST(Renderer, ColoursAreTheCloudsOwn)
     }
 }
 
-// Video memory for a third of what is in view: a moving view shows what fits, a resting one everything.
+// Video memory for a third of the points in view: a moving view shows what fits, a resting one everything.
 TEST(Renderer, LivesWithLittleVideoMemory)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);

@@ -1,32 +1,48 @@
 #include "tests/gl/gl_support.h"
 
 #include "pcm/gl/shader_program.h"
+#include "pcm/gl/splat_program.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <vector>
 
 using namespace pcm;
 using namespace pcm::test;
+
+namespace {
+
+// Of every splat mode; colourings, which do not interact with the rest, take turns.
+std::vector<SplatPermutation> permutations()
+{
+    std::vector<SplatPermutation> list;
+    for (const SplatTraits& mode : splat_modes()) {
+        const bool disc = mode.shape == SplatShape::disc;
+        for (const bool quads : {false, true})
+            for (const bool orthographic : {false, true})
+                for (const unsigned samples : {1u, 8u})
+                    for (const bool doubles : {false, true}) {
+                        const bool used = (!quads || mode.shape != SplatShape::pixels) &&
+                                          (!orthographic || (disc && mode.in_parallel == mode.mode)) &&
+                                          (samples == 1 || disc) && (!doubles || mode.has_doubles);
+                        if (used)
+                            list.push_back({mode.mode, static_cast<Colouring>(list.size() % 3), orthographic, quads,
+                                            samples, doubles});
+                    }
+    }
+    return list;
+}
+
+}  // namespace
 
 TEST(ShaderProgram, BuildsEveryPermutationInBothProfiles)
 {
     for (const Profile profile : {Profile::compatibility, Profile::core}) {
         PCM_REQUIRE_GL(context, profile);
-        for (const std::vector<std::string>& defines :
-             std::vector<std::vector<std::string>>{{},
-                                                   {"VERTEX_COLOUR"},
-                                                   {"HEIGHT_COLOUR"},
-                                                   {"DYNAMIC"},
-                                                   {"DYNAMIC", "QUADS", "VERTEX_COLOUR"},
-                                                   {"AFFINE"},
-                                                   {"AFFINE", "QUADS", "SAMPLES 4"},
-                                                   {"DISC", "HEIGHT_COLOUR"},
-                                                   {"DISC", "DOUBLE", "QUADS"},
-                                                   {"DISC", "ORTHOGRAPHIC", "SAMPLES 8"},
-                                                   {"DISC", "ORTHOGRAPHIC", "DOUBLE", "VERTEX_COLOUR"}}) {
-            ShaderProgram program("splat.vert", "splat.frag", defines);
+        for (const SplatPermutation& permutation : permutations()) {
+            ShaderProgram program("splat.vert", "splat.frag", permutation.defines());
             EXPECT_TRUE(program);
             EXPECT_GE(program.uniform("projection"), 0);
             program.release();

@@ -12,14 +12,13 @@ using namespace pcm::test;
 
 namespace {
 
-
 Vec3d random_direction(std::mt19937_64& random)
 {
     std::normal_distribution<double> normal;
     return {normal(random), normal(random), normal(random)};
 }
 
-// Discs in front of an eye at the origin that looks down -z, as far as `unit` is large.
+// Discs in front of an eye at the origin that looks down -z, at distances in proportion to `unit`.
 std::vector<Disc> random_discs(std::size_t count, double unit, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
@@ -34,7 +33,7 @@ std::vector<Disc> random_discs(std::size_t count, double unit, std::uint64_t see
     return discs;
 }
 
-// A disc that is seen at so small an angle to its plane, its centre in the direction of (x, y, -1); `turn` is about the
+// A disc seen at the angle `graze` to its plane, its centre in the direction of (x, y, -1); `turn` rotates it about the
 // ray.
 Disc grazing_disc(double x, double y, double depth, double radius, double degrees, double turn)
 {
@@ -81,7 +80,7 @@ TEST_P(SplatDisc, AFieldOfDiscs)
         const SplatScene scene(fine_grid(1e-6), random_discs(60, 1, 1));
         const Camera view = view_of(identity(), perspective(1, aspect, 0.1, 100), width, height);
         expect_exact(compare(scene, view, true, GetParam()), 5000, GetParam());
-        // The usual convention: near is 0. A float near 1 tells depths of 10 apart to 6e-8 * 100 / 0.1.
+        // The usual convention: near is 0. A float near 1 resolves depths around 10 to 6e-8 * 100 / 0.1.
         expect_exact(compare(scene, view, false, GetParam()), 5000, GetParam(), 1.2e-3);
         const Camera near = view_of(identity(), perspective(1, aspect, 1.5, 20), width, height);
         expect_exact(compare(scene, near, false, GetParam()), 5000, GetParam());
@@ -96,7 +95,7 @@ TEST_P(SplatDisc, OrthographicViews)
         expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 0.1, 20), width, height), reversed,
                              GetParam()),
                      3000, GetParam());
-        // The near plane cuts some, and may lie behind the eye.
+        // The near plane cuts some discs, and may lie behind the eye.
         expect_exact(compare(scene, view_of(identity(), orthographic(5, 5 / aspect, 5, 20), width, height), reversed,
                              GetParam()),
                      1000, GetParam());
@@ -117,7 +116,7 @@ TEST_P(SplatDisc, OffAxisTurnedAndStretched)
     const Matrix turned = product(translation(0, 0, -6), product(rotation_x(0.7), translation(0, 0, 6)));
     expect_exact(compare(scene, view_of(turned, off_axis, width, height), true, GetParam()), 2000, GetParam());
     Matrix scaled = turned;
-    for (double& v : scaled) v *= 7;  // of all sixteen: the same matrix
+    for (double& v : scaled) v *= 7;  // all sixteen elements: the same transformation
     expect_exact(compare(scene, view_of(scaled, off_axis, width, height), true, GetParam()), 2000, GetParam());
     // A placement that shrinks the cloud; and one that stretches it, under which discs become ellipses.
     Matrix placement = identity();
@@ -132,7 +131,7 @@ TEST_P(SplatDisc, OffAxisTurnedAndStretched)
 TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Of such a disc little is seen, so it must be large: half as wide as the picture to several times as wide.
+    // Little of such a disc is visible, so it must be large: from half the picture's width to several times that.
     const Camera view = view_of(identity(), perspective(0.6, aspect, 0.01, 100), width, height);
     std::size_t covered = 0;
     for (const double degrees : {0.1, 0.3, 1.0, 5.0})
@@ -153,7 +152,8 @@ TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
 TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // The eye is among the discs: many are cut by the near plane, have their centres behind the eye or beside the view.
+    // The eye is among the discs: many are cut by the near plane, or have their centres behind the eye or beside the
+    // view.
     std::mt19937_64 random(4);
     std::uniform_real_distribution<double> even(-1, 1);
     for (int round = 0; round < 12; ++round) {
@@ -175,8 +175,8 @@ TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
 TEST_P(SplatDisc, SmallAndLargeInOneView)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Radii from 1e-6 to 1e6, each at the depth where it is of some pixels, and on a floor of radius 1e6; near / far is
-    // 1e-12.
+    // Radii from 1e-6 to 1e6, each at the depth where it covers some pixels, and on a floor of radius 1e6; near / far
+    // is 1e-12.
     for (int e = -6; e <= 6; ++e) {
         const double unit = std::pow(10.0, e);
         SCOPED_TRACE(testing::Message() << "radii of 1e" << e);
@@ -185,7 +185,7 @@ TEST_P(SplatDisc, SmallAndLargeInOneView)
             compare(scene, view_of(identity(), perspective(1, aspect, 1e-6, 2e7), width, height), true, GetParam()),
             3000, GetParam());
     }
-    // One chunk with both: the small ones stand before the large.
+    // One chunk with both: the small discs are in front of the large.
     std::vector<Disc> both = random_discs(20, 1e-6, 6);
     const double step = 1e-12;
     for (const Disc& disc : random_discs(20, 1, 7)) both.push_back(disc);
@@ -217,13 +217,13 @@ TEST_P(SplatDisc, AtMapCoordinates)
     discs.push_back({{5e6 + 2000, 4.8e6 + 2000, 500}, {0, 0, 1}, 0.01});
     const Grid grid = fine_grid(1e-4, {5e6, 4.8e6, 0});
     const SplatScene scene(grid, discs);
-    // The local origin beside the cloud; and at 0, as where a host does not shift: then the modelview is as large as
+    // The local origin beside the cloud; and at 0, as in a host that does not shift: then the modelview has the size of
     // the coordinates.
     const Vec3d origin{5e6 + 1000, 4.8e6 + 1000, 0};
     const Matrix shifted = translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]);
     const Matrix far = perspective(1, aspect, 1e-3, 1e3);
     expect_exact(compare(scene, view_of(shifted, far, width, height, origin), true, GetParam()), 4000, GetParam());
-    // There doubles leave 1e-9 m, a ten-millionth of the radius.
+    // There the resolution of double is 1e-9 m, a ten-millionth of the radius.
     expect_exact(compare(scene, view_of(translation(-eye[0], -eye[1], -eye[2]), far, width, height), true, GetParam()),
                  4000, GetParam());
 }
@@ -231,7 +231,7 @@ TEST_P(SplatDisc, AtMapCoordinates)
 TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Larger than any point of the driver's: the picture is four times as wide.
+    // Larger than the driver's largest point: the picture is four times as wide.
     float range[2] = {0, 0};
     glGetFloatv(GL_POINT_SIZE_RANGE, range);
     const int wide = std::min(4 * static_cast<int>(range[1]), 1200);
@@ -244,7 +244,7 @@ TEST_P(SplatDisc, BeyondTheLargestPointAndWithItsCentreOutside)
     EXPECT_GT(a.covered, 8000u);
     EXPECT_EQ(a.wrong_coverage + a.wrong_disc + a.not_numbers, 0u);
     EXPECT_LE(a.worst_depth, GetParam() ? 1e-4 : 3e-4);
-    // Small ones, drawn as points, all with their centres just outside of the picture.
+    // Small discs, drawn as points, with their centres just outside the picture.
     std::vector<Disc> border;
     for (int d = 0; d < 40; ++d) {
         const double along = (d % 10 - 4.5) * 0.2;

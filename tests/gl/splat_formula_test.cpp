@@ -22,7 +22,7 @@ struct Eye {
     Vec3d place{}, normal{};
     double depth = 0;
     double window[2]{};
-    double focal[2]{};  // pixels an eye unit at the splat's depth
+    double focal[2]{};  // pixels per eye unit at the splat's depth
 };
 
 Eye eye_of(const Camera& view, const Disc& disc)
@@ -34,7 +34,7 @@ Eye eye_of(const Camera& view, const Disc& disc)
         eye.place[r] = m[12 + r];
         for (std::size_t c = 0; c < 3; ++c) {
             eye.place[r] += m[c * 4 + r] * disc.centre[c];
-            eye.normal[r] += m[c * 4 + r] * disc.normal[c];  // of a rotation
+            eye.normal[r] += m[c * 4 + r] * disc.normal[c];  // the modelview is a rotation
         }
     }
     eye.depth = -eye.place[2];
@@ -166,7 +166,7 @@ TEST(SplatFormula, EachAgreesWithItsFormula)
             for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine})
                 for (const bool reversed : {true, false}) {
                     if (!reversed && view.projection[11] != 0)
-                        continue;  // floats near 1 tell less; splat_disc_test.cpp has that
+                        continue;  // floats near 1 resolve less; splat_disc_test.cpp tests that
                     SCOPED_TRACE(testing::Message()
                                  << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
                     CloudStyle style = style_of(mode);
@@ -188,8 +188,8 @@ TEST(SplatFormula, DynamicSquaresOfAnySizeAtTheBorder)
             expect_same(draw(scene, view, style_of(SplatMode::dynamic)), truth, view, true, 500);
         }
     }
-    // No point vanishes: of a radius of 0 or far away, one pixel is left. (An exact pixel's centre: of a square of 1
-    // pixel there is one.)
+    // No point vanishes: with a radius of 0, or far away, it covers one pixel. (A square of 1 pixel covers exactly one
+    // centre.)
     std::vector<Disc> tiny;
     for (int d = 0; d < 50; ++d) tiny.push_back({{-4 + 0.16 * d, 0.013 * d, -9}, {0, 0, 1}, d % 2 ? 0.0 : 1e-9});
     const SplatScene scene(fine_grid(), tiny);
@@ -201,7 +201,7 @@ TEST(SplatFormula, DynamicSquaresOfAnySizeAtTheBorder)
 TEST(SplatFormula, ErrorsAreOrdered)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // Tilted discs over the whole of a wide view.
+    // Tilted discs all over a wide view.
     const Camera view = view_of(identity(), perspective(1.4, aspect, 0.1, 100), width, height);
     const SplatScene scene(fine_grid(), field(40, 3));
     const auto truth = DiscOracle(view).picture(scene.discs(view));

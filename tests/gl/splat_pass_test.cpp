@@ -24,7 +24,7 @@ TEST(SplatPass, TwoFramesAreTheSameBitForBit)
     }
 }
 
-TEST(SplatPass, WhatIsMissingIsReplaced)
+TEST(SplatPass, MissingAttributesAreReplaced)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const Camera view = perspective_view();
@@ -43,7 +43,7 @@ TEST(SplatPass, WhatIsMissingIsReplaced)
     EXPECT_EQ(uncoloured.depths, coloured.depths);
     for (const Pixel& p : uncoloured.colours) EXPECT_TRUE(p.a == 0 || (p.r == 191 && p.g == 191 && p.b == 191));
 
-    // A normal of zero faces the eye; a radius of zero, or one that is no number, draws nothing.
+    // A normal of zero faces the eye; a radius of zero or NaN draws nothing.
     std::vector<Disc> odd{{{0, 0, -5}, {0, 0, 0}, 1},
                           {{1.5, 1, -5}, {std::nan(""), 0, 1}, 0.5},
                           {{-1.5, 1, -5}, {0, 0, 1}, std::nan("")},
@@ -61,7 +61,7 @@ TEST(SplatPass, WhatIsMissingIsReplaced)
     }
     EXPECT_LE(different, 4u);  // at silhouettes
     EXPECT_GT(covered, 500u);
-    // A least size is one that even such points have.
+    // The least size applies to such points too.
     ChunkLook look;
     look.least_radius = 0.25f;
     look.least_px = 100;
@@ -151,7 +151,7 @@ TEST(SplatPass, LeavesViewportScissorAndStateAsTheyWere)
     PCM_REQUIRE_GL(context, Profile::core);
     const SplatScene scene(fine_grid(), field(40, 8, 1.5, 8));
     const DepthFramebuffer framebuffer(width + 40, height + 30);
-    // A part of the framebuffer, and of that a part.
+    // A part of the framebuffer as viewport, and a part of that as scissor.
     glViewport(20, 15, width, height);
     glScissor(50, 40, 60, 50);
     for (const bool scissor : {false, true})

@@ -151,7 +151,7 @@ double depth_of(const Camera& view, bool reversed, float value)
 {
     const double ndc = reversed ? 1 - 2 * static_cast<double>(value) : 2 * static_cast<double>(value) - 1;
     const Matrix& p = view.projection;
-    // Reversed, near 0 is all that is left of 1 - ndc, so it must not be formed.
+    // With reversed depth, forming 1 - ndc would cancel near 0.
     if (p[11] == 0) return (p[14] - ndc) / p[10];
     return reversed ? p[14] / ((1 + p[10]) - 2 * static_cast<double>(value)) : p[14] / (ndc + p[10]);
 }
@@ -182,7 +182,7 @@ std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness, 
     for (std::size_t d = 0; d < count; ++d) {
         const double depth = 6 + 4 * even(random);
         Vec3d normal = random_direction(random);
-        normal[2] += normal[2] < 0 ? -1 : 1;  // seen neither from the side nor, in the affine mode, as if
+        normal[2] += normal[2] < 0 ? -1 : 1;  // not edge-on, neither exactly nor in the affine mode's approximation
         discs.push_back({{wideness * depth * even(random), wideness * 0.75 * depth * even(random), -depth},
                          normal,
                          (0.5 + 0.45 * even(random)) * size});
@@ -221,10 +221,10 @@ Agreement compare(const SplatScene& scene, const Camera& view, bool reversed, bo
         if (seen < 0) continue;
         ++agreement.covered;
         const Disc& disc = discs[static_cast<std::size_t>(truth[i].disc)];
-        double size = 0;  // eye units in a source unit
+        double size = 0;  // eye units per source unit
         for (std::size_t r = 0; r < 3; ++r) size += view.modelview[r] * view.modelview[r];
         const double radius = disc.radius * std::sqrt(size);
-        // Of two that are as near, either may win.
+        // Of two at equal depth, either may win.
         if (seen != truth[i].disc && truth[i].runner_up - truth[i].depth > 2e-4 * radius) ++agreement.wrong_disc;
         double ray = 1;  // of a depth of 1
         if (view.projection[11] != 0) {

@@ -1,4 +1,4 @@
-// Discs in video memory, drawn by the splat pass alone, beside what the oracle knows of them.
+// Discs in video memory, drawn by the splat pass alone, and the same discs for the oracle.
 #pragma once
 
 #include "tests/gl/gl_support.h"
@@ -26,8 +26,8 @@ private:
     GLuint framebuffer_ = 0, colour_ = 0, depth_ = 0;
 };
 
-// Points of one chunk on a grid. Disc number d has the colour of d + 1 in base 256, so that a picture tells which one
-// is seen.
+// Points of one chunk on a grid. Disc number d has the colour of d + 1 in base 256, so that a pixel identifies its
+// disc.
 class SplatScene {
 public:
     // Centres are source coordinates and are rounded to the grid.
@@ -83,8 +83,8 @@ std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness =
 Grid fine_grid();
 
 struct Agreement {
-    std::size_t covered = 0;  // pixels that the oracle is certain about and that are covered
-    std::size_t certain = 0;  // of them and the empty ones
+    std::size_t covered = 0;  // covered pixels about which the oracle is certain
+    std::size_t certain = 0;  // these and the empty ones
     std::size_t wrong_coverage = 0;
     std::size_t wrong_disc = 0;
     std::size_t not_numbers = 0;

@@ -20,6 +20,7 @@ TEST(VertexFormat, StridesDivideThePageAndMembersDoNotOverlap)
             for (const bool normal : {false, true}) {
                 const VertexFormat format{static_cast<ColourSource>(colour), radius, normal};
                 numbers.insert(format.number());
+                EXPECT_LT(format.number(), (L1Table<int, L1Container::hash_map>::max_forms));
                 EXPECT_EQ(L1Cache::page_bytes % format.stride(), 0u);
                 std::set<std::uint32_t> bytes;
                 std::size_t sum = 0;

@@ -1,4 +1,4 @@
-// Boxes of a few points each: what is left out because of them is never seen.
+// Groups of a few points with boxes: culled groups are never visible.
 #include "tests/gl/splat_scene.h"
 
 #include "pcm/gl/vertex_groups.h"
@@ -16,7 +16,7 @@ using namespace pcm::test;
 
 namespace {
 
-// A rough ground with things on it, sorted so that consecutive points lie close together.
+// A rough ground with objects on it, sorted so that consecutive points lie close together.
 std::vector<Disc> ground(std::mt19937_64& random, std::size_t count, double largest_radius)
 {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -36,7 +36,7 @@ std::vector<Disc> ground(std::mt19937_64& random, std::size_t count, double larg
     return discs;
 }
 
-// From somewhere in or around the ground, over land of all sizes; some from above, some parallel.
+// From somewhere in or around the ground, over areas of all sizes; some from above, some orthographic.
 Camera look_around(std::mt19937_64& random, const Vec3d& origin)
 {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -113,8 +113,8 @@ TEST(VertexGroups, RunsGrow)
     EXPECT_EQ(runs[1].first, 512u);
 }
 
-// The same chunk, once as it is and once as if each group had the box of all: nothing is left out then.
-TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
+// The same chunk, once as it is and once with the whole box for each group: nothing is culled then.
+TEST(VertexGroups, CulledGroupsAreInvisible)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     std::mt19937_64 random(2);
@@ -151,7 +151,7 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
                 pass.end();
                 left_out += scene.entry().points > vertices ? scene.entry().points - vertices : 0;
                 quads_too += traits.shape != SplatShape::pixels && vertices > scene.entry().points;
-                // Squares whose sides are no whole pixels are rounded differently as points and as quads: at their
+                // Squares whose sides are not whole pixels are rounded differently as points and as quads, at their
                 // edges.
                 const bool rounded = traits.shape == SplatShape::sphere;
                 EXPECT_LE(different, rounded ? all.colours.size() / 10 : 0)
@@ -165,9 +165,8 @@ TEST(VertexGroups, WhatIsLeftOutIsNotSeen)
     EXPECT_GT(seen, 500'000u);
 }
 
-// Of every view: all points that are in it are counted, and not many others; and how large things appear where they
-// are.
-TEST(VertexGroups, PreviewsTellHowMuchIsInView)
+// In every view: all visible points are counted, and few others; and the pixels per unit at their places are right.
+TEST(VertexGroups, PreviewsCountThePointsInView)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     std::mt19937_64 random(3);

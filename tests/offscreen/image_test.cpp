@@ -47,7 +47,7 @@ TEST(Png, KeepsEveryBit)
         const Image image = noise(width, height, static_cast<unsigned>(width));
         write_png(folder / "a.png", image);
         EXPECT_EQ(read_png(folder / "a.png"), image);
-        write_png(folder / "a.png", image, false);  // the same file again, opaque
+        write_png(folder / "a.png", image, false);  // overwrites the file, opaque
         const Image opaque = read_png(folder / "a.png");
         ASSERT_EQ(opaque.rgba.size(), image.rgba.size());
         for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_EQ(opaque.rgba[i], i % 4 == 3 ? 255 : image.rgba[i]);
@@ -112,7 +112,7 @@ TEST(Png, DamageIsReportedAndHarmless)
     };
     for (std::size_t length = 0; length + 16 < whole.size(); length += 7)
         EXPECT_EQ(read(whole.substr(0, length)), ErrorCode::bad_format) << length;
-    std::string huge = whole;  // its header promises 2^30 x 2^30 pixels, and has the wrong checksum besides
+    std::string huge = whole;  // its header says 2^30 x 2^30 pixels, and its checksum is wrong
     huge[16] = huge[20] = 0x40;
     EXPECT_EQ(read(huge), ErrorCode::bad_format);
     std::string turned = whole;

@@ -1,5 +1,5 @@
-// A picture of discs by brute force: every pixel's ray against every disc, in double, by the definition and not by what
-// the shaders do.
+// A picture of discs by brute force: every pixel's ray against every disc, in double, by the definition, not by the
+// shaders' formulas.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -17,12 +17,12 @@ struct Disc {
     double radius = 0;
 };
 
-// What a ray meets first between the near and the far plane.
+// The first hit of a ray between the near and the far plane.
 struct DiscHit {
     std::int32_t disc = -1;                                      // none
     double depth = std::numeric_limits<double>::infinity();      // along the view, eye units
     double runner_up = std::numeric_limits<double>::infinity();  // depth of the next disc behind
-    // Whether every disc is hit or missed alike all around, a margin of pixels away: no silhouette is near.
+    // Whether every disc is hit or missed equally all around within the margin: no silhouette is near.
     bool certain = true;
 };
 
