@@ -4,6 +4,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
+#include "pcm/tree/verify.h"
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/support.h"
