@@ -6,39 +6,19 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/unfinished_build.h"
+#include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
 #include "tests/support.h"
 
 #include <fstream>
-#include <map>
 
 namespace {
 
 using namespace pcm;
 using namespace pcm::test;
 namespace fs = std::filesystem;
-
-using Contents = std::map<std::string, std::string>;
-
-Contents contents(const fs::path& folder)
-{
-    Contents files;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        std::ifstream file(entry.path(), std::ios::binary);
-        files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(file), {});
-    }
-    return files;
-}
-
-std::vector<std::string> names_in(const fs::path& folder)
-{
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
-    std::sort(names.begin(), names.end());
-    return names;
-}
 
 bool has_note(const BuildReport& report, const std::string& text)
 {

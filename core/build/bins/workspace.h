@@ -15,11 +15,11 @@ namespace pcm {
 
 struct Workspace {
     // `threads_asked` 0: one per processor. `progress` must outlive the workspace.
-    Workspace(std::filesystem::path work_folder, std::uint64_t memory, std::uint32_t most_chunk_points,
+    Workspace(std::filesystem::path work_folder, std::uint64_t memory, std::uint32_t largest_chunk,
               unsigned threads_asked, const ProgressFunction& progress)
         : folder(std::move(work_folder)),
           memory_bytes(memory),
-          chunk_points(most_chunk_points),
+          chunk_points(largest_chunk),
           threads(thread_count(threads_asked)),
           watch(progress)
     {
