@@ -173,7 +173,7 @@ TEST_F(CliTest, ConvertRefusesWithTheReason)
     refused(in + path("out.ply") + " --where intensity", 1, "no =");
     refused(in + path("out.ply") + " --box 1 2 3", 2, "--box");
     refused(in + path("out.ply") + " --box 1 2 3 0 5 6", 1, "along x");
-    refused(in + path("out.ply") + " --level 2", 1, "levels are those of");
+    refused(in + path("out.ply") + " --level 2", 1, "only point cloud trees have levels");
     refused(in + path("out.ply") + " --grid 0.01", 1, "grid");
     refused(in + path("out.ply") + " --separator xx", 1, "'xx'");
     refused(path("no.las") + " " + path("out.ply"), 1, "no.las");
