@@ -3,8 +3,8 @@
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
+#include "tests/failing_threads.h"
 #include "tests/support.h"
-#include "tests/threads/no_more_threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -302,7 +302,7 @@ TEST_F(ChunkStreamTest, AnErrorComesInItsPlaceAndTheNextCallResumesBehindIt)
 TEST_F(ChunkStreamTest, WithoutFurtherThreadsTheCallerReadsEverything)
 {
     open(std::uint64_t{100} << 20);
-    const NoMoreThreads none;
+    const FailingThreads none(0);
     const auto chunks = stream({}, 8);
     std::size_t count = 0;
     while (chunks->next()) ++count;

@@ -1,6 +1,6 @@
 #include "pcm/threads/crew.h"
 
-#include "tests/threads/no_more_threads.h"
+#include "tests/failing_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(Crew, AThreadThatCannotStartEndsThoseThatRun)
             wait_for_stop(signal);
             ++ended;
         });
-        const test::NoMoreThreads none;
+        const test::FailingThreads none(0);
         EXPECT_THROW(crew.add([] {}), std::system_error);
     }
     EXPECT_EQ(ended, 1);

@@ -1,6 +1,6 @@
 #include "pcm/threads/task_pool.h"
 
-#include "tests/threads/no_more_threads.h"
+#include "tests/failing_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -180,7 +180,7 @@ TEST(TaskPool, WithoutAnyThreadFinishDoesTheWork)
     const auto alone = task([&] { ran_on = std::this_thread::get_id(); });
     TaskPool pool;
     {
-        const test::NoMoreThreads none;
+        const test::FailingThreads none(0);
         EXPECT_NO_THROW(pool.submit(alone, 4));
         alone->finish();
     }
@@ -228,7 +228,7 @@ TEST(Pending, DroppingItWaitsForWorkThatRuns)
     bool ran = false;
     {
         TaskPool idle;
-        const test::NoMoreThreads none;
+        const test::FailingThreads none(0);
         const Pending<int> never(idle, 1, [&] { return ran = true, 1; });
     }
     EXPECT_FALSE(ran);
