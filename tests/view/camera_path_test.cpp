@@ -4,6 +4,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
+#include "pcm/view/frustum.h"
 
 #include <array>
 #include <cmath>
