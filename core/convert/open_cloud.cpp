@@ -28,7 +28,7 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
     std::optional<std::uint16_t> level = options.level;
     if (level && tree->info().levels && *level >= tree->info().levels)
         throw Error(ErrorCode::invalid_argument, path,
-                    "level " + std::to_string(*level) + " asked for; this tree has levels 0 to " +
+                    "level " + std::to_string(*level) + " was requested; this tree has levels 0 to " +
                         std::to_string(tree->info().levels - 1));
     if (options.max_points) level = tree->level_with_at_most(*options.max_points);
     return std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));

@@ -55,10 +55,10 @@ constexpr ForeignFormat foreign[] = {
 bool begins_with(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
 
 template <class Rows, class Fits>
-auto* find(const Rows& rows, const Fits& fits)
+auto* find(const Rows& list, const Fits& fits)
 {
-    const auto found = std::find_if(std::begin(rows), std::end(rows), fits);
-    return found == std::end(rows) ? nullptr : &*found;
+    const auto found = std::find_if(std::begin(list), std::end(list), fits);
+    return found == std::end(list) ? nullptr : &*found;
 }
 
 }  // namespace

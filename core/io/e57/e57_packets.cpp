@@ -58,7 +58,7 @@ E57Packets::E57Packets(E57Pages& pages, const E57Scan& scan, std::string called)
     next_packet_ = pages.to_logical(offset);
     if (next_packet_ <= begin || next_packet_ >= pages.logical_size())
         fail(ErrorCode::bad_format, "byte " + std::to_string(scan.file_offset + 16) + ": the packets should begin at " +
-                                        std::to_string(offset) + ", expected a byte behind this one and inside the " +
+                                        std::to_string(offset) + ", expected a byte after this one and inside the " +
                                         "file of " + std::to_string(pages.physical_size()));
     if (length < section_header_bytes || length > pages.logical_size() - begin)
         fail(ErrorCode::truncated, "byte " + std::to_string(scan.file_offset + 8) + ": a section of " +

@@ -10,7 +10,7 @@
 
 namespace pcm::las {
 
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "LAS scalars are copied as they are");
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "LAS scalars are copied without byte swapping");
 
 template <class T>
 T load(const std::byte* from)

@@ -326,7 +326,7 @@ void MergedReader::seek(std::uint64_t index)
     if (!seekable_) return PointReader::seek(index);
     if (index > info_.points)
         throw Error(ErrorCode::invalid_argument, sources_[0].path,
-                    "point " + std::to_string(index) + " asked for, the cloud has " + std::to_string(info_.points));
+                    "point " + std::to_string(index) + " was requested, the cloud has " + std::to_string(info_.points));
     weight_before_ = 0;
     for (current_ = 0; current_ < parts_.size(); ++current_) {
         if (index < parts_[current_].points) {

@@ -128,7 +128,7 @@ std::vector<std::string> PtsWriter::notes() const
     if (rgb_ && !intensity_) notes.push_back("PTS needs intensities before colours: all are written as 0");
     if (odd_intensities_)
         notes.push_back("intensities of PTS are integers from -2048 to 2047; " + grouped(odd_intensities_) +
-                        " are not and were written unchanged (the range is " + exact(least_intensity_) + " to " +
+                        " are not and were written unchanged (they are from " + exact(least_intensity_) + " to " +
                         exact(largest_intensity_) + ")");
     if (rounded_colours_)
         notes.push_back("colours of PTS are 0..255: those of " + grouped(rounded_colours_) + " points were rounded");

@@ -248,7 +248,7 @@ TEST_F(E57, ScansOfDifferentFieldsBecomeOneCloud)
     EXPECT_EQ(whole.raw<std::int16_t>("intensity", 6), -5);
     EXPECT_EQ(whole.raw<std::uint8_t>("row_index", 3), 5);
     EXPECT_TRUE(any_mentions(whole.info.notes, "2 of 4 scans have no 'intensity'"));
-    EXPECT_TRUE(any_mentions(whole.info.notes, "all were made 16"));
+    EXPECT_TRUE(any_mentions(whole.info.notes, "converted to 16 bits"));
 }
 
 TEST_F(E57, AttributesOfOneNameAndTwoScalesAreDoubles)

@@ -179,17 +179,5 @@ TEST(LasWriter, ManyComponentsNeedAnExtendedVlr)
     EXPECT_TRUE(mentions(error.what(), "72020 bytes")) << error.what();
 }
 
-Whole doubles(const std::vector<Vec3d>& positions)
-{
-    Whole cloud;
-    cloud.info.schema.add({"id", ScalarType::u32, 1, 1, 0, {}});
-    cloud.points.reset(cloud.info.schema, false, positions.size());
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-        for (std::size_t a = 0; a < 3; ++a) cloud.points.xyz[a][i] = positions[i][a];
-        cloud.points.attributes[0].as<std::uint32_t>()[i] = static_cast<std::uint32_t>(i);
-    }
-    return cloud;
-}
-
 }  // namespace
 }  // namespace pcm::test

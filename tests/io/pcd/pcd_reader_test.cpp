@@ -379,10 +379,12 @@ TEST(PcdReader, CompressedBlocksThatAreRefused)
         {block(0xFFFFFFFF, 24, packed), ErrorCode::truncated, "4294967295", true},
         {block(length, 23, packed), ErrorCode::bad_format, "2 points of 12", true},
         {block(length, 36, packed), ErrorCode::bad_format, "36", true},
-        {block(0, 24, ""), ErrorCode::corrupt, "cannot become", true},
+        {block(0, 24, ""), ErrorCode::corrupt, "cannot expand", true},
         {block(length - 1, 24, packed.substr(0, length - 1)), ErrorCode::corrupt, "end", false},
-        {block(length + 2, 24, packed + std::string("\0a", 2)), ErrorCode::corrupt, "more than the points", false},
-        {block(length, 24, lzf_compress(std::string(30, 'a'))), ErrorCode::corrupt, "more than the points", false},
+        {block(length + 2, 24, packed + std::string("\0a", 2)), ErrorCode::corrupt, "more than the stated number",
+         false},
+        {block(length, 24, lzf_compress(std::string(30, 'a'))), ErrorCode::corrupt, "more than the stated number",
+         false},
     };
     for (const auto& c : cases) {
         const auto path = write_file(folder / "a.pcd", c.bytes);

@@ -61,7 +61,7 @@ TEST(PlyReader, BadHeadersAreNamed)
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty flat x\nend_header\n", ErrorCode::bad_format, "'flat'"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float\nend_header\n", ErrorCode::bad_format, "no name"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\nend_header\n", ErrorCode::bad_format,
-         "floating point"},
+         "floating-point"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n",
          ErrorCode::bad_format, "'z'"},
         {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\nend_header\n0 0\n",

@@ -69,7 +69,7 @@ TEST(PtsWriter, ColoursWithoutIntensities)
     const auto notes = write_cloud(folder / "a.pts", cloud, batch);
     EXPECT_EQ(read_bytes(folder / "a.pts"), "2" + blanks + "\n1 2 3 0 0 51 102\n4 5.5 -6 0 153 204 255\n");
     ASSERT_EQ(notes.size(), 1u);
-    EXPECT_TRUE(mentions(notes[0], "all 0")) << notes[0];
+    EXPECT_TRUE(mentions(notes[0], "all are written as 0")) << notes[0];
 }
 
 // Every 16-bit value against the nearest of 255 steps.
@@ -101,7 +101,7 @@ TEST(PtsWriter, ColoursOfSixteenBits)
     for (std::size_t i = 0; i < 3 * 65536; ++i)
         batch.attributes[1].as<std::uint16_t>()[i] = static_cast<std::uint16_t>(i % 256);
     notes = write_cloud(folder / "a.pts", cloud, batch);
-    EXPECT_TRUE(any_mentions(notes, "perhaps they were meant as 0..255"));
+    EXPECT_TRUE(any_mentions(notes, "perhaps the source means 0..255"));
 }
 
 TEST(PtsWriter, ColoursInFloats)
@@ -127,7 +127,7 @@ TEST(PtsWriter, ColoursInFloats)
     rgb[9] = std::numeric_limits<float>::quiet_NaN();
     const auto notes = write_cloud(folder / "a.pts", cloud, batch);
     EXPECT_TRUE(any_mentions(notes, "1 points were rounded"));
-    EXPECT_TRUE(any_mentions(notes, "3 points were outside their range"));
+    EXPECT_TRUE(any_mentions(notes, "3 points were out of range"));
     const auto cut = lines_of(folder / "a.pts");
     EXPECT_EQ(cut[1], "0 0 0 0 128 0 0");
     EXPECT_EQ(cut[2], "0 0 0 0 255 1 1");
