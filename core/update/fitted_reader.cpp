@@ -46,7 +46,7 @@ FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::
             "build a new tree of all the files, or leave the attribute out with 'pcmlab convert --drop' first";
         if (!slot)
             throw Error(ErrorCode::invalid_argument, folder,
-                        "the new points have the attribute '" + attribute.name + "', the tree has not", hint);
+                        "the new points have the attribute '" + attribute.name + "', which the tree lacks", hint);
         if (!alike(attribute, tree.schema[*slot]))
             throw Error(ErrorCode::invalid_argument, folder,
                         "the attribute '" + attribute.name + "' of the new points is " + kind_of(attribute) +
