@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One more whenever the same files and options would make another tree, or scratch files are laid out in another way.
+// Incremented whenever the same files and options would make another tree, or the layout of scratch files changes.
 constexpr std::uint32_t build_version = 2;
 
 template <class T>
@@ -34,7 +34,7 @@ void put_bytes(ByteWriter& out, const std::vector<std::byte>& bytes)
 std::vector<std::byte> get_bytes(ByteReader& in)
 {
     const auto count = in.get<std::uint64_t>();
-    if (count > in.left()) throw Error(ErrorCode::corrupt, {}, "a checkpoint is cut off");
+    if (count > in.left()) throw Error(ErrorCode::corrupt, {}, "a checkpoint is truncated");
     const std::byte* from = in.get_bytes(count);
     return {from, from + count};
 }
@@ -143,7 +143,7 @@ std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, con
     out.put(static_cast<std::uint64_t>(files.size()));
     for (const fs::path& file : files) {
         struct stat status {};
-        if (::stat(file.c_str(), &status) != 0) throw Error::from_errno(errno, file, "looking at the file");
+        if (::stat(file.c_str(), &status) != 0) throw Error::from_errno(errno, file, "reading the status of the file");
         std::error_code error;
         const fs::path absolute = fs::absolute(file, error);
         out.put_string((error ? file : absolute.lexically_normal()).string());

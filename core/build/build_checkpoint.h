@@ -1,4 +1,4 @@
-// What a checkpoint says of a build whose points lie in bins.
+// The record of a build whose points are in bins, and the identity by which a build is recognized.
 #pragma once
 
 #include "pcm/build/bins/bins.h"
@@ -20,9 +20,8 @@ void save_bins(const Ingested& cloud, const AnyBins& bins, ByteWriter& out);
 // match.
 AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteReader& in);
 
-// Bytes that differ for builds that would make different trees: of other files, or of files that have changed, or with
-// other options, or by a program that does it in another way. Throws Error(not_found | ...) for a file that cannot be
-// looked at.
+// Bytes that differ for builds that would make different trees: of other files, of files that have changed, with other
+// options, or by another version of the program. Throws Error(not_found | ...) for a file whose status cannot be read.
 std::vector<std::byte> identity_of_build(const std::vector<std::filesystem::path>& files, const BuildOptions& options);
 
 }  // namespace pcm

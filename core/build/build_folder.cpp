@@ -47,7 +47,7 @@ void rename(const fs::path& from, const fs::path& to, const char* action)
     if (std::rename(from.c_str(), to.c_str()) != 0) throw Error::from_errno(errno, to, action);
 }
 
-// Puts each in the place of the other, at one stroke. False where the system cannot.
+// Exchanges the two atomically. False where the system cannot.
 bool exchange(const fs::path& a, const fs::path& b)
 {
     if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return true;
@@ -155,10 +155,10 @@ void BuildFolder::remove_all_but_marker()
     for (const auto& entry : fs::directory_iterator(part_))
         if (entry.path().filename() != build_marker_name && entry.path().filename() != publishing_name)
             fs::remove_all(entry.path());
-    fs::remove(part_ / publishing_name);  // last: it tells that the rest is not needed
+    fs::remove(part_ / publishing_name);  // last: it says that the rest is not needed
 }
 
-// The marker last: without it, what is left would be nobody's.
+// The marker last: without it, the remains would not be recognized as a build's.
 void BuildFolder::remove()
 {
     remove_all_but_marker();

@@ -1,17 +1,16 @@
-// The folder a tree is built in, and how the tree gets its name when it is whole.
+// The folder a tree is built in, and how the tree gets its name when it is complete.
 //
 // NAME.part, beside the tree's own NAME, holds
-//     building     marks the folder as a build's; locked while one is at work
-//     tree/        what becomes NAME
-//     publishing   from the moment that tree/ is whole: the checksum of its index
-//     old/         the tree that is replaced, where the two cannot be exchanged at one stroke
-// and the build's scratch files. A crash at any instant leaves one of these, which the next build of the name tells
-// apart:
-// - NAME is as before, or absent: tree/ is gone on with or removed;
-// - NAME is absent and old/ is there (between the two renames that replace a tree where the system cannot exchange):
-// old/ gets
-//   its name back first; put_back_replaced() does that too;
-// - NAME has the index that `publishing` names: the build was done, and what is left is removed.
+//     building     marks the folder as a build's; locked during the build
+//     tree/        becomes NAME
+//     publishing   once tree/ is complete: the checksum of its index
+//     old/         the tree that is replaced, where the system cannot exchange the two atomically
+// and the build's scratch files. A crash at any time leaves one of these states, which the next build of the name
+// distinguishes:
+// - NAME is as before, or absent: the build of tree/ is resumed, or tree/ is removed;
+// - NAME is absent and old/ exists (between the two renames that replace a tree where the system cannot exchange): old/
+//   gets its name back first; put_back_replaced() does that too;
+// - NAME has the index that `publishing` names: the build was finished, and the remains are removed.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -31,9 +30,9 @@ public:
 
     const std::filesystem::path& work() const { return part_; }
     std::filesystem::path tree() const { return part_ / "tree"; }
-    // Something of an interrupted build was found, and was not cleared yet.
+    // Remains of an interrupted build were found, and are not cleared yet.
     bool left_over() const { return left_over_; }
-    // Removes all that an interrupted build has left.
+    // Removes the remains of an interrupted build.
     void clear();
     // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite.
     void publish();
@@ -50,8 +49,8 @@ private:
     bool owned_ = false, left_over_ = false;
 };
 
-// Where an interrupted build was about to replace the tree `output`, and it is gone from its place: puts it back. True
-// when it did. Throws Error(exists) while a build is at work.
+// Puts the tree `output` back when an interrupted build was about to replace it and it is missing from its place.
+// Returns whether it did. Throws Error(exists) while a build of this tree is running.
 bool put_back_replaced(const std::filesystem::path& output);
 
 }  // namespace pcm

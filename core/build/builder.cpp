@@ -86,7 +86,7 @@ public:
     }
 
 private:
-    // Everything that a restart makes anew. The checkpoints end first: their tasks use the rest.
+    // Replaced by a restart. The checkpoints are destroyed first: their tasks use the rest.
     struct State {
         State(const BuildOptions& options, const fs::path& folder)
             : work(folder, options.memory_bytes, options.chunk_points, options.threads, options.progress)
@@ -117,7 +117,7 @@ private:
             make_tree(*bins, {Resumed::Stage::partitioned, 0, 0});
             return Remains::resumed;
         } catch (const Error& error) {
-            // The files do not hold what the journal says. Found late, but nothing is lost by a restart.
+            // The files do not match the journal. This is found late, but a restart loses nothing.
             const bool damaged = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated;
             if (!damaged || error.path().parent_path() != work().folder) throw;
             return Remains::damaged;
@@ -156,7 +156,7 @@ private:
         }
     }
 
-    // A build that is quickly repeated makes no checkpoints.
+    // A build that takes little time to repeat makes no checkpoints.
     void checkpoint_bins(const AnyBins& bins)
     {
         if (!checkpoints().on()) return;
@@ -238,7 +238,7 @@ private:
     void take_over(const TreeInfo& like, TreeInfo& info) const
     {
         if (info.points != like.points || info.content_hash != like.content_hash)
-            throw Error(ErrorCode::corrupt, output_, "the points that were read are not those that the tree had",
+            throw Error(ErrorCode::corrupt, output_, "the points that were read differ from those that the tree had",
                         "check it with 'pcmlab verify'");
         info.points_skipped = like.points_skipped;
         info.position_type = like.position_type;

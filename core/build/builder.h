@@ -1,4 +1,4 @@
-// Builds a tree folder from files, out of core; core/README.md tells how.
+// Builds a tree folder from files, out of core; core/README.md describes the stages.
 #pragma once
 
 #include "pcm/io/reader.h"
@@ -19,13 +19,13 @@ inline constexpr unsigned most_build_threads = 1024;
 
 struct BuildOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least least_build_memory
-    unsigned threads = 0;                                 // 0: one a processor
-    std::uint32_t chunk_points = default_chunk_points;    // most points of a chunk
+    unsigned threads = 0;                                 // 0: one per processor
+    std::uint32_t chunk_points = default_chunk_points;    // most points per chunk
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
-    bool resume = true;             // go on with an interrupted build, and be such a one that can be
-    double checkpoint_seconds = 1;  // how often what is done is put on disk for good; 0: at every chance
-    ReadOptions read{0, {}};        // how files are read; threads 0: one a processor
+    bool resume = true;  // resume an interrupted build, and write checkpoints so that this one can be resumed
+    double checkpoint_seconds = 1;  // between checkpoints; 0: as many as possible
+    ReadOptions read{0, {}};        // how files are read; threads 0: one per processor
     ProgressFunction progress;
 };
 
@@ -33,7 +33,7 @@ struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
     std::uint64_t points_skipped = 0;  // without a finite position
     std::uint64_t bytes = 0;           // of the tree folder
-    std::uint64_t scratch_bytes = 0;   // the most that the build had on disk beside them
+    std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
     std::uint64_t nodes = 0;
     std::uint16_t levels = 0;
     std::vector<std::string> notes;  // from the readers, and about merged schemas
@@ -43,26 +43,27 @@ struct BuildReport {
 //
 // The same input, chunk_points and memory give the same bytes whatever the number of threads; the memory decides how
 // the cloud is partitioned and so may change the tree's shape, never its points. The tree is built in the folder
-// `output`.part and appears under its name when it is whole, so an interrupted build is never taken for a tree. A build
-// of the same files (by path, size and time of change) with the same options goes on where an interrupted one was at
-// its last checkpoint, and makes the same tree byte for byte; any other removes what is left of it and starts afresh.
-// The notes tell which. An input that takes less than checkpoint_seconds to read has no checkpoints. On an error or a
-// cancel everything that was written is removed. A tree that is replaced is there until the new one takes its place, at
-// one stroke where the system can do that (build_folder.h says what is found after a crash where it cannot). Throws
-// Error(exists) when `output` is there (with overwrite: is there and is not a tree) or is being built by another
-// process, Error(invalid_argument) for options out of range, and whatever the readers and the file system throw.
+// `output`.part and appears under its name when it is complete, so an interrupted build is never taken for a tree. A
+// build of the same files (by path, size and modification time) with the same options resumes an interrupted one at its
+// last checkpoint and makes the same tree byte for byte; any other build removes its remains and starts from the
+// beginning. The notes of the report say which. Inputs that take less than checkpoint_seconds to read get no
+// checkpoints. An error or a cancel removes everything that was written. A tree that is overwritten stays until the new
+// one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
+// cannot). Throws Error(exists) when `output` exists (with overwrite: exists and is not a tree) or is being built by
+// another process, Error(invalid_argument) for options out of range, and whatever the readers and the file system
+// throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
-// The same of any cloud, read to its end; `sources` are the names that the tree remembers as its origin. The cloud must
-// not read from the tree that is overwritten. Such a build cannot be gone on with: it starts afresh.
+// The same for any cloud, which is read to its end; `sources` are the names that the tree records as its origin. The
+// cloud must not read from the tree that is overwritten. Such a build cannot be resumed.
 BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
-// The points of a tree, as another tree of them: what `like`, the first one's info, says of its origin (type of
-// positions, sources, metadata, position error, skipped points) is carried over, and its grid is the new one's. `cloud`
-// has the points on this grid, as FittedReader gives them (update/fitted_reader.h). Throws Error(corrupt) when
-// they are not those whose hash `like` has.
+// Builds another tree of the points of a tree. `like` is the first tree's info: its grid and its origin (type of
+// positions, sources, metadata, position error, skipped points) are carried over. `cloud` has the points on this grid,
+// as FittedReader gives them (update/fitted_reader.h). Throws Error(corrupt) when the hash of the points is not the one
+// in `like`.
 BuildReport rebuild_tree(PointReader& cloud, const TreeInfo& like, const std::filesystem::path& output,
                          const BuildOptions& options = {});
 

@@ -58,7 +58,7 @@ bool Checkpoints::due() const
 void Checkpoints::push(std::function<void()> task)
 {
     std::unique_lock lock(mutex_);
-    // What waits for a slow disk keeps space from being given back: not much of it.
+    // Queued checkpoints delay the release of disk space, so few may wait for a slow disk.
     wake_.wait(lock, [&] { return error_ || tasks_.size() < 2; });
     if (error_) std::rethrow_exception(error_);
     tasks_.push_back(std::move(task));

@@ -1,8 +1,8 @@
-// The checkpoints of a build: what is on disk for good, and what was done with it, so that a build that was killed goes
-// on from there.
+// The checkpoints of a build: records of finished work whose data are safely on disk, so that a build that was killed
+// can be resumed.
 //
-// A checkpoint syncs data first, then writes a record into the journal; only then may data that it replaces be given
-// up. All this is done by a thread of its own, in order, while the build goes on.
+// A checkpoint syncs data first, then writes a record into the journal; only then may the data that it replaces be
+// removed. A thread of its own does all this, in order, while the build continues.
 #pragma once
 
 #include "pcm/build/journal.h"
@@ -26,34 +26,33 @@ class Checkpoints {
 public:
     enum Kind : std::uint32_t { identity = 1, partitioned, sorted, levelled, committed };
 
-    // None are made: post() does only what comes after the record.
+    // Makes no checkpoints: post() only calls `then`.
     Checkpoints() = default;
-    // `build` says what is built from what, in which way: records of another one are forgotten. `seconds` is how often
-    // due() holds.
+    // `build`: see identity_of_build(). Records of another build are removed. due() holds every `seconds`.
     Checkpoints(const std::filesystem::path& journal, const std::vector<std::byte>& build, double seconds);
-    // Whatever waits is dropped.
+    // Drops the tasks that wait, and waits for the one that runs.
     ~Checkpoints();
     Checkpoints(const Checkpoints&) = delete;
 
     bool on() const { return journal_ != nullptr; }
-    bool same_build() const { return same_build_; }  // as the one whose journal was found
-    void off();                                      // from now on, before anything was posted
+    bool same_build() const { return same_build_; }  // the journal found is of this build
+    void off();                                      // no more checkpoints; call it before the first post()
     double seconds() const { return seconds_; }
 
-    // What was found of an interrupted build. The pointers hold until forget_found() or cut().
+    // Records of an interrupted build. The pointers are valid until forget_found() or cut().
     std::vector<const std::vector<std::byte>*> found(Kind kind) const;
-    // Records of this kind and all later ones are void.
+    // Removes the records of this kind and all later ones.
     void cut(Kind kind);
     void forget_found();
 
-    // It is time for the next one, where there is no other reason for it. Any thread.
+    // Whether it is time for the next checkpoint. Any thread.
     bool due() const;
-    // Syncs, writes the record, does `then`; soon: it waits while two others wait. Any thread. Throws what an earlier
-    // one has thrown.
+    // Queues a checkpoint: calls `sync`, writes the record, calls `then`. Blocks while two others wait. Any thread.
+    // Throws the exception of an earlier checkpoint.
     void post(std::function<void()> sync, Kind kind, std::vector<std::byte> record, std::function<void()> then = {});
-    // The same without a record: `work` is done when all before it is.
+    // The same without a record: calls `work` after all checkpoints before it.
     void post(std::function<void()> work);
-    void wait();  // until all is done; throws what was thrown
+    void wait();  // until all are done; throws the exception of any
 
 private:
     void run();

@@ -55,7 +55,7 @@ void Journal::truncate(std::uint64_t end)
     int result;
     do result = ::ftruncate(file_.descriptor(), static_cast<off_t>(end));
     while (result != 0 && errno == EINTR);
-    if (result != 0) throw Error::from_errno(errno, file_.path(), "cutting off what is torn");
+    if (result != 0) throw Error::from_errno(errno, file_.path(), "removing an incomplete record");
     file_.sync();
     end_ = end;
 }

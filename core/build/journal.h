@@ -1,4 +1,4 @@
-// A file of records that outlives a crash: whoever opens it again finds the records that were written as a whole.
+// A file of records that survives a crash: opened again, it has the records that were written completely.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -10,8 +10,8 @@
 
 namespace pcm {
 
-// Record: u32 kind, u32 0, u64 bytes, u64 checksum of what is before and of the bytes; then the bytes. What follows the
-// first record that does not hold is cut off. One thread at a time.
+// Record: u32 kind, u32 0, u64 bytes, u64 checksum of these fields and of the bytes; then the bytes. The file is
+// truncated before the first invalid record. One thread at a time.
 class Journal {
 public:
     struct Record {
@@ -19,13 +19,13 @@ public:
         std::vector<std::byte> bytes;
     };
 
-    // Opens the journal, or makes an empty one. Throws Error(permission | no_space | io).
+    // Opens the journal, or creates an empty one. Throws Error(permission | no_space | io).
     explicit Journal(const std::filesystem::path& path);
 
-    const std::vector<Record>& records() const { return records_; }  // that were found
-    // Forgets what was found from record number `from` on, in the file too.
+    const std::vector<Record>& records() const { return records_; }  // found when it was opened
+    // Removes the records found from number `from` on, in memory and in the file.
     void cut(std::size_t from);
-    void forget_found() { std::vector<Record>().swap(records_); }  // in memory alone
+    void forget_found() { std::vector<Record>().swap(records_); }  // in memory only
     // The record is on disk when this returns.
     void append(std::uint32_t kind, const std::vector<std::byte>& bytes);
 

@@ -35,10 +35,9 @@ struct Part {
     Resumed resumed;
 };
 
-// `work`, `cloud`, `files`, `drafts` and the data of `bins` must live until checkpoints.wait() has returned or
-// `checkpoints` is destroyed. The levels are chosen beside `given` ones where there are any. Reports progress from 0.4
-// to 0.98; the calling thread may be interrupted with Error(cancelled). Checkpoints that do not match the files throw
-// Error(corrupt | truncated) with a path in work.folder where they cannot be ignored.
+// `work` must outlive the tasks of `checkpoints`. The levels are chosen beside `given` ones where there are any.
+// Reports progress from 0.4 to 0.98 on the calling thread. Throws Error(cancelled), and Error(corrupt | truncated) with
+// a path in work.folder when the checkpoints of an interrupted build do not match the files and cannot be ignored.
 template <class Coord>
 Part make_part(Bins<Coord>& bins, Workspace& work, const Ingested& cloud, const PartOptions& options,
                Checkpoints& checkpoints, DraftStore& drafts, DataFiles& files,

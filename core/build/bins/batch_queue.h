@@ -11,12 +11,12 @@
 
 namespace pcm {
 
-// A few at most; their storage goes round.
+// Holds `capacity` batches, whose storage is reused. Any thread.
 class BatchQueue {
 public:
     BatchQueue(Signal& signal, std::size_t capacity) : signal_(signal), free_(capacity) {}
 
-    // The reader's side: an empty batch (its storage is reused), or nothing when all is to stop.
+    // The reader's side: an empty batch, or nothing when all threads are to stop.
     std::optional<PointBatch> empty_batch()
     {
         std::unique_lock lock(signal_.mutex);

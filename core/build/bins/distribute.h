@@ -1,4 +1,4 @@
-// Rows of points to the bins that they belong to.
+// Moves rows of points to the bins that they belong to.
 #pragma once
 
 #include "pcm/build/bins/scratch.h"
@@ -12,7 +12,7 @@
 namespace pcm {
 
 // Moves rows, read piece by piece, into bins [first, first + bins) of `to`, on all threads. `put(thread, row,
-// writer)` adds a row to its bin; `done(piece)` is called when a piece has gone.
+// writer)` adds a row to its bin; `done(piece)` is called when a piece has been moved.
 template <class Read, class Done, class Put>
 void distribute(Workspace& work, std::size_t pieces, const Read& read, const Done& done, std::size_t row_bytes,
                 Scratch& to, std::size_t first, std::size_t bins, const Put& put)

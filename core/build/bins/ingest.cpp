@@ -27,7 +27,7 @@ std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count)
 
 namespace {
 
-// A column's values to their places in the rows; sizes that occur often get a copy the compiler can see through.
+// Copies a column's values to their places in the rows. Frequent sizes get a copy of a length that the compiler knows.
 template <std::size_t Size>
 void scatter(const std::byte* from, std::size_t count, std::byte* to, std::size_t stride)
 {

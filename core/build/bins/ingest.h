@@ -1,8 +1,8 @@
 // The input of a build: points sampled ahead, batches as rows, doubles on a grid.
 #pragma once
 
-#include "pcm/io/reader.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/io/reader.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace pcm {
 
-// `count` points spread evenly over a cloud, in order: grid coordinates. Only of a reader that is seekable and gridded
-// and knows its number of points; the next read() starts at the beginning again.
+// Grid coordinates of `count` points spread evenly over a cloud, in its order. Only for a reader that is seekable and
+// gridded and knows its number of points; the next read() starts at the beginning again.
 std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count);
 
-// The attributes of batch.size points to their places in as many rows; coordinates stay as they are.
+// Copies the attributes of batch.size points to their places in as many rows; coordinates are left unchanged.
 void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows);
 
 // The step of an axis' power-of-two grid for float sources: 2^(e-61) where every |coordinate| < 2^e, offset 0. A double
@@ -22,7 +22,7 @@ void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte*
 // step.
 double power_of_two_step(double largest_magnitude);
 
-// Nearest grid position. Throws nothing; |value| must be below the magnitude the grid was made for.
+// The nearest grid position. Throws nothing; |value| must be below the magnitude that the grid was made for.
 std::int64_t to_grid_position(double value, double scale, double offset);
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// What the points of a cloud say about themselves while they stream by.
+// Statistics of the points of a cloud, taken while they are read.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -15,7 +15,7 @@ struct Observed {
     double position_error = 0;
     std::array<Vec3i, 6> extremes{};
 
-    // Ties go to the smallest point, so that the answer does not depend on the order.
+    // Ties go to the smallest point, so that the result does not depend on the order.
     void see(const Vec3i& p)
     {
         for (std::size_t a = 0; a < 3; ++a) {

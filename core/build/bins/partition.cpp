@@ -39,7 +39,7 @@ private:
         return cloud_.info().points <= work_.bin_points(layout);
     }
 
-    // The rows of gridded points, and what they say about themselves.
+    // The rows of gridded points, and their statistics.
     void put_gridded_rows(const PointBatch& batch, std::vector<std::byte>& rows, Observed& observed) const
     {
         const RowLayout& layout = found_.layout;
@@ -58,8 +58,8 @@ private:
         observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
     }
 
-    // Reads the cloud on this thread, calling look(batch), and hands the batches to `take(thread, batch, rows)` on all
-    // threads; `rows` is work space of the thread's own. `end(thread)` is called when there are no more.
+    // Reads the cloud on this thread, calling look(batch), and passes the batches to `take(thread, batch, rows)` on all
+    // threads; `rows` is the thread's own work space. Each thread calls `end(thread)` after the last batch.
     template <class Look, class Take, class End>
     void stream(double share, const Look& look, const Take& take, const End& end)
     {
@@ -94,7 +94,7 @@ private:
         return scratch;
     }
 
-    // Gridded, seekable input (or so little that there is nothing to cut): sample, cut, distribute while parsing.
+    // Gridded, seekable input (or so few points that they are one bin): sample, cut, distribute while parsing.
     AnyBins of_grid()
     {
         using Coord = std::uint32_t;
@@ -161,8 +161,8 @@ private:
         return of_spool<Coord>(spool, sample.items(), [](unsigned, std::byte* row) { return row; });
     }
 
-    // Anything else: one parse into a spool of rows with positions in double, which shows how large coordinates get;
-    // then the spool is put on a grid and distributed.
+    // Anything else: one parse into a spool of rows with positions in double, which finds the largest coordinates; then
+    // the spool is put on a grid and distributed.
     AnyBins of_doubles()
     {
         const RowLayout layout(found_.schema, true);
@@ -282,8 +282,8 @@ private:
         finer_ = axis_shift(grid);
     }
 
-    // Doubles that come from integers keep those integers' grid; else a power of two an axis, the finest that holds the
-    // largest coordinate. True when all positions are narrow on it.
+    // Doubles that come from integers keep the grid of those integers. Others get a power of two per axis, the finest
+    // that holds the largest coordinate. True when all positions are narrow on the grid.
     bool choose_grid(const Box3d& box)
     {
         if (like_) {
@@ -294,7 +294,7 @@ private:
         Vec3d largest{0, 0, 0};
         for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
             largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
-        if (cloud_.info().near_grid && tells_apart(*cloud_.info().near_grid, largest)) {
+        if (cloud_.info().near_grid && resolves(*cloud_.info().near_grid, largest)) {
             grid = *cloud_.info().near_grid;
             set_grid(grid);
             found_.position_type = ScalarType::i32;
@@ -317,8 +317,8 @@ private:
         return false;
     }
 
-    // Every coordinate must have a place on the grid that a double can tell from its neighbours.
-    static bool tells_apart(const Grid& grid, const Vec3d& largest)
+    // Every coordinate's grid position must be distinct in double from its neighbours.
+    static bool resolves(const Grid& grid, const Vec3d& largest)
     {
         for (std::size_t a = 0; a < 3; ++a)
             if (!((largest[a] + std::fabs(grid.offset[a])) / std::fabs(grid.scale[a]) <= std::ldexp(1.0, 50)))

@@ -205,7 +205,7 @@ void RowPacking::pack(const std::byte* rows, std::size_t count, std::vector<std:
 void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::size_t count,
                       std::vector<std::byte>& out) const
 {
-    // Rows that follow each other lie anywhere: each is fetched once, for all its words.
+    // Consecutive rows of the order are far apart in memory: each is fetched once, for all its words.
     std::vector<std::byte> block(block_rows * row_bytes_);
     for (std::size_t from = 0; from < count; from += block_rows) {
         const std::size_t n = std::min(block_rows, count - from);
@@ -218,12 +218,12 @@ void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::si
 const std::byte* RowPacking::unpack_block(const std::byte* data, const std::byte* end, std::byte* rows,
                                           std::size_t count, const std::filesystem::path& path) const
 {
-    const auto refuse = [&]() -> Error { return Error(ErrorCode::corrupt, path, "packed rows make no sense"); };
+    const auto refuse = [&]() -> Error { return Error(ErrorCode::corrupt, path, "packed rows are invalid"); };
     if (static_cast<std::size_t>(end - data) < header_bytes_) throw refuse();
     const std::byte* header = data;
     data += header_bytes_;
 
-    // The shape of all words first: which of them share a group.
+    // First the shape of all words, which decides which of them share a group.
     struct Shape {
         std::uint64_t base;
         std::size_t parts, first_part;
@@ -286,7 +286,7 @@ void RowPacking::unpack(const std::byte* data, std::size_t size, std::byte* rows
     const std::byte* end = data + size;
     for (std::size_t from = 0; from < count; from += block_rows)
         data = unpack_block(data, end, rows + from * row_bytes_, std::min(block_rows, count - from), path);
-    if (data != end) throw Error(ErrorCode::corrupt, path, "packed rows are followed by stray bytes");
+    if (data != end) throw Error(ErrorCode::corrupt, path, "packed rows are followed by other bytes");
 }
 
 }  // namespace pcm

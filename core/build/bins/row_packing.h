@@ -1,15 +1,16 @@
 // Rows of points in few bytes: how the builder keeps them on disk while it works.
 //
-// Made for speed, not for least size: the columns of a block of rows are not taken apart. A row is read as a few words
-// of 64 bits, each of some whole fields; every field is stored against the block's smallest value, with the bits that
-// vary in the block alone, so what is constant takes nothing. Bits of words that fit into 64 together lie together.
+// Made for speed, not for the smallest size: the columns of a block of rows are not separated. A row is read as a few
+// words of 64 bits, each of one or more whole fields. Every field is stored as its difference to the smallest value of
+// the block, and only the bits that vary in the block are stored, so constant fields take none. Words whose bits fit
+// into 64 together are stored together, as a group.
 //
 // Block: per word u64 (the smallest values, each at its field's place), per field u8 (lowest bit that varies) and u8
 // (how many bits from there are stored); then per group of words the rows' bits, padded to 8 bytes.
 #pragma once
 
-#include "pcm/cloud/attribute.h"
 #include "pcm/build/bins/row.h"
+#include "pcm/cloud/attribute.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,17 +24,17 @@ public:
     static constexpr std::size_t block_rows = 512;
 
     RowPacking() = default;
-    // What a row of this layout holds: the coordinates if asked for (`signed_coordinates`: as signed numbers), then the
-    // attributes.
+    // For rows of this layout. `coordinates`: pack them too, and as signed numbers if `signed_coordinates`; the
+    // attributes are always packed.
     RowPacking(const RowLayout& layout, const Schema& schema, bool coordinates, bool signed_coordinates = false);
 
     // Appends `count` rows, which begin row_bytes apart.
     void pack(const std::byte* rows, std::size_t count, std::vector<std::byte>& out) const;
-    // The same of rows in the order of `order`.
+    // The same for the rows numbered `order`, in this order.
     void pack(const std::byte* rows, const std::uint32_t* order, std::size_t count, std::vector<std::byte>& out) const;
-    // Reads `count` rows back from exactly `size` bytes; what was not packed stays as it is in the rows. Never reads or
-    // writes outside, whatever the bytes are; throws Error(corrupt) naming `path` for bytes that pack() cannot have
-    // written.
+    // Reads `count` rows back from exactly `size` bytes; coordinates that were not packed are left unchanged. Never
+    // reads or writes out of bounds, whatever the bytes are; throws Error(corrupt) naming `path` for bytes that pack()
+    // cannot have written.
     void unpack(const std::byte* data, std::size_t size, std::byte* rows, std::size_t count,
                 const std::filesystem::path& path) const;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t extent_bytes = 1u << 18;
 constexpr std::size_t most_unpacked =
-    16 * std::size_t(extent_bytes);  // of an extent's rows: those that are all the same pack to nothing
+    16 * std::size_t(extent_bytes);  // bytes of an extent's rows: equal rows take almost no packed bytes
 
 // Before each packed block.
 struct BlockHeader {
@@ -27,8 +27,8 @@ std::uint64_t pages(std::uint64_t bytes)
     return (bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page;
 }
 
-// Neighbours in space together, roughly: rows by the cells of a grid of 8 x 8 x 8 over their box. Packed blocks of
-// neighbours are smaller, and the sort that follows jumps about less.
+// Orders rows by the cells of a grid of 8 x 8 x 8 over their box, so that neighbours in space are roughly together.
+// Packed blocks of neighbours are smaller, and the later sort has better locality.
 template <class Coord>
 void order_by_cells(const std::byte* rows, std::size_t count, std::size_t row_bytes, Scratch::Work& work)
 {
@@ -114,7 +114,7 @@ std::size_t Scratch::add_bins(std::size_t count)
 
 void Scratch::append(std::size_t bin, const std::byte* rows, std::size_t count, Work& work)
 {
-    // Not much at a time, however wide rows are: lengths have 32 bits.
+    // A limited number of bytes at a time, however wide the rows are: lengths have 32 bits.
     const std::size_t most = std::max<std::size_t>(1, (std::size_t(64) << 20) / row_bytes_);
     for (; count > most; count -= most, rows += most * row_bytes_) append(bin, rows, most, work);
     if (count == 0) return;
@@ -141,7 +141,7 @@ void Scratch::append(std::size_t bin, const std::byte* rows, std::size_t count, 
         Bin& to = bins_[bin];
         if (to.extents.empty() || to.extents.back().room - to.extents.back().used < bytes ||
             (to.extents.back().rows + count) * row_bytes_ > most_unpacked) {
-            // The end of an extent that is not used is a hole in the file.
+            // The unused end of an extent is a hole in the file.
             const auto room = static_cast<std::uint32_t>(std::max<std::uint64_t>(extent_bytes, pages(bytes)));
             to.extents.push_back({file_.reserve(room), room, 0, 0});
         }
@@ -171,9 +171,7 @@ void Scratch::read(std::size_t bin, std::size_t number, std::vector<std::byte>& 
         at += sizeof header;
         if (!whole || header.bytes > packed.size() - at || header.rows > (end - to) / row_bytes_ ||
             checksum(packed.data() + at, header.bytes) != header.checksum)
-            throw Error(ErrorCode::corrupt, file_.path(),
-                        "what was written at byte " + std::to_string(extent.offset + at) + " is not what is there now",
-                        "the disk may be failing; build again");
+            throw scratch_changed(file_.path(), extent.offset + at);
         packing_.unpack(packed.data() + at, header.bytes, rows.data() + to, header.rows, file_.path());
         at += header.bytes;
         to += header.rows * row_bytes_;

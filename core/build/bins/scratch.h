@@ -1,7 +1,7 @@
 // The builder's scratch file: rows of points, sorted into bins, packed, on disk.
 //
-// A bin lies in extents: stretches of the file that belong to it alone, so large that it is read in few pieces and that
-// its space can be given back. Within an extent packed blocks of rows follow each other.
+// A bin lies in extents: ranges of the file that belong to it alone, large enough to be read in few pieces and to be
+// released. An extent is a sequence of packed blocks of rows.
 #pragma once
 
 #include "pcm/build/bins/row_packing.h"
@@ -17,11 +17,11 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
-// Any number of Writers, one a thread, append to the bins; reading starts when they are flushed.
+// Any number of Writers, one per thread, append to the bins; reading starts when they are flushed.
 class Scratch {
 public:
     Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space);
-    // The file as it was when save() wrote `in`.
+    // Reopens the file as it was when save() wrote `in`.
     Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
             ByteReader& in);
     void save(ByteWriter& out) const;
@@ -53,25 +53,26 @@ public:
         Work work_;
     };
 
-    // Appends `count` rows straight to a bin, in any order. Threads may call it for any bins.
+    // Appends `count` rows directly to a bin, in any order. Any thread, any bin.
     void append(std::size_t bin, const std::byte* rows, std::size_t count, Work& work);
 
     // Extents of a bin, in no particular order. read() appends an extent's rows to `rows`. Throws Error(corrupt) when
-    // they are not what was written.
+    // the bytes have changed since they were written.
     std::size_t extents(std::size_t bin) const { return bins_[bin].extents.size(); }
     void read(std::size_t bin, std::size_t extent, std::vector<std::byte>& rows) const;
     std::vector<std::byte> read(std::size_t bin) const;
 
-    // Gives an extent's space back where the file system can, and all of a bin's. The bin's number of rows stays.
+    // Releases the disk space of an extent, or of all of a bin's, where the file system can. The bin keeps its number
+    // of rows.
     void give_back(std::size_t bin, std::size_t extent);
     void give_back(std::size_t bin);
-    // The bin, which has been given back, is empty from now on.
+    // Makes a bin empty whose space has been released.
     void forget(std::size_t bin);
 
     void sync() { file_.sync(); }
     // Whether the file is long enough to hold the bin.
     bool can_hold(std::size_t bin) const;
-    void clear() { file_.clear(); }  // no bin is needed any more; the file stays, empty
+    void clear() { file_.clear(); }  // makes the file empty
 
 private:
     struct Extent {

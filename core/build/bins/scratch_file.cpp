@@ -1,20 +1,26 @@
 #include "pcm/build/bins/scratch_file.h"
 
-#include "pcm/system/error.h"
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <string>
 
 namespace pcm {
 
-ScratchFile::ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool go_on)
-    : file_(path, go_on ? File::Mode::change : File::Mode::create_or_truncate), space_(space), end_(file_.size())
+Error scratch_changed(const std::filesystem::path& path, std::uint64_t offset)
+{
+    return Error(ErrorCode::corrupt, path,
+                 "the data at byte " + std::to_string(offset) + " have changed since they were written",
+                 "the disk may be failing; build again");
+}
+
+ScratchFile::ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool reopen)
+    : file_(path, reopen ? File::Mode::change : File::Mode::create_or_truncate), space_(space), end_(file_.size())
 {
     struct stat status {};
-    if (::fstat(file_.descriptor(), &status) != 0) throw Error::from_errno(errno, path, "asking for the size");
+    if (::fstat(file_.descriptor(), &status) != 0) throw Error::from_errno(errno, path, "reading the size");
     take(static_cast<std::uint64_t>(status.st_blocks) * 512);
 }
 
@@ -34,14 +40,14 @@ void ScratchFile::give_back(std::uint64_t offset, std::uint64_t length, std::uin
         result = ::fallocate(file_.descriptor(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
                              static_cast<off_t>(length));
     while (result != 0 && errno == EINTR);
-    if (result != 0) return;  // a file system that cannot, or will not: nothing is lost but space
+    if (result != 0) return;  // not supported by every file system; costs space only
     on_disk_ -= bytes;
     space_.give_back(bytes);
 }
 
 void ScratchFile::clear()
 {
-    if (::ftruncate(file_.descriptor(), 0) != 0) return;  // it only takes space
+    if (::ftruncate(file_.descriptor(), 0) != 0) return;  // costs space only
     space_.give_back(on_disk_.exchange(0));
 }
 

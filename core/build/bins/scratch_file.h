@@ -1,6 +1,7 @@
-// A file of a build's scratch data, and how much of that there is on disk.
+// A file of a build's scratch data, and the disk space of all of them.
 #pragma once
 
+#include "pcm/system/error.h"
 #include "pcm/system/file.h"
 
 #include <atomic>
@@ -8,6 +9,9 @@
 #include <filesystem>
 
 namespace pcm {
+
+// For bytes of a scratch file whose checksum is not the one that was recorded when they were written.
+Error scratch_changed(const std::filesystem::path& path, std::uint64_t offset);
 
 // Bytes of all scratch files of a build. Any thread.
 class ScratchSpace {
@@ -26,29 +30,29 @@ private:
     std::atomic<std::uint64_t> now_{0}, peak_{0};
 };
 
-// Grows at its end; what is not needed any more is given back to the file system as holes. Any thread.
+// Grows at its end; released ranges become holes of the file. Any thread.
 class ScratchFile {
 public:
-    static constexpr std::uint64_t page = 4096;  // space is taken and given back in pages
+    static constexpr std::uint64_t page = 4096;  // unit in which space is taken and released
 
-    // A new file, in place of one that is there; or, to go on with, one that is there: what follows is appended.
-    ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool go_on = false);
+    // A new file, which replaces an existing one; or, with `reopen`, an existing one, to which data are appended.
+    ScratchFile(const std::filesystem::path& path, ScratchSpace& space, bool reopen = false);
     ScratchFile(ScratchFile&&) = delete;
     ~ScratchFile();
 
     const std::filesystem::path& path() const { return file_.path(); }
-    // The end of the file, which moves `bytes` on.
+    // Returns the end of the file and moves it by `bytes`.
     std::uint64_t reserve(std::uint64_t bytes) { return end_.fetch_add(bytes); }
     std::uint64_t bytes() const { return end_; }
-    // Tells that so much more, or less, of what was reserved lies on disk.
+    // Counts bytes of the reserved ranges that are on disk from now on.
     void take(std::uint64_t bytes);
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset) { file_.write_at(from, bytes, offset); }
     void read_at(void* to, std::size_t bytes, std::uint64_t offset) const { file_.read_at(to, bytes, offset); }
     void sync() { file_.sync(); }
-    // Makes a hole; `bytes` of its pages are on disk. Where the file system knows no holes they stay there, and are
+    // Makes a hole; `bytes` of its pages are on disk. On a file system without holes they stay there and remain
     // counted.
     void give_back(std::uint64_t offset, std::uint64_t length, std::uint64_t bytes);
-    void clear();  // nothing in it is needed
+    void clear();  // makes the file empty
     void remove();
 
 private:

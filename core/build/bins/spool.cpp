@@ -10,11 +10,11 @@
 namespace pcm {
 namespace {
 
-// Codes of values that all are quotients of the divisor (double_codes.h). False when they are not, or too large for
-// this.
+// Codes of values that are all quotients of the divisor (double_codes.h). False when they are not, or are too large for
+// this method.
 bool code_quotients(const double* values, std::size_t count, double divisor, std::int64_t* to)
 {
-    // Adding and taking away 1.5 * 2^52 rounds to an integer what is smaller than 2^51.
+    // Adding and subtracting 1.5 * 2^52 rounds a number below 2^51 to an integer.
     constexpr double rounder = 6755399441055744.0, most = 2251799813685248.0;
     std::uint64_t differ = 0;
     bool fits = true;
@@ -70,7 +70,7 @@ void Spool::Writer::append(std::byte* rows, std::size_t count)
     spool_.packing_.pack(rows, count, packed_);
     block.bytes = packed_.size();
     block.checksum = checksum(packed_.data(), packed_.size());
-    // Whole pages, so that they can be given back.
+    // Whole pages, so that they can be released.
     const std::uint64_t room = (block.bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page;
     block.offset = spool_.file_.reserve(room);
     spool_.file_.take(room);
@@ -85,10 +85,7 @@ void Spool::read(std::size_t piece, std::vector<std::byte>& rows) const
     const Block& block = blocks_[piece];
     std::vector<std::byte> packed(block.bytes);
     file_.read_at(packed.data(), packed.size(), block.offset);
-    if (checksum(packed.data(), packed.size()) != block.checksum)
-        throw Error(ErrorCode::corrupt, file_.path(),
-                    "what was written at byte " + std::to_string(block.offset) + " is not what is there now",
-                    "the disk may be failing; build again");
+    if (checksum(packed.data(), packed.size()) != block.checksum) throw scratch_changed(file_.path(), block.offset);
     const std::size_t at = rows.size();
     rows.resize(at + block.rows * row_bytes_);
     std::byte* first = rows.data() + at;

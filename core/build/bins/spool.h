@@ -1,4 +1,4 @@
-// Rows of a cloud that can only be read in order, packed on disk, until it is known how to distribute them.
+// Rows of a cloud that can only be read in order, packed on disk until the bins are known.
 #pragma once
 
 #include "pcm/bpc/double_codes.h"
@@ -14,7 +14,7 @@ namespace pcm {
 
 class Spool {
 public:
-    // Rows of the layout; `doubles`: it is a wide one and their positions are doubles, which keep their bits.
+    // Rows of this layout; `doubles`: the layout is wide and positions are doubles, which keep their bits.
     Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
           ScratchSpace& space);
     ~Spool() { file_.remove(); }
@@ -26,23 +26,23 @@ public:
     class Writer {
     public:
         explicit Writer(Spool& spool) : spool_(spool) {}
-        // Writes `count` rows as one block; positions in them are overwritten when they are doubles.
+        // Writes `count` rows as one block. Overwrites their positions when they are doubles.
         void append(std::byte* rows, std::size_t count);
 
     private:
         void code_doubles_of(std::byte* rows, std::size_t count, DoubleCodes& codes);
         Spool& spool_;
-        Vec3d divisor_{0, 0, 0};  // of the block before: the next one's is likely the same
+        Vec3d divisor_{0, 0, 0};  // of the block before: likely that of the next one too
         std::vector<std::byte> packed_;
         std::vector<double> values_;
         std::vector<std::int64_t> coded_;
     };
 
-    // Blocks in no particular order. read() appends a block's rows. Throws Error(corrupt) when they are not what was
-    // written.
+    // Blocks in no particular order. read() appends a block's rows. Throws Error(corrupt) when the bytes have changed
+    // since they were written.
     std::size_t pieces() const { return blocks_.size(); }
     void read(std::size_t piece, std::vector<std::byte>& rows) const;
-    // A block is not needed any more.
+    // Releases the disk space of a block.
     void give_back(std::size_t piece);
 
 private:

@@ -22,10 +22,10 @@ struct TopTree {
     };
     std::vector<Node> nodes{Node()};  // the root; one bin until it is divided
 
-    // Where bin_of() begins, so that it has fewer nodes to pass: for each cell of a grid the node that has it all.
-    // Cells at the sides of the grid reach on without end. Empty: at the root.
+    // Where bin_of() begins, so that it passes fewer nodes: for each cell of a grid, the deepest node that contains it.
+    // Cells at the sides of the grid extend without limit. Empty: begin at the root.
     static constexpr int grid_bits = 5;
-    static constexpr std::uint64_t grid_last = (1u << grid_bits) - 1;  // of 32 cells along an axis
+    static constexpr std::uint64_t grid_last = (1u << grid_bits) - 1;  // 32 cells along an axis
     std::vector<std::uint32_t> starts;
     std::array<Coord, 3> grid_low{};
     std::array<int, 3> grid_shift{};
@@ -84,8 +84,8 @@ public:
         : top_(top), finer_(finer), bin_points_(bin_points)
     {
     }
-    // Divides node `at`, which stands for `points` points of which `sample` is a part; bins are numbered from
-    // `first_bin`. Returns how many bins there are. One bin means that the node could not be divided.
+    // Divides node `at` of `points` points, given a sample of them; bins are numbered from `first_bin`. Reorders the
+    // sample. Returns the number of bins; 1 means that the node could not be divided.
     std::size_t plan(std::uint32_t at, Sample& sample, std::uint64_t points, std::size_t first_bin)
     {
         next_bin_ = first_bin;
@@ -106,7 +106,7 @@ private:
     void divide(std::uint32_t at, std::array<Coord, 3>* sample, std::size_t count, std::uint64_t points, int depth)
     {
         std::optional<Cut<Coord>> cut;
-        // A sample of a few points says too little to cut by.
+        // A few points are too small a sample for a cut.
         if (points > bin_points_ && count >= 16 && depth < 64)
             cut = choose_cut<Coord>(count, finer_, [&](std::size_t i, std::size_t axis) { return sample[i][axis]; });
         if (!cut) {
@@ -131,7 +131,7 @@ private:
     std::size_t next_bin_ = 0;
 };
 
-// Keeps every n-th of what it is shown, n doubling when it is full: a strided sample of a stream of unknown length.
+// Keeps every n-th item, and doubles n when it is full: a strided sample of a stream of unknown length.
 template <class T>
 class StridedSample {
 public:

@@ -1,7 +1,7 @@
 // Levels by a lattice: the first point in Morton order of each cell belongs to the cell's level. Quicker than a
-// Poisson-disk sample, and less even. Cells of every size are runs in Morton order (lattice.h), so one walk over the
-// points finds the levels of all sizes: the size at which a point is parted from the one before is the largest of whose
-// cells it is the first.
+// Poisson-disk sample, and less even. Cells of every size are runs in Morton order (lattice.h), so one pass over the
+// points finds all levels: a point is the first of its cell for all sizes up to the one that separates it from the
+// point before.
 #pragma once
 
 #include "pcm/build/levels/given_levels.h"

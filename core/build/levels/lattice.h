@@ -1,9 +1,9 @@
-// The lattice of cells that sampling and sorting share: cubes as nearly as the grid allows, their sides doubling from
-// one size to the next, aligned in the whole cloud's coordinates, so that cells nest and do not depend on how it is
-// divided.
+// The lattice of cells that sampling and sorting share: nearly cubes, as far as the grid allows, whose sides double
+// from one size to the next. Cells are aligned in the whole cloud's coordinates, so they nest and do not depend on how
+// the cloud is divided.
 //
 // A cell of size g is 2^(g + finer[a]) grid steps along axis a. Two points of one cell are less than spacing(g) apart,
-// and what is nearer than spacing(g) to a point lies at most 4 cells away along any axis.
+// and points nearer than spacing(g) to each other are at most 4 cells apart along any axis.
 #pragma once
 
 #include "pcm/build/bins/cut.h"
@@ -21,7 +21,7 @@ template <class Coord>
 using Point = std::array<Coord, 3>;  // biased grid coordinates, as in rows (row.h)
 
 struct Lattice {
-    Vec3d scale{1, 1, 1};      // of the grid, source units a step
+    Vec3d scale{1, 1, 1};      // of the grid, source units per step
     AxisShift finer{0, 0, 0};  // such that scale[a] << finer[a] is alike within a factor of 2 on all axes
 
     Lattice() = default;
@@ -44,7 +44,7 @@ struct Lattice {
         return {std::min(63, g + finer[0]), std::min(63, g + finer[1]), std::min(63, g + finer[2])};
     }
 
-    // The size of cells of which any box between two points touches at most 8.
+    // The size of cells such that the box between the two points touches at most 8.
     template <class Coord>
     int size_of_box(const Point<Coord>& low, const Point<Coord>& high) const
     {
@@ -65,7 +65,7 @@ bool same_cell(const Point<Coord>& p, const Point<Coord>& q, const std::array<in
              (static_cast<std::uint64_t>(p[2] ^ q[2]) >> shifts[2]));
 }
 
-// The size of the largest cells that part p and q; -1 when even cells of size 0 hold both.
+// The size of the largest cells that separate p and q; -1 when one cell of size 0 holds both.
 template <class Coord>
 int parting_size(const Point<Coord>& p, const Point<Coord>& q, const AxisShift& finer)
 {

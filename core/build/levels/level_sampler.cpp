@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
+#include "pcm/build/bins/scratch_file.h"
 #include "pcm/build/levels/grid_levels.h"
 #include "pcm/build/levels/poisson_pass.h"
 #include "pcm/system/error.h"
@@ -124,7 +125,7 @@ void LevelSampler<Coord>::run_beside_given(unsigned threads)
     for (const int size : sizes_) pass(size, threads);
 }
 
-// Of cells of which the whole cloud touches at most 8.
+// The size of cells such that the whole cloud touches at most 8.
 template <class Coord>
 int LevelSampler<Coord>::coarsest_size() const
 {
@@ -226,9 +227,7 @@ std::vector<std::uint32_t> LevelSampler<Coord>::read(const List& list) const
     std::vector<std::uint32_t> indices(list.count);
     file_.read_at(indices.data(), indices.size() * sizeof indices[0], list.offset);
     if (checksum(indices.data(), indices.size() * sizeof indices[0]) != list.checksum)
-        throw Error(ErrorCode::corrupt, file_.path(),
-                    "what was written at byte " + std::to_string(list.offset) + " is not what is there now",
-                    "the disk may be failing; build again");
+        throw scratch_changed(file_.path(), list.offset);
     return indices;
 }
 

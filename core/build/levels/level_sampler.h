@@ -1,8 +1,9 @@
 // Which level each point of a cloud belongs to.
 //
 // Levels lie on one ladder of spacings for the whole cloud, each half of the one before. The points of levels 0..k
-// together are a maximal Poisson-disk sample at the spacing of k: no two of them are nearer, no input point is as far
-// from all of them, across the borders of bins too. The last level, the rest, holds all others, with spacing 0.
+// together are a maximal Poisson-disk sample at the spacing of k: no two of them are nearer, and every input point has
+// one of them nearer than that, across the borders of bins too. The last level, the rest, holds all others, with
+// spacing 0.
 //
 // Points can be added to a cloud that has its levels already and keeps them (`GivenLevels`). Then
 // - both clouds' levels 0..k together have no two points nearer than the spacing of k, as above;
@@ -34,25 +35,26 @@ class ByteWriter;
 template <class Coord>
 class LevelSampler {
 public:
-    // `points` stays as it is and must outlive the sampler. `scratch`: a file for the sampler's own notes; a new one is
-    // removed in the end, one that is opened in another way stays.
+    // `points` must not change and must outlive the sampler. `scratch`: the sampler's own file; with Mode::create_new
+    // it is removed in the end, otherwise it stays.
     LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
                  const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
     ~LevelSampler();
 
-    // Before run(): the points are added to these. Error(invalid_argument) for spacings that are not of the lattice.
+    // Before run(): the points are added to these. Throws Error(invalid_argument) for spacings that are not the
+    // lattice's.
     void add_to(GivenLevels<Coord> given);
 
     // `progress(fraction)` is called now and then on the calling thread and may throw.
     void run(unsigned threads, const std::function<void(double)>& progress);
 
-    // What run() found, and the reverse, in place of it (the file must be the same). load() throws Error(corrupt).
+    // The result of run(); and load() instead of run(), on the same file. load() throws Error(corrupt).
     void save(ByteWriter& out) const;
     void load(ByteReader& in);
     void sync() { file_.sync(); }
-    // Of the sampler's notes on disk.
+    // Of the sampler's file.
     std::uint64_t bytes() const { return end_; }
-    // Of each level; 0 for the rest. Of a given cloud its own, and the rest where it had none and is needed now.
+    // Of each level; 0 for the rest. With given levels: theirs, and the rest where they had none and it is needed now.
     const std::vector<double>& spacings() const { return spacings_; }
     // Number of points of each level in a bin.
     const std::vector<std::uint64_t>& histogram(std::size_t bin) const { return bins_[bin].histogram; }
@@ -71,8 +73,8 @@ private:
         std::vector<Point<Coord>> border;  // chosen points that are nearer than the spacing to another bin
         std::uint64_t chosen = 0;
         std::vector<std::uint64_t> histogram;
-        // Where in the file a byte for each point is, if the bin has that. Poisson: the smallest size that is barred to
-        // it by given points, as are all larger ones; 255 for none. Grid, with a given cloud: its level.
+        // Offset in the file of one byte per point, if the bin has these. Poisson: the smallest size that given points
+        // bar to the point, as they do all larger ones; 255 for none. Grid, with a given cloud: the point's level.
         std::uint64_t bytes = no_bytes;
     };
     static constexpr std::uint64_t no_bytes = ~std::uint64_t(0);

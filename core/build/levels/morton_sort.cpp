@@ -49,8 +49,8 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
         }
     }
 
-    // Coordinates relative to a base: `extent` low bits, and above them one bit that tells on which side of a large
-    // cell's border the point lies. The three of these come in the order of their true places, which may be far above.
+    // Coordinates relative to a base: `extent` low bits, and above them one bit that says on which side of a large
+    // cell's border the point lies. These three bits are in the order of their true places, which may be far above.
     Lattice lattice;
     lattice.finer = finer;
     const int extent = lattice.size_of_box<Coord>(low, high);

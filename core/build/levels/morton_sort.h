@@ -9,8 +9,8 @@
 
 namespace pcm {
 
-// The order (lattice.h: morton_before; equal coordinates by their rows' bytes) of `count` rows: indices of rows. It
-// depends on the set of rows alone. Fewer than 2^32 rows.
+// The Morton order of `count` rows (lattice.h: morton_before; equal coordinates by the bytes of their rows) as indices
+// of rows. Depends on the set of rows alone. Fewer than 2^32 rows.
 template <class Coord>
 std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count, const RowLayout& layout,
                                         const AxisShift& finer);

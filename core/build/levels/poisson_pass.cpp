@@ -7,9 +7,9 @@
 namespace pcm {
 namespace {
 
-// Squared distances in float, in spacings, are right within this: coordinates are below 36 cells (a block of 32, and a
-// bucket of at most 4 more), of which each is less than 0.9 wide, so they are off by less than 2e-6 and their
-// differences by 4e-6; there are three of them that are at most about 1 where it matters.
+// Error bound of squared distances in float, in spacings: coordinates are below 36 cells (a block of 32, and a bucket
+// of at most 4 more), each less than 0.9 wide, so their errors are below 2e-6 and those of their differences below
+// 4e-6; there are three differences, at most about 1 where it matters.
 constexpr float error = 5e-5f;
 constexpr float surely_inside = 1 - error, surely_outside = 1 + error;
 constexpr float nowhere = 1e18f;
@@ -32,7 +32,7 @@ bool any(FourFlags flags)
     return (halves[0] | halves[1]) != 0;
 }
 
-// As ==, which calls memcmp.
+// Like ==, which would call memcmp.
 template <class Coord>
 bool same(const Point<Coord>& p, const Point<Coord>& q)
 {
@@ -50,7 +50,7 @@ std::size_t hash_of(const Point<Coord>& p, int bits)
     return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
 }
 
-// c >> shift, for shifts of 64 and more too.
+// c >> shift, also for shifts of 64 and more.
 template <class Coord>
 std::uint64_t down(Coord c, int shift)
 {
@@ -66,14 +66,15 @@ Point<Coord> cell_of(const Point<Coord>& p, const std::array<int, 3>& shifts)
             static_cast<Coord>(down(p[2], shifts[2]))};
 }
 
-// As Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of equal
-// numbers.
+// Like Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of
+// equal numbers.
 std::array<int, 3> all_shifts(const Lattice& lattice, int size)
 {
     return {size + lattice.finer[0], size + lattice.finer[1], size + lattice.finer[2]};
 }
 
-// Buckets are cubes of cells, as wide as the spacing along every axis. On grids as fine along all axes two cells are.
+// Buckets are cubes of cells, at least as wide as the spacing along every axis. Two cells are wide enough on grids that
+// are equally fine along all axes.
 int bucket_bits(const Lattice& lattice)
 {
     double least = std::ldexp(lattice.scale[0], lattice.finer[0]);
@@ -175,7 +176,7 @@ float PoissonPass<Coord>::relative(Coord c, std::size_t axis) const
     return static_cast<float>(steps * unit_[axis]);
 }
 
-// Of a point in the block at hand: its cell among all of the block, an index of bits in taken_.
+// The index in taken_ of the cell of a point in the current block.
 template <class Coord>
 std::size_t PoissonPass<Coord>::cell_at(const Point<Coord>& p) const
 {
@@ -231,7 +232,7 @@ void PoissonPass<Coord>::enter_block(const Point<Coord>& p)
         }
 }
 
-// What is in and beside the bucket of a cell.
+// The points in and beside the bucket of a cell.
 template <class Coord>
 auto PoissonPass<Coord>::gather(std::size_t cell) -> Range
 {
@@ -309,7 +310,7 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
         }
         return end;
     }
-    // The cell's box; of a chosen point, how near and how far its points can be.
+    // The cell's box, and the least and largest distance that its points can have to a chosen point.
     std::array<int, 3> shifts = lattice_.shifts(size);
     const Point<Coord> cell = cell_of(points_[i], shifts);
     std::array<float, 3> low, high;

@@ -1,19 +1,18 @@
-// One pass of sampling: to the points that are chosen already, further ones are added until every point of a bin has
-// one nearer than the spacing, while no two are nearer than it: a maximal Poisson-disk sample that contains a given
-// one.
+// One pass of sampling: adds points to those already chosen until every point of a bin has a chosen one nearer than the
+// spacing, while no two chosen ones are nearer than it: a maximal Poisson-disk sample that contains a given one.
 //
 // The method is that of dart throwing on a background grid (Cook 1986; Ebeida et al. 2011 for maximality), with points
 // for darts and Morton order for their order: a cell's diagonal is the spacing, so a cell holds at most one chosen
 // point, and one that does holds no uncovered point; of any other cell the first uncovered point in Morton order is
-// chosen. Cells are told covered as a whole, or halved, where a ball around a chosen point contains them.
+// chosen. A cell that is inside a ball around a chosen point is classified as covered as a whole, others are halved.
 //
-// Covered means squared_distance < spacing², evaluated in double; so the distances of a sample are exact, not nearly
-// right. Distances are looked at in float first, which decides where it does so by more than its error.
+// Covered means squared_distance < spacing², evaluated in double, so the distances of a sample are exact. Distances are
+// computed in float first, which decides where the result is clear beyond its error.
 //
-// Cells are grouped twice. A bucket is as wide as the spacing at least, so that what is near a point is in its bucket
-// or in one of the 26 around; a block is 32 x 32 x 32 cells. A hash table knows the blocks that hold chosen points. For
-// the block at hand the chosen points in and around it are put into an array of buckets, small enough for the first
-// cache.
+// Cells are grouped twice. A bucket is at least as wide as the spacing, so that all points near a point are in its
+// bucket or in one of the 26 around it; a block is 32 x 32 x 32 cells. A hash table knows the blocks that hold chosen
+// points. The chosen points in and around the current block are put into an array of buckets, small enough for the
+// first-level cache.
 #pragma once
 
 #include "pcm/build/levels/sorted_points.h"
@@ -26,16 +25,16 @@ namespace pcm {
 template <class Coord>
 class PoissonPass {
 public:
-    // `own`: the points of the bin that are chosen already, rising. `others`: every point elsewhere chosen so far that
-    // is nearer than the spacing to some point of the bin (more do no harm).
+    // `own`: indices of the bin's points that are already chosen, ascending. `others`: every point of other bins chosen
+    // so far that is nearer than the spacing to some point of the bin (more do no harm).
     PoissonPass(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size,
                 const std::vector<std::uint32_t>& own, const std::vector<Point<Coord>>& others);
 
-    // Indices of the points that are chosen now, rising. Where `barred` is not empty it says of each point the smallest
-    // size that may not choose it, as may no larger one: such points are left out, covered or not.
+    // Indices of the points that this pass chooses, ascending. Where `barred` is not empty it has for each point the
+    // smallest size that may not choose it, nor may any larger one: such points are left out, covered or not.
     std::vector<std::uint32_t> run(const std::vector<std::uint8_t>& barred);
 
-    // Instead of run(): sets to this size what the points that are covered have in `barred`.
+    // Instead of run(): sets `barred` of the covered points to this size.
     void mark(std::vector<std::uint8_t>& barred);
 
 private:
@@ -54,11 +53,11 @@ private:
         std::uint32_t rim = none, core = none;
         bool used() const { return rim != none || core != none; }
     };
-    struct Local {  // a chosen point in or around the block at hand, in spacings from its corner
+    struct Local {  // a chosen point in or around the current block, in spacings from its corner
         float x, y, z;
         std::uint32_t chosen, next;  // next of its bucket
     };
-    struct NearPoints {  // what is near the bucket at hand, then parts of that, each in fours
+    struct NearPoints {  // the points near the current bucket, then subsets of them, each padded to a multiple of four
         std::vector<float> x, y, z;
         std::vector<std::uint32_t> chosen;
         std::size_t size = 0;
@@ -94,7 +93,7 @@ private:
     const int size_;
     const int bucket_bits_;  // a bucket is 2^bucket_bits cells wide, 1 or 2
     const std::vector<std::uint32_t>& own_;
-    Vec3d squared_scale_, unit_;  // unit: spacings a grid step
+    Vec3d squared_scale_, unit_;  // unit: spacings per grid step
     double squared_spacing_;
     std::array<int, 3> cell_, bucket_, block_;
     std::vector<Chosen> chosen_;
@@ -103,19 +102,19 @@ private:
     std::size_t used_ = 0, last_slot_ = 0;
     const std::uint8_t* barred_ = nullptr;
 
-    // Of the block at hand.
+    // Of the current block.
     Point<Coord> origin_{};
     std::vector<Local> local_;
-    std::array<std::uint32_t, side * side * side> heads_;  // of buckets; only where rows_ says that there is one
-    std::array<std::uint32_t, side * side> rows_;  // of buckets along x, a bit for each that holds a chosen point
-    std::vector<std::uint64_t> taken_;             // a bit a cell: holds a chosen point
+    std::array<std::uint32_t, side * side * side> heads_;  // of buckets; valid only where rows_ has a bit
+    std::array<std::uint32_t, side * side> rows_;  // of buckets along x, one bit per bucket: holds a chosen point
+    std::vector<std::uint64_t> taken_;             // one bit per cell: holds a chosen point
     std::size_t bucket_mask_;                      // of a cell's index: its bucket
     NearPoints near_;
-    std::size_t hint_ = 0;  // the four among which the last point had its cover
+    std::size_t hint_ = 0;  // the four that covered the last point
 };
 
-// Whether the bin has points in the bucket of a point or in one beside it, which is where all are that are nearer than
-// the spacing.
+// Whether the bin has points in the bucket of a point or in an adjacent one. All that are nearer than the spacing are
+// there.
 template <class Coord>
 class PointsNear {
 public:

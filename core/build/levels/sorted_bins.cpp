@@ -10,12 +10,12 @@ namespace pcm {
 
 template <class Coord>
 SortedBins<Coord>::SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema,
-                              ScratchSpace& space, bool go_on)
+                              ScratchSpace& space, bool reopen)
     : layout_(layout),
       packing_(layout, schema, false),
       space_(space),
-      points_(folder / "points.tmp", go_on ? File::Mode::change : File::Mode::create_or_truncate),
-      file_(folder / "attributes.tmp", space, go_on)
+      points_(folder / "points.tmp", reopen ? File::Mode::change : File::Mode::create_or_truncate),
+      file_(folder / "attributes.tmp", space, reopen)
 {
     space_.take(points_.bytes());
 }
@@ -81,10 +81,7 @@ std::vector<std::byte> SortedBins<Coord>::read(std::size_t bin) const
     const Attributes& from = attributes_[bin];
     std::vector<std::byte> packed(from.bytes);
     file_.read_at(packed.data(), packed.size(), from.offset);
-    if (checksum(packed.data(), packed.size()) != from.checksum)
-        throw Error(ErrorCode::corrupt, file_.path(),
-                    "what was written at byte " + std::to_string(from.offset) + " is not what is there now",
-                    "the disk may be failing; build again");
+    if (checksum(packed.data(), packed.size()) != from.checksum) throw scratch_changed(file_.path(), from.offset);
     const std::size_t count = rows(bin);
     std::vector<std::byte> all(count * layout_.bytes);
     if (layout_.bytes > 3 * sizeof(Coord))

@@ -14,9 +14,9 @@ namespace pcm {
 template <class Coord>
 class SortedBins {
 public:
-    // Two files in `folder`, which stay; `go_on`: they are there, and load() says what they hold.
+    // Two files in `folder`, which stay. `reopen`: they exist, and load() says where each bin lies.
     SortedBins(const std::filesystem::path& folder, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
-               bool go_on);
+               bool reopen);
 
     void resize(std::size_t bins);
     // Where a bin lies, and the reverse. load() throws Error(corrupt) when it does not lie within the files.
@@ -26,9 +26,10 @@ public:
     const SortedPoints<Coord>& points() const { return points_; }
     std::uint64_t rows(std::size_t bin) const { return points_.box(bin).points; }
 
-    // Any thread, each bin once: its `rows`, of which there are some, in the order that `order` says.
+    // Any thread, each bin once: its rows (at least one) in this order.
     void put(std::size_t bin, const std::vector<std::byte>& rows, const std::vector<std::uint32_t>& order);
-    // All rows of a bin, in order. Any thread. Throws Error(corrupt) when they are not what was written.
+    // All rows of a bin, in order. Any thread. Throws Error(corrupt) when the bytes have changed
+    // since they were written.
     std::vector<std::byte> read(std::size_t bin) const;
 
 private:

@@ -3,6 +3,7 @@
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
 #include "pcm/bpc/column_codec.h"
+#include "pcm/build/bins/scratch_file.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -120,9 +121,7 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
     bytes_.resize(block.bytes + codec_slack);
     store_.file_.read_at(bytes_.data(), block.bytes, block.offset);
     if (static_cast<std::uint32_t>(checksum(bytes_.data(), block.bytes)) != block.check)
-        throw Error(ErrorCode::corrupt, store_.file_.path(),
-                    "what was written at byte " + std::to_string(block.offset) + " is not what is there now",
-                    "the disk may be failing; build again");
+        throw scratch_changed(store_.file_.path(), block.offset);
     const std::size_t first = number * sorted_block;
     const std::size_t count = std::min(sorted_block, size_ - first);
     words_.resize(count);

@@ -1,4 +1,4 @@
-// Positions of the bins of a build, in Morton order, packed on disk: what sampling looks at, again and again.
+// Positions of the bins of a build, in Morton order, packed on disk: what sampling reads repeatedly.
 #pragma once
 
 #include "pcm/build/levels/lattice.h"
@@ -22,7 +22,7 @@ class SortedPoints {
 public:
     explicit SortedPoints(const std::filesystem::path& path);
     ~SortedPoints();  // removes the file
-    // A file that stays; one that is there already is gone on with, when it is opened so: load() says what it holds.
+    // A file that stays. With Mode::change it is an existing one, and load() says where each bin lies.
     SortedPoints(const std::filesystem::path& path, File::Mode mode);
 
     struct Box {
@@ -43,7 +43,7 @@ public:
     void load(std::size_t bin, ByteReader& in);
     void sync() { file_.sync(); }
 
-    // A bin's points, block by block as they are asked for. Belongs to one thread.
+    // A bin's points, read block by block on access. Belongs to one thread.
     class Reader {
     public:
         Reader(const SortedPoints& store, std::size_t bin);

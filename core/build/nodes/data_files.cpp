@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a new data file is begun beyond this
-constexpr std::uint16_t front_depth = 6;  // chunks above this depth lie together at the front, parents first
+constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // larger ones are not begun
+constexpr std::uint16_t front_depth = 6;  // chunks down to this depth are in the first file, parents first
 
 std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
 {
@@ -27,7 +27,7 @@ std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
     int result;
     do result = ::ftruncate(file->descriptor(), static_cast<off_t>(bytes));
     while (result != 0 && errno == EINTR);
-    if (result != 0) throw Error::from_errno(errno, path, "cutting the file off");
+    if (result != 0) throw Error::from_errno(errno, path, "truncating the file");
     return file;
 }
 
@@ -104,7 +104,7 @@ void DataFiles::load(ByteReader& in)
     const auto files = in.get<std::uint64_t>();
     bytes_.clear();
     for (std::uint64_t i = 0; i < files; ++i) bytes_.push_back(in.get<std::uint64_t>());
-    if (bytes_.empty()) throw Error(ErrorCode::corrupt, folder_, "a checkpoint without data files");
+    if (bytes_.empty()) throw Error(ErrorCode::corrupt, folder_, "a checkpoint names no data files");
     bytes_[0] = 0;
     if (front_bytes_) front_ = cut_off(front_path_, front_bytes_);
     for (std::size_t number = 1; number < bytes_.size(); ++number)

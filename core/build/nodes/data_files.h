@@ -15,26 +15,26 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
-// Chunks are appended in the order of the calls; those of the first levels wait in a file of their own until finish()
-// puts them in front, parents first. One thread at a time.
+// Chunks are appended in the order of the calls. Those of the top nodes go to a temporary file, from which finish()
+// writes the first data file, parents first. One thread at a time.
 class DataFiles {
 public:
-    // In `folder`, numbered from `first` on; `work` is where the front waits.
+    // In `folder`, numbered from `first` on; the temporary file is in `work`.
     DataFiles(const std::filesystem::path& folder, const std::filesystem::path& work, std::uint32_t first);
 
-    // Writes a chunk and notes in the draft where it lies.
+    // Writes a chunk and sets its extent in the draft.
     void append(Draft& draft, const std::byte* bytes, std::size_t size);
-    // Writes the front and syncs everything; the drafts in front get their final places.
+    // Writes the first data file and syncs everything; its drafts get their final extents.
     void finish();
     const std::vector<std::uint64_t>& bytes() const { return bytes_; }  // of each data file
     std::uint64_t appended() const { return appended_; }                // bytes, by this process
 
-    // How much has been written, and the reverse: the files are cut off there. load() throws Error(truncated | ...)
-    // when they have less. The drafts whose chunks were written are told by written(), in the order of append().
+    // The sizes of the files; load() truncates them to these sizes, and throws Error(truncated | ...) when they are
+    // shorter. After load() the drafts whose chunks were written are passed to written(), in the order of append().
     void save(ByteWriter& out) const;
     void load(ByteReader& in);
     void written(Draft& draft);
-    // Puts on disk what was appended until now; may be called while more is appended.
+    // Returns a function that syncs what was appended until now; it may run while more is appended.
     std::function<void()> syncer() const;
 
 private:

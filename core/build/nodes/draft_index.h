@@ -6,7 +6,7 @@
 
 namespace pcm {
 
-// Drafts become nodes, parents first; subtrees without points vanish. Nodes alone: what else an index says is not set.
+// Drafts become nodes, parents first; subtrees without points are left out. Sets only the nodes of the index.
 TreeIndex index_of_drafts(const Draft* root);
 
 }  // namespace pcm

@@ -55,7 +55,7 @@ LevelRange levels_that_fit(const std::vector<std::uint64_t>& histogram, std::siz
 template <class Coord>
 double NodeBuilder<Coord>::spacing_after(const LevelRange& own) const
 {
-    // Before the first level nothing is drawn: as if there were a level above.
+    // A node without levels of its own: as if there were a level before the first.
     return own.last > 0 ? options_.spacings[own.last - 1] : 2 * options_.spacings[0];
 }
 
@@ -152,7 +152,7 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
                     high.push_back(i);
             }
             rest.resize(kept);
-        } else {  // a pile of points in one place
+        } else {  // all points are in one place
             const std::size_t half = rest.size() / 2;
             high.assign(rest.begin() + static_cast<std::ptrdiff_t>(half), rest.end());
             rest.resize(half);

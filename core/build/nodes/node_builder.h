@@ -1,8 +1,8 @@
-// Builds the nodes of a region, top down and in memory: a node's chunk takes as many levels as fit, and what remains is
-// cut in two. Points come in Morton order with their levels (level_sampler.h) and keep that order.
+// Builds the nodes of a region, top down and in memory: a node's chunk takes as many levels as fit, and the remaining
+// points are cut in two. Points come in Morton order with their levels (level_sampler.h) and keep that order.
 //
-// Regions larger than memory are built in parts: what belongs into the chunks of nodes above a part is handed up, and
-// those nodes are made when all their parts are there.
+// Regions larger than memory are built in parts: points of the chunks of nodes above a part are handed up, and those
+// nodes are built when all their parts are.
 #pragma once
 
 #include "pcm/bpc/chunk_identity.h"
@@ -26,7 +26,7 @@ struct NodeBuilderOptions {
     RowLayout layout;
     std::uint32_t chunk_points = default_chunk_points;
     std::vector<double> spacings;            // of each level
-    std::uint32_t part = 0, generation = 1;  // of the tree: what is built
+    std::uint32_t part = 0, generation = 1;  // as in ChunkIdentity
 };
 
 // Levels first .. last - 1 go into one chunk.
@@ -47,7 +47,7 @@ struct LeveledRows {
 template <class Coord>
 class NodeBuilder {
 public:
-    // The nodes of a region, and what nodes above it get: above[d] is for the one at depth d.
+    // The root of a region, and the points that it hands up: above[d] to the node at depth d.
     struct Region {
         Draft* draft = nullptr;  // null when all points of the region went up
         std::vector<LeveledRows> above;
@@ -65,10 +65,10 @@ public:
 
     NodeBuilder(const NodeBuilderOptions& options, DraftStore& drafts) : options_(options), drafts_(drafts) {}
 
-    // All points of a region at `path`. `above` says which levels the nodes above take: one range a depth, consecutive
-    // from level 0.
+    // Builds a region of all its points at `path`. `above`: the levels that the nodes above take, one range per depth,
+    // consecutive from level 0.
     Region build(const LeveledRows& points, const NodePath& path, const std::vector<LevelRange>& above, Output& output);
-    // The same without making any node: what a region that was built before handed up.
+    // The same without making any node: what build() of this region hands up.
     Region hand_up(const LeveledRows& points, const std::vector<LevelRange>& above) const;
     // Two regions' handed-up points as those of the region that both are parts of.
     static Region join(Region left, Region right);

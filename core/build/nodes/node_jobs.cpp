@@ -25,7 +25,7 @@ void put_draft(ByteWriter& out, const Draft& draft)
     for (const Draft* child : draft.children) out.put(static_cast<std::uint8_t>(child != nullptr));
 }
 
-// Which children it has is told by `has_child`.
+// Sets `has_child`; the children are not linked.
 Draft* get_draft(ByteReader& in, DraftStore& drafts, std::array<bool, 2>& has_child)
 {
     NodePath path;
@@ -59,12 +59,13 @@ Draft* get_subtree(ByteReader& in, DraftStore& drafts, DataFiles& files)
     std::array<bool, 2> has_child{};
     Draft* draft = get_draft(in, drafts, has_child);
     files.written(*draft);
-    if (draft->path.depth > NodePath::max_depth) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    if (draft->path.depth > NodePath::max_depth)
+        throw Error(ErrorCode::corrupt, {}, "a checkpoint has an invalid tree of nodes");
     for (std::size_t side = 0; side < 2; ++side)
         if (has_child[side]) {
             draft->children[side] = get_subtree(in, drafts, files);
             if (draft->children[side]->path.depth != draft->path.depth + 1)
-                throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+                throw Error(ErrorCode::corrupt, {}, "a checkpoint has an invalid tree of nodes");
         }
     return draft;
 }
@@ -168,7 +169,7 @@ void NodeJobs<Coord>::load(std::size_t number, ByteReader& in)
         for (std::size_t side = 0; side < 2; ++side) {
             Draft* child = jobs_[job.inputs[side]].region.draft;
             if (has_child[side] != (child != nullptr))
-                throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+                throw Error(ErrorCode::corrupt, {}, "a checkpoint has an invalid tree of nodes");
             job.region.draft->children[side] = child;
         }
     }
@@ -190,7 +191,7 @@ void NodeJobs<Coord>::resume(const std::vector<const std::vector<std::byte>*>& r
     restored_ = next;
 }
 
-// The region of a job that was committed before this run.
+// The region of a job that was committed by an interrupted run.
 template <class Coord>
 auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> typename Builder::Region
 {

@@ -20,7 +20,7 @@ class ByteReader;
 class ByteWriter;
 
 // Bins, and the nodes above them, as jobs in post-order. Output is committed in that order, so the files do not depend
-// on which thread did what; and so few results are kept waiting that memory stays bounded.
+// on the threads. Few results wait for their turn, so memory stays bounded.
 template <class Coord>
 class NodeJobs {
 public:
@@ -30,7 +30,7 @@ public:
 
     // Before run(): takes over the jobs that an interrupted run had committed, from the records that save() wrote;
     // run() does the rest. Throws Error(corrupt | truncated | not_found) when the records do not match the data files.
-    // Then these jobs, the drafts and the data files must be made anew.
+    // After that this object and the data files must not be used.
     void resume(const std::vector<const std::vector<std::byte>*>& records);
     std::size_t restored() const { return restored_; }  // jobs that resume() took over
     std::size_t size() const { return jobs_.size(); }
@@ -51,8 +51,8 @@ private:
         std::optional<std::size_t> bin;
         std::array<std::size_t, 2> inputs{};  // job numbers, for a node above bins
         std::vector<std::uint64_t> histogram;
-        std::vector<LevelRange> above;  // what the nodes above take
-        LevelRange own;                 // what this node takes, when it is above bins
+        std::vector<LevelRange> above;  // levels that the nodes above take
+        LevelRange own;                 // levels of this node, when it is above bins
         bool claimed = false;
         bool done = false;
         typename Builder::Region region;
