@@ -1,7 +1,6 @@
 #include "pcm/update/append.h"
 
 #include "pcm/build/bins/partition.h"
-#include "pcm/build/build_state.h"
 #include "pcm/build/nodes/data_files.h"
 #include "pcm/build/pipeline.h"
 #include "pcm/system/error.h"
