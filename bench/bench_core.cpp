@@ -3,10 +3,10 @@
 // compare medians.
 
 #include "pcm/bpc/column_codec.h"
+#include "pcm/build/builder.h"
 #include "pcm/generate/scene.h"
 #include "pcm/io/reader.h"
 #include "pcm/point_cloud.h"
-#include "pcm/build/builder.h"
 
 #include <benchmark/benchmark.h>
 

@@ -4,8 +4,8 @@
 //     disk PATH             the file's bytes from the disk, past the cache of the operating system
 //     compare PATH FILE     the largest distance of the doubles x y z in FILE from the positions of PATH, on any axis
 //     clock                 seconds = the core's clock in GHz, by a chain of dependent multiplications
-#include "pcm/io/reader.h"
 #include "bench/io/serve.h"
+#include "pcm/io/reader.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -22,7 +22,7 @@ namespace {
 
 constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a slow frame the eye does not jump
-constexpr int wheel_notch = 120;  // Qt's unit: eighths of a degree
+constexpr int wheel_notch = 120;       // Qt's unit: eighths of a degree
 
 const char* const name = "First Person Navigation";
 
