@@ -1,4 +1,5 @@
 // Where points appear in the pictures of small trees, against projections in double precision.
+#include "pcm/build/builder.h"
 #include "tests/gl/gl_support.h"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include "pcm/bpc/batch_chunk.h"
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_encoder.h"
 #include "pcm/bpc/cloud_block.h"
 #include "pcm/io/las/las_writer.h"
 
