@@ -166,7 +166,7 @@ TEST(Region, ContainsIsWhatTheFormulasGive)
     const auto dot = [](const Vec3d& a, const std::array<Long, 3>& d) {
         return a[0] * d[0] + a[1] * d[1] + a[2] * d[2];
     };
-    std::size_t told = 0;
+    std::size_t decided = 0;
     for (int round = 0; round < 40000; ++round) {
         const double size = numbers.size();
         const Vec3d centre = numbers.below(2) ? numbers.vector(1e7) : numbers.vector(size), u = numbers.direction();
@@ -183,7 +183,7 @@ TEST(Region, ContainsIsWhatTheFormulasGive)
 
         const auto check = [&](const Region& region, Long excess) {
             if (std::fabs(excess) <= margin) return;
-            ++told;
+            ++decided;
             ASSERT_EQ(region.contains(p), excess < 0) << region.text();
         };
         check(Region::sphere(centre, radius), reach - radius);
@@ -194,7 +194,7 @@ TEST(Region, ContainsIsWhatTheFormulasGive)
               std::max({-t, t - size, across * std::cos(radians) - t * std::sin(radians)}));
         check(Region::convex(centre, {{u, radius}}), -(dot(u, d) + radius) / length);
     }
-    EXPECT_GT(told, 200000u);
+    EXPECT_GT(decided, 200000u);
 }
 
 TEST(Region, AnOrientedBoxIsTheBoxTurned)

@@ -111,7 +111,7 @@ TEST(GpuCursorEdit, WhatAComputeShaderWritesIsInTheTreeAfterwards)
         const auto add = static_cast<std::uint32_t>(capacity);
         const auto l1 = make_l1(capacity);
         L2Options l2;
-        l2.capacity_bytes = 300000;  // a few chunks: columns that are written back go on to the disk
+        l2.capacity_bytes = 300000;  // a few chunks: columns that are written back reach the disk
         {
             const auto cloud = PointCloud::open(path, l2, Access::write);
             if (!cloud->info().schema.find("distance")) cloud->add_attribute({"distance", ScalarType::u32});

@@ -231,7 +231,11 @@ WORDS = {
     r"\bfor the search of errors\b": "for debugging",
     r"\btold exactly\b|\btold apart\b": "classified, distinguished",
     r"\b(rising|falling) (order|error|distance|number)": "ascending, descending",
-    r"\bwho(ever)? (wants|needs|asks|calls|holds|reads|writes|finds|changes|links)\b": "the noun",
+    r"\bwho(ever)?\b": "the noun: a caller, an open reader, a person",
+    r"\b(told|tells?)\b": "report, say, distinguish, show",
+    r"\bthat (is|are) there\b": "existing, present",
+    r"\bgo(es|ne)? on\b": "continue, resume",
+    r"\bafresh\b": "again, restarted",
 }
 
 

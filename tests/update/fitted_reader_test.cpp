@@ -139,8 +139,8 @@ TEST(FittedReader, LeavesOutWhatIsNotFinite)
     EXPECT_EQ(fitted.points_skipped(), 2u);
 }
 
-// On the grid of a build from floats a position is moved by half a step at most, which is much less than a float can
-// tell.
+// On the grid of a build from floats a position is moved by half a step at most, which is much less than a float's
+// resolution.
 TEST(FittedReader, FloatsOnAFineGrid)
 {
     TreeInfo tree;
