@@ -102,7 +102,7 @@ def add_own(run):
     run.make_clouds()
     tree = next(iter(run.trees.values()))
     run.arguments.cloud.append(f"own={tree}")
-    for wrong, message in (({"frames": []}, "no frames"), ({"coordinates": "screen"}, "coordinates"), ({"version": 2}, "version 1"),
+    for wrong, message in (({"frames": []}, "no frames"), ({"coordinates": "screen"}, "coordinates"), ({"version": 2}, "'version' is not 1"),
                            ({"frames": [TOUR["frames"][0], {**TOUR["frames"][1], "up": [0, 0, 1]}]}, "frame 2"),
                            ({"frames": [{**TOUR["frames"][0], "angle": 180}]}, "angle")):
         bad = run.work / "wrong.json"

@@ -70,7 +70,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
     if (start.empty()) throw Error(ErrorCode::bad_format, path, "the file is empty", readable_hint());
     if (const ForeignFormat* other = foreign_format_of_magic(start))
         throw Error(ErrorCode::unsupported, path,
-                    "this is " + std::string(other->name) + ": it begins with " + quote_bytes(other->magic),
+                    "this is " + std::string(other->name) + ": at byte 0 it has " + quote_bytes(other->magic),
                     readable_hint());
 
     const std::string extension = extension_of(path);

@@ -1,5 +1,7 @@
 #include "pcm/tree/selected_nodes.h"
 
+#include "pcm/cloud/nearest_float.h"
+
 namespace pcm {
 
 Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
@@ -7,8 +9,8 @@ Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
     Box3d source = grid.to_source(box);
     if (single_precision)
         for (std::size_t a = 0; a < 3; ++a) {
-            source.min[a] = static_cast<double>(static_cast<float>(source.min[a]));
-            source.max[a] = static_cast<double>(static_cast<float>(source.max[a]));
+            source.min[a] = nearest_float(source.min[a]);
+            source.max[a] = nearest_float(source.max[a]);
         }
     return source;
 }

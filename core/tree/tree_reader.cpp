@@ -1,5 +1,6 @@
 #include "pcm/tree/tree_reader.h"
 
+#include "pcm/cloud/nearest_float.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -114,7 +115,7 @@ Vec3d TreeReader::position(std::size_t i) const
     Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
     // The grid is much finer than floats: rounding restores the source's own number.
     if (single_precision_)
-        for (double& c : p) c = static_cast<double>(static_cast<float>(c));
+        for (double& c : p) c = nearest_float(c);
     return p;
 }
 

@@ -1,5 +1,6 @@
 #include "pcm/update/erase.h"
 
+#include "pcm/cloud/nearest_float.h"
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/build/bins/observed.h"
 #include "pcm/system/error.h"
@@ -102,7 +103,7 @@ private:
             [&](std::size_t i) {
                 Vec3d p = info_.grid.to_source(chunk.positions->grid(i));
                 if (single)
-                    for (double& c : p) c = static_cast<double>(static_cast<float>(c));
+                    for (double& c : p) c = nearest_float(c);
                 return p;
             },
             numbers);

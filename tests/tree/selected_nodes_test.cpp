@@ -127,8 +127,10 @@ TEST(SourceBox, IsRoundedToFloatsWhereTheSourceHadFloats)
     const Box3i box{{third, third, third}, {third, third, third}};
     const double rounded = static_cast<double>(static_cast<float>(grid.to_source(third, 0)));
     EXPECT_NE(rounded, grid.to_source(third, 0));
-    EXPECT_EQ(source_box(grid, box, true).min[0], rounded);
-    EXPECT_EQ(source_box(grid, box, true).max[2], rounded);
+    for (std::size_t a = 0; a < 3; ++a) {
+        EXPECT_EQ(source_box(grid, box, true).min[a], rounded);
+        EXPECT_EQ(source_box(grid, box, true).max[a], rounded);
+    }
     EXPECT_EQ(source_box(grid, box, false).min[0], grid.to_source(third, 0));
 }
 
