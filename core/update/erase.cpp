@@ -1,8 +1,8 @@
 #include "pcm/update/erase.h"
 
-#include "pcm/cloud/nearest_float.h"
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/build/bins/observed.h"
+#include "pcm/cloud/nearest_float.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"

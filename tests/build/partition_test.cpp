@@ -254,12 +254,14 @@ TEST(Partition, StopsWhenItIsCancelled)
     const MemoryCloud cloud = gridded("random", 300000);
     const ProgressFunction cancel = [](const ProgressUpdate&) { return false; };
     Workspace work(folder.path(), std::uint64_t(4) << 20, 500, 2, cancel);
-    MemoryReader reader(cloud, false);
-    Ingested found;
     try {
         // Progress is reported ten times per second at most, so a first partition may end before it is asked to stop.
         const auto start = std::chrono::steady_clock::now();
-        while (std::chrono::steady_clock::now() - start < std::chrono::seconds(30)) partition(reader, work, found);
+        while (std::chrono::steady_clock::now() - start < std::chrono::seconds(30)) {
+            MemoryReader reader(cloud, false);
+            Ingested found;
+            partition(reader, work, found);
+        }
         ADD_FAILURE() << "not cancelled";
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::cancelled);
