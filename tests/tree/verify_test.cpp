@@ -24,15 +24,20 @@ std::atomic<std::size_t> largest_allocation{std::numeric_limits<std::size_t>::ma
 
 }  // namespace
 
-// Memory that can run short.
+// Memory that can run short. All forms that the library uses: std::stable_sort asks for its buffer without exceptions.
+[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept
+{
+    return bytes <= largest_allocation ? std::malloc(bytes) : nullptr;
+}
 [[gnu::noinline]] void* operator new(std::size_t bytes)
 {
-    void* const memory = bytes <= largest_allocation ? std::malloc(bytes) : nullptr;
+    void* const memory = operator new(bytes, std::nothrow);
     if (!memory) throw std::bad_alloc();
     return memory;
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 
 namespace {
 
