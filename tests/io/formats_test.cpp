@@ -5,6 +5,7 @@
 #include "tests/io/bytes.h"
 
 #include <set>
+#include <utility>
 
 namespace pcm::test {
 namespace {
@@ -34,6 +35,23 @@ TEST(Formats, EveryRowIsFoundByItsExtensionsAndItsMagic)
     EXPECT_EQ(format_of_magic(""), nullptr);
     EXPECT_EQ(format_of_magic("LAS"), nullptr);
     EXPECT_EQ(format_of_magic("plymouth"), nullptr);
+}
+
+TEST(Formats, OtherProgramsFilesAreNamed)
+{
+    const std::pair<const char*, const char*> files[] = {{"[Expe/PointSet v1", "an Expe point set"},
+                                                         {"PK\x03\x04 and more", "a ZIP archive"},
+                                                         {"\x1f\x8b\x08", "gzip data"},
+                                                         {"%PDF-1.4", "a PDF file"},
+                                                         {"\x89PNG\r\n", "a PNG picture"},
+                                                         {"POTREE2", "Potree data"}};
+    for (const auto& [bytes, name] : files) {
+        const ForeignFormat* const format = foreign_format_of_magic(bytes);
+        ASSERT_NE(format, nullptr) << name;
+        EXPECT_EQ(format->name, name);
+    }
+    ASSERT_NE(foreign_format_of_extension("stl"), nullptr);
+    EXPECT_EQ(foreign_format_of_extension("pts"), nullptr);  // ours as well
 }
 
 TEST(Formats, AFileOfNoMoreThanAMagicIsRecognised)

@@ -22,6 +22,9 @@ TEST_F(UnfinishedBuildTest, ATreeThatWasBeingReplacedIsNamedSo)
     EXPECT_EQ(part, folder_ / "out.pct.part");
     fs::create_directory(part);
     EXPECT_FALSE(was_being_replaced(tree()));  // the tree is in its place
+    fs::create_directory(part / replaced_tree_name);
+    EXPECT_FALSE(was_being_replaced(tree()));  // still: the new tree has replaced the old one
+    fs::remove(part / replaced_tree_name);
     const auto opening = [&](const fs::path& path) {
         try {
             Tree::open(path);
