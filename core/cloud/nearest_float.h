@@ -1,6 +1,8 @@
 // Rounding to single precision.
 #pragma once
 
+#include "pcm/cloud/vector.h"
+
 namespace pcm {
 
 // The float nearest to `value`, as a double. Any thread.
@@ -12,5 +14,8 @@ inline double nearest_float(double value)
     const volatile float rounded = static_cast<float>(value);
     return static_cast<double>(rounded);
 }
+
+// The same for each coordinate: the positions that readers get of a tree of floats.
+inline Vec3d nearest_float(const Vec3d& p) { return {nearest_float(p[0]), nearest_float(p[1]), nearest_float(p[2])}; }
 
 }  // namespace pcm

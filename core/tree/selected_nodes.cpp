@@ -6,13 +6,8 @@ namespace pcm {
 
 Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
 {
-    Box3d source = grid.to_source(box);
-    if (single_precision)
-        for (std::size_t a = 0; a < 3; ++a) {
-            source.min[a] = nearest_float(source.min[a]);
-            source.max[a] = nearest_float(source.max[a]);
-        }
-    return source;
+    const Box3d source = grid.to_source(box);
+    return single_precision ? Box3d{nearest_float(source.min), nearest_float(source.max)} : source;
 }
 
 Box3i grid_box(const Tree& tree, const Box3d& box)

@@ -112,11 +112,9 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
 
 Vec3d TreeReader::position(std::size_t i) const
 {
-    Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
+    const Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
     // The grid is much finer than floats: rounding restores the source's own number.
-    if (single_precision_)
-        for (double& c : p) c = nearest_float(c);
-    return p;
+    return single_precision_ ? nearest_float(p) : p;
 }
 
 bool TreeReader::next_chunk()

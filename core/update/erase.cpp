@@ -101,10 +101,8 @@ private:
         selector_.narrow(
             columns,
             [&](std::size_t i) {
-                Vec3d p = info_.grid.to_source(chunk.positions->grid(i));
-                if (single)
-                    for (double& c : p) c = nearest_float(c);
-                return p;
+                const Vec3d p = info_.grid.to_source(chunk.positions->grid(i));
+                return single ? nearest_float(p) : p;
             },
             numbers);
         return numbers;

@@ -10,13 +10,7 @@ namespace {
 using namespace pcm;
 
 // Not inlined: with constant arguments the compiler would compute the result itself, without the fault.
-[[gnu::noinline]] Vec3d rounded(const Vec3d& point, bool single)
-{
-    Vec3d p = point;
-    if (single)
-        for (double& c : p) c = nearest_float(c);
-    return p;
-}
+[[gnu::noinline]] Vec3d rounded(const Vec3d& point, bool single) { return single ? nearest_float(point) : point; }
 
 [[gnu::noinline]] Box3d rounded(const Box3d& around, bool single)
 {
