@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <new>
 #include <optional>
+#include <utility>
 
 namespace pcm::cli {
 
@@ -141,10 +143,11 @@ struct Runnable {
     Run run;
 };
 
-int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, int argc, char** argv)
+int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vector<std::string> words)
 {
     try {
-        app.parse(argc, argv);
+        std::reverse(words.begin(), words.end());  // as CLI11 takes them
+        app.parse(std::move(words));
         for (const Runnable& command : commands)
             if (command.app->parsed()) return command.run();
         return 0;
@@ -171,10 +174,70 @@ int report_errors(const Run& run)
     return 1;
 }
 
-// A command that is a program of its own was parsed: `start` would have replaced this process had its name come first.
 Run not_first(const std::string& name)
 {
     return [name]() -> int { throw UsageError("'" + name + "' must be the first argument"); };
+}
+
+// Words that are nearly a command: a typing error of one letter, or its beginning.
+bool resembles(const std::string& word, const std::string& command)
+{
+    if (word.size() >= 2 && command.compare(0, word.size(), word) == 0) return true;
+    std::vector<std::size_t> row(command.size() + 1);  // distances of Levenshtein, row by row
+    for (std::size_t c = 0; c < row.size(); ++c) row[c] = c;
+    for (std::size_t w = 0; w < word.size(); ++w) {
+        std::size_t diagonal = row[0];
+        row[0] = w + 1;
+        for (std::size_t c = 1; c < row.size(); ++c) {
+            const std::size_t above = row[c];
+            row[c] = std::min({above + 1, row[c - 1] + 1, diagonal + (word[w] != command[c - 1])});
+            diagonal = above;
+        }
+    }
+    return row.back() <= 1 + command.size() / 5;
+}
+
+std::string unknown_command(const std::string& word, const std::vector<Command>& commands)
+{
+    std::string nearest;
+    for (const Command& command : commands)
+        if (resembles(word, command.name)) nearest += (nearest.empty() ? "" : " or ") + command.name;
+    return "there is no command '" + word + "'" + (nearest.empty() ? "" : "; perhaps " + nearest);
+}
+
+std::string list_of(const char* name, const std::vector<Command>& commands)
+{
+    std::size_t width = 0;
+    for (const Command& command : commands) width = std::max(width, command.name.size());
+    std::string text = "Commands:\n";
+    for (const Command& command : commands)
+        text += "  " + command.name + std::string(width + 2 - command.name.size(), ' ') + command.help + "\n";
+    return text + "\n'" + name + " help COMMAND' shows the options of a command.\n";
+}
+
+// Without a command, or with one that there is not: what there is, as an error.
+int refuse_command(const char* name, const std::string& what, const std::vector<Command>& commands)
+{
+    std::fprintf(stderr, "%s: %s\n\n%s", name, what.c_str(), list_of(name, commands).c_str());
+    return 2;
+}
+
+// The words as the parser takes them: "help NAME" is "NAME --help", "help" alone is "--help".
+std::vector<std::string> words_of(int argc, char** argv)
+{
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (words.empty() || words[0] != "help") return words;
+    if (words.size() == 1 || words[1] == "help" || words[1] == "--help") return {"--help"};
+    return {words[1], "--help"};
+}
+
+[[noreturn]] void start(const Command& command, std::vector<std::string>& words)
+{
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    command.start(arguments.data());
+    throw Error(ErrorCode::io, {}, "the command '" + command.name + "' could not be started");
 }
 
 }  // namespace
@@ -182,16 +245,24 @@ Run not_first(const std::string& name)
 int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv)
 {
     return report_errors([&] {
+        std::vector<std::string> words = words_of(argc, argv);
+        if (words.empty()) return refuse_command(name, "a command is missing", commands);
         CLI::App app{help, name};
+        app.set_version_flag("--version", std::string(name) + " " PCM_VERSION);
+        app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         app.require_subcommand(1);
         std::vector<Runnable> runnable;
+        bool known = words[0][0] == '-';
         for (const Command& command : commands) {
-            if (command.start && argc > 1 && command.name == argv[1]) command.start(argv + 1);
+            known = known || command.name == words[0];
+            if (command.start && command.name == words[0]) start(command, words);
             CLI::App* const subcommand = app.add_subcommand(command.name, command.help);
             Options options(*subcommand);
+            // A command that is a program of its own would have replaced this process, had its name come first.
             runnable.push_back({subcommand, command.start ? not_first(command.name) : command.add(options)});
         }
-        return parse_and_run(app, runnable, argc, argv);
+        if (!known) return refuse_command(name, unknown_command(words[0], commands), commands);
+        return parse_and_run(app, runnable, words);
     });
 }
 
@@ -200,7 +271,7 @@ int run_program(const Command& command, int argc, char** argv)
     return report_errors([&] {
         CLI::App app{command.help, command.name};
         Options options(app);
-        return parse_and_run(app, {{&app, command.add(options)}}, argc, argv);
+        return parse_and_run(app, {{&app, command.add(options)}}, {argv + 1, argv + argc});
     });
 }
 

@@ -85,7 +85,8 @@ public:
 };
 
 // The main function of a program with commands, and of a program that is one command. Parses, runs what was asked for,
-// and reports errors on stderr. Exit codes: 0 success; 1 failure; 2 usage error; 130 cancelled.
+// and reports errors on stderr. Exit codes: 0 success; 1 failure; 2 usage error; 130 cancelled. A program with commands
+// knows "help COMMAND" and --version too, and lists its commands where none or an unknown one is given.
 int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv);
 int run_program(const Command& command, int argc, char** argv);
 

@@ -1,6 +1,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/tree.h"
 #include "pcm/update/erase.h"
 
 #include <cstdio>
@@ -22,6 +23,7 @@ int erase(Arguments& arguments)
     if (!selection.chooses_points())
         throw Error(ErrorCode::invalid_argument, arguments.tree, "no points were chosen to be deleted",
                     "give a box, another region or a condition");
+    const Box3d cloud = Tree::open(arguments.tree)->info().bounds();
     arguments.options.progress = console_progress(arguments.common);
     const EraseReport report = erase_points(arguments.tree, selection, arguments.options);
     end_progress(arguments.common);
@@ -34,10 +36,12 @@ int erase(Arguments& arguments)
         json["nodes_rewritten"] = report.nodes_rewritten;
         json["nodes_emptied"] = report.nodes_emptied;
         json["bytes_written"] = report.bytes_written;
+        json["tree_bounds"] = cloud.empty() ? Json() : Json({{"min", cloud.min}, {"max", cloud.max}});
         json["levels_as_even_as_before"] = report.coverage_kept;
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
+    if (report.points_deleted == 0) std::printf("note: no point is selected; %s\n", extent_text(cloud).c_str());
     if (arguments.options.count_only) {
         std::printf("%s: %s of %s points would be deleted\n", arguments.tree.c_str(),
                     grouped(report.points_deleted).c_str(), grouped(report.outcome.points_in).c_str());

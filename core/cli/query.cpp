@@ -56,6 +56,9 @@ Query query_of(const Arguments& arguments, const PointCloud& cloud)
     return query;
 }
 
+// After an answer without points: where they would have been.
+void print_extent(const PointCloud& cloud) { std::printf("%s\n", extent_text(cloud.info().bounds()).c_str()); }
+
 int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
 {
     const Estimate e = cloud.estimate(query, arguments.headers ? EstimatePrecision::headers : EstimatePrecision::index);
@@ -84,6 +87,7 @@ int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
         std::printf("time        about %s\n", time_text(*e.seconds).c_str());
     else
         std::printf("time        unknown: nothing was read from this tree yet; --count measures it\n");
+    if (e.points_most == 0) print_extent(cloud);
     std::printf("estimated in %s from %s\n", time_text(e.own_seconds).c_str(),
                 arguments.headers ? "the index and the headers of chunks" : "the index");
     return 0;
@@ -108,6 +112,7 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["tree"] = arguments.tree;
         put_outcome(json, outcome);
         json["bounds"] = json_of(found);
+        json["tree_bounds"] = json_of(cloud.info().bounds());
         json["chunks"] = statistics.chunks;
         json["points_read"] = statistics.points_read;
         json["bytes_read"] = statistics.bytes_read;
@@ -119,7 +124,9 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
     std::printf("%s points in %s; %s points of %s chunks examined\n", grouped(outcome.points_out).c_str(),
                 time_text(outcome.seconds).c_str(), grouped(statistics.points_read).c_str(),
                 grouped(statistics.chunks).c_str());
-    if (!found.empty())
+    if (found.empty())
+        print_extent(cloud);
+    else
         std::printf("from        %s\nto          %s\n", exact(found.min).c_str(), exact(found.max).c_str());
     if (!query.level || outcome.error == 0)
         std::printf("exact: every point of the cloud was considered\n");
@@ -157,6 +164,7 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
     }
     for (const Neighbour& n : result.points)
         std::printf("%-14s  at %s\n", brief(n.distance()).c_str(), exact(n.position).c_str());
+    if (result.points.empty()) print_extent(cloud);
     std::printf("%zu points in %s, %s compared; ", result.points.size(), time_text(outcome.seconds).c_str(),
                 grouped(outcome.points_in).c_str());
     if (outcome.error == 0)
@@ -198,6 +206,7 @@ int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
     else
         std::printf("; level %u only: every point of the cloud is nearer than %s to a point of this level\n",
                     *query.level, brief(result.outcome.error).c_str());
+    if (!result.hit) print_extent(cloud);
     return 0;
 }
 

@@ -44,6 +44,7 @@ Selection RegionOptions::get() const
     Selection selection;
     if (!box_.empty()) selection.box = Box3d{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
     selection.region = region();
+    refuse_impossible_box(selection);
     for (const std::string& condition : where_) selection.where.push_back(parse_condition(condition));
     return selection;
 }

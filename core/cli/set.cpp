@@ -203,6 +203,8 @@ int set(Arguments& arguments)
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
                 grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(), seconds);
+    if (set.points == 0 && !assignments.empty())
+        std::printf("note: no point is selected; %s\n", extent_text(cloud->info().bounds()).c_str());
     if (arguments.statistics) print(statistics);
     return 0;
 }

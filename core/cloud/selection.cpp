@@ -1,6 +1,7 @@
 #include "pcm/cloud/selection.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -60,6 +61,28 @@ Box3d intersection(Box3d a, const Box3d& b)
 }
 
 }  // namespace
+
+void refuse_impossible_box(const Selection& selection)
+{
+    const auto refuse_axis = [](std::size_t axis, double low, double high) {
+        if (low <= high) return;  // false for what is not a number, too
+        throw Error(ErrorCode::invalid_argument, {},
+                    "no point can be in the box: along " + std::string(1, "xyz"[axis]) + " it goes from " + exact(low) +
+                        " to " + exact(high),
+                    "give the smaller corner first, as x0 y0 z0 x1 y1 z1");
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (selection.box) refuse_axis(axis, selection.box->min[axis], selection.box->max[axis]);
+        if (selection.region && selection.region->kind() == Region::Kind::box)
+            refuse_axis(axis, selection.region->bounds().min[axis], selection.region->bounds().max[axis]);
+    }
+}
+
+std::string extent_text(const Box3d& cloud)
+{
+    if (cloud.empty()) return "the cloud has no points";
+    return "the cloud's points lie from " + exact(cloud.min) + " to " + exact(cloud.max);
+}
 
 Selector::Selector(const Selection& selection, const Schema& schema)
     : box_(selection.box), bounds_(selection.box), region_(selection.region)

@@ -25,6 +25,13 @@ struct Selection {
     bool chooses_attributes() const { return !keep.empty() || !drop.empty(); }
 };
 
+// Throws Error(invalid_argument) for a box, alone or as the region, that no point can be in: corners in the wrong order
+// or not numbers. For selections that users wrote; a Selector takes such a box as one without points.
+void refuse_impossible_box(const Selection& selection);
+
+// For users, after a selection without points: where the cloud's points are.
+std::string extent_text(const Box3d& cloud);
+
 // A selection prepared for clouds of one schema. Immutable; any number of threads.
 class Selector {
 public:

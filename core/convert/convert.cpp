@@ -5,6 +5,7 @@
 #include "pcm/convert/output_grid.h"
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
+#include "pcm/io/pipe/require_points.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
@@ -43,17 +44,6 @@ void refuse_idle_options(const ConvertOptions& options, const fs::path& output, 
     if (options.write.ascii) only(takes_ascii, "ascii goes to ");
 }
 
-void refuse_bad_selection(const Selection& selection)
-{
-    if (!selection.box) return;
-    for (std::size_t a = 0; a < 3; ++a)
-        if (!(selection.box->min[a] <= selection.box->max[a]))
-            throw Error(ErrorCode::invalid_argument, {},
-                        "the box is empty: along " + std::string(1, "xyz"[a]) + " it goes from " +
-                            exact(selection.box->min[a]) + " to " + exact(selection.box->max[a]),
-                        "give the smaller corner first");
-}
-
 void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, bool overwrite)
 {
     std::error_code error;
@@ -86,9 +76,16 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more)
         if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
+std::unique_ptr<PointReader> open_selected(const CloudSources& sources, const Selection& selection)
+{
+    auto points = sources.open();
+    if (!selection.chooses_points()) return points;
+    return require_points(std::move(points), [&sources] { return sources.bounds(); });
+}
+
 ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
 {
-    const auto cloud = sources.open();
+    const auto cloud = open_selected(sources, options.cloud.selection);
     BuildOptions build;
     build.memory_bytes = options.memory_bytes;
     build.threads = options.threads;
@@ -163,14 +160,14 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const fs::path output = without_slash(output_as_given);
     const std::string extension = extension_of(output);
     refuse_idle_options(options, output, extension);
-    refuse_bad_selection(options.cloud.selection);
+    refuse_impossible_box(options.cloud.selection);
     const CloudSources sources(inputs, options.cloud);
     refuse_output(sources.paths(), output, options.overwrite);
     const bool to_tree = extension == tree_extension;
     const Format* const format = format_of_extension(extension);
     if (!to_tree && !(format && format->create)) create_writer(output, {}, {});  // throws, naming the writable formats
     return to_tree ? convert_to_tree(sources, output, options)
-                   : write_cloud([&] { return sources.open(); }, output, options);
+                   : write_cloud([&] { return open_selected(sources, options.cloud.selection); }, output, options);
 }
 
 }  // namespace pcm

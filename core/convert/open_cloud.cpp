@@ -80,7 +80,16 @@ std::unique_ptr<PointReader> CloudSources::open() const
     }
     auto merged = std::make_unique<MergedReader>(std::move(sources));
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
-    return std::make_unique<SelectedReader>(std::move(merged), selection);
+    return std::make_unique<SelectedReader>(std::move(merged), selection, passed_);
+}
+
+Box3d CloudSources::bounds() const
+{
+    Box3d box = *passed_;
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+        if (is_tree_[i]) box.extend(Tree::open(paths_[i])->info().bounds());
+    }
+    return box;
 }
 
 std::vector<std::string> CloudSources::names() const

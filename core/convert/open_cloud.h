@@ -20,11 +20,15 @@ public:
     // Files and trees: folders of files are expanded.
     const std::vector<std::filesystem::path>& paths() const { return paths_; }
     std::vector<std::string> names() const;
+    // Around all points of the trees, and around those of the files that a reader of open() has passed without
+    // selecting one: complete once a reader has come to the end without a point. Source coordinates.
+    Box3d bounds() const;
 
 private:
     CloudOptions options_;
     std::vector<std::filesystem::path> paths_;
     std::vector<bool> is_tree_;
+    std::shared_ptr<Box3d> passed_ = std::make_shared<Box3d>();
 };
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 #include "pcm/update/erase.h"
 
 #include "pcm/system/error.h"
+#include "pcm/tree/tree.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
@@ -37,12 +38,14 @@ void run(const FilterRun& run)
     if (!selection.chooses_points())
         throw Error(ErrorCode::invalid_argument, {}, "neither a box nor a condition says which points to delete",
                     "give a box, conditions or both");
+    const Box3d cloud = Tree::open(tree)->info().bounds();
     EraseOptions options;
     options.count_only = run.parameters.getBool("CountOnly");
     Operation operation(run.callback);
     options.progress = operation.progress();
     if (options.count_only) {
         const EraseReport report = erase_points(tree, selection, options);
+        if (report.points_deleted == 0) run.log("No point is selected; " + extent_text(cloud) + ".");
         run.log(grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) + " points of " +
                 tree.string() + " would be deleted.");
         return;
@@ -52,6 +55,7 @@ void run(const FilterRun& run)
     target.keep();
     run.log("Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) +
             " points of " + target.path().string() + " in " + brief(report.outcome.seconds) + " s.");
+    if (report.points_deleted == 0) run.log("No point is selected; " + extent_text(cloud) + ".");
     if (!report.coverage_kept)
         run.log(
             "Coarse levels have gaps where points were deleted. Compact Point Cloud Tree closes the gaps and frees "

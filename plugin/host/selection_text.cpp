@@ -29,11 +29,7 @@ std::optional<Box3d> parse_box(const QString& text)
         throw Error(ErrorCode::invalid_argument, {},
                     "the box has " + std::to_string(numbers.size()) + " numbers, not 6",
                     "give the smallest x y z, then the largest x y z");
-    const Box3d parsed{three_numbers(numbers, 0), three_numbers(numbers, 3)};
-    if (parsed.empty())
-        throw Error(ErrorCode::invalid_argument, {},
-                    "the box is empty: a largest coordinate is less than the smallest");
-    return parsed;
+    return Box3d{three_numbers(numbers, 0), three_numbers(numbers, 3)};
 }
 
 }  // namespace
@@ -42,6 +38,7 @@ Selection parse_selection(const QString& box, const QString& where)
 {
     Selection selection;
     selection.box = parse_box(box);
+    refuse_impossible_box(selection);
     for (const QString& condition : where.split(';', Qt::SkipEmptyParts))
         if (!condition.trimmed().isEmpty())
             selection.where.push_back(parse_condition(condition.trimmed().toStdString()));

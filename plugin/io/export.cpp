@@ -2,6 +2,7 @@
 
 #include "pcm/convert/convert.h"
 #include "pcm/io/formats.h"
+#include "pcm/io/pipe/require_points.h"
 #include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_reader.h"
@@ -139,7 +140,9 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
     ConvertReport report;
     std::string what;
     if (const auto tree = Registry::instance().find(layer)) {
-        report = write_cloud([&] { return reader_of_tree(*tree, parameters); }, path, options);
+        const auto bounds = [&] { return tree->cloud->info().bounds(); };
+        const auto open = [&] { return require_points(reader_of_tree(*tree, parameters), bounds); };
+        report = write_cloud(open, path, options);
         what = "of the tree " + tree->cloud->tree()->folder().string();
     } else {
         const LayerSelection taken = members_of(mask, parameters.getBool(selected_only));
@@ -147,7 +150,9 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
         const auto open = [&] {
             auto vertices = std::make_unique<LayerReader>(layer, taken);
             lines = layer_lines(layer, *vertices, taken);
-            return std::make_unique<SelectedReader>(std::move(vertices), selection);
+            const auto passed = std::make_shared<Box3d>();
+            return require_points(std::make_unique<SelectedReader>(std::move(vertices), selection, passed),
+                                  [passed] { return *passed; });
         };
         report = write_cloud(open, path, options);
         what = "of the layer " + layer.label().toStdString();

@@ -205,8 +205,6 @@ TEST(CommandLine, CommandsOfAProgram)
     EXPECT_EQ(many({"all", "w"}).code, 0);
     EXPECT_EQ(given.word, "w");
     EXPECT_EQ(many({"other"}).code, 3);
-    EXPECT_EQ(many({}).code, 2);
-    EXPECT_EQ(many({"unknown"}).code, 2);
     const Result help = many({"--help"});
     EXPECT_EQ(help.code, 0);
     for (const char* part : {"Many things", "all", "Every kind of option", "other", "away", "A program of its own"})
@@ -214,6 +212,50 @@ TEST(CommandLine, CommandsOfAProgram)
     const Result of_one = many({"all", "--help"});
     EXPECT_EQ(of_one.code, 0);
     EXPECT_NE(of_one.out.find("Usage: many all"), std::string::npos) << of_one.out;
+}
+
+TEST(CommandLine, HelpOfACommandInBothSpellings)
+{
+    EXPECT_EQ(many({"help", "all"}).out, many({"all", "--help"}).out);
+    EXPECT_EQ(many({"help", "all"}).code, 0);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"help"}, {"help", "--help"}, {"help", "help"}}) {
+        EXPECT_EQ(many(words).out, many({"--help"}).out);
+        EXPECT_EQ(many(words).code, 0);
+    }
+    EXPECT_EQ(many({"help", "away"}).err, "pcmlab: --help\n");
+    EXPECT_EQ(many({"help", "nothing"}).code, 2);
+}
+
+TEST(CommandLine, WithoutAKnownCommandTheCommandsAreListed)
+{
+    const std::string list =
+        "\n\nCommands:\n  all    Every kind of option\n  other  Another command\n  away   A program of its own\n\n"
+        "'many help COMMAND' shows the options of a command.\n";
+    const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
+        {{}, "many: a command is missing"},
+        {{""}, "many: there is no command ''"},
+        {{"unknown"}, "many: there is no command 'unknown'"},
+        {{"ohter", "w"}, "many: there is no command 'ohter'; perhaps other"},
+        {{"otter"}, "many: there is no command 'otter'; perhaps other"},
+        {{"oth"}, "many: there is no command 'oth'; perhaps other"},
+        {{"al"}, "many: there is no command 'al'; perhaps all"},
+        {{"help", "awya"}, "many: there is no command 'awya'"},
+    };
+    for (const auto& [words, message] : mistakes) {
+        const Result result = many(words);
+        EXPECT_EQ(result.code, 2) << message;
+        EXPECT_EQ(result.err, message + list);
+        EXPECT_EQ(result.out, "");
+    }
+}
+
+TEST(CommandLine, TheVersion)
+{
+    const Result result = many({"--version"});
+    EXPECT_EQ(result.code, 0);
+    EXPECT_EQ(result.out, std::string("many ") + PCM_VERSION + "\n");
+    EXPECT_EQ(result.err, "");
 }
 
 TEST(CommandLine, ACommandThatIsAProgramGetsItsArgumentsUnparsed)

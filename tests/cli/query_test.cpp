@@ -68,6 +68,47 @@ TEST_F(QueryCommand, CountsAndEstimatesRegions)
     EXPECT_NE(pcmlab("query " + path("in.pct") + " --estimate").out.find("from 20,000 to 20,000"), std::string::npos);
 }
 
+TEST_F(QueryCommand, AnAnswerWithoutPointsSaysWhereTheCloudIs)
+{
+    ::pcm::Box3d cloud;
+    for (const LasRecord& p : points_) cloud.extend(position(p));
+    const auto near = [](const Json& a, const ::pcm::Vec3d& b) {
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(a[k].get<double>(), b[k], 1e-9);
+    };
+    const Json nothing = ask("--box 5e5 0 0 6e5 1 1");
+    EXPECT_EQ(nothing["points"], 0);
+    EXPECT_TRUE(nothing["bounds"].is_null());
+    near(nothing["tree_bounds"]["min"], cloud.min);
+    near(nothing["tree_bounds"]["max"], cloud.max);
+    const auto says_where = [](const Result& result) {
+        return result.code == 0 && result.out.find("the cloud's points lie from ") != std::string::npos;
+    };
+    const std::string tree = path("in.pct"), nowhere = " --sphere 5e5 0 0 1";
+    for (const std::string& command :
+         {"query " + tree + nowhere, "query " + tree + nowhere + " --estimate",
+          "query " + tree + " --nearest 5e5 0 0 --max-distance 1",
+          "query " + tree + " --first-hit --ray 5e5 0 0 1 0 0 1", "delete " + tree + nowhere,
+          "delete --count " + tree + nowhere, "set " + tree + " intensity=1" + nowhere})
+        EXPECT_TRUE(says_where(pcmlab(command))) << command << pcmlab(command).out;
+    const std::string somewhere = " --sphere 500 300 90 60";
+    for (const std::string& command : {"query " + tree + somewhere, "query " + tree + somewhere + " --estimate",
+                                       "query " + tree + " --nearest 1 2 3", "set " + tree + " intensity=1" + somewhere,
+                                       "delete " + tree + somewhere})
+        EXPECT_FALSE(says_where(pcmlab(command))) << command << pcmlab(command).out;
+}
+
+TEST_F(QueryCommand, BoxesThatHoldNothingAreRefused)
+{
+    for (const std::string& box : {"--box 2 0 0 1 1 1", "--box 0 nan 0 1 1 1", "--region 'box 0 0 5 1 1 1'"})
+        for (const std::string& command :
+             {"query " + path("in.pct"), "delete " + path("in.pct"), "set " + path("in.pct") + " intensity=1",
+              "convert " + path("in.pct") + " " + path("out.las")}) {
+            const Result result = pcmlab(command + " " + box);
+            EXPECT_EQ(result.code, 1) << command << " " << box;
+            EXPECT_NE(result.err.find("no point can be in the box: along "), std::string::npos) << result.err;
+        }
+}
+
 TEST_F(QueryCommand, FindsNeighboursAndHits)
 {
     const ::pcm::Vec3d q = {512.3, 301.7, 88};

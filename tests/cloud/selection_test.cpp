@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace {
 
@@ -48,6 +50,32 @@ TEST(Selector, UnknownNamesListTheKnownOnes)
     selection = {};
     selection.drop = {"colour"};
     EXPECT_NE(refusal([&] { Selector(selection, schema); }).find("'colour'"), std::string::npos);
+}
+
+TEST(Selection, BoxesThatHoldNothingAreRefused)
+{
+    const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const auto& [low, high] : {std::pair{2.0, 1.0}, {nan, 1.0}, {0.0, nan}, {inf, -inf}}) {
+            Box3d box{{0, 0, 0}, {1, 1, 1}};
+            box.min[axis] = low;
+            box.max[axis] = high;
+            Selection selection;
+            selection.box = box;
+            const std::string along = std::string("along ") + "xyz"[axis];
+            EXPECT_NE(refusal([&] { refuse_impossible_box(selection); }).find(along), std::string::npos);
+            if (std::isnan(low) || std::isnan(high)) continue;
+            selection = {};
+            selection.region = Region::box(box);
+            EXPECT_NE(refusal([&] { refuse_impossible_box(selection); }).find(along), std::string::npos);
+        }
+    Selection selection;
+    refuse_impossible_box(selection);
+    selection.box = Box3d{{-inf, 1, 2}, {inf, 1, 2}};
+    selection.region = Region::box(*selection.box);
+    refuse_impossible_box(selection);
+    selection.region = Region::sphere({0, 0, 0}, 1);
+    refuse_impossible_box(selection);
 }
 
 TEST(Selector, BoundsEncloseSelectedPositions)

@@ -1,5 +1,6 @@
 #include "pcm/io/pipe/selected_reader.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/batch_shape.h"
 
 #include <algorithm>
@@ -7,8 +8,12 @@
 
 namespace pcm {
 
-SelectedReader::SelectedReader(std::unique_ptr<PointReader> cloud, const Selection& selection)
-    : cloud_(std::move(cloud)), selector_(selection, cloud_->info().schema), info_(cloud_->info())
+SelectedReader::SelectedReader(std::unique_ptr<PointReader> cloud, const Selection& selection,
+                               std::shared_ptr<Box3d> passed)
+    : cloud_(std::move(cloud)),
+      selector_(selection, cloud_->info().schema),
+      info_(cloud_->info()),
+      passed_(std::move(passed))
 {
     info_.schema = selector_.kept_schema();
     if (!selector_.tests_points()) return;
@@ -32,8 +37,10 @@ bool SelectedReader::read(PointBatch& batch, std::size_t max_points)
     while (cloud_->read(all_attributes ? batch : whole_, max_points)) {
         PointBatch& whole = all_attributes ? batch : whole_;
         seen_ += whole.size;
+        if (passed_) pass(whole);
         selector_.apply(whole, grid);
         if (whole.size == 0) continue;
+        passed_.reset();
         if (all_attributes) return true;
         shape_batch(batch, info_.schema, whole.gridded, whole.size);
         for (std::size_t a = 0; a < 3; ++a) {
@@ -46,6 +53,16 @@ bool SelectedReader::read(PointBatch& batch, std::size_t max_points)
     info_.notes = cloud_->info().notes;  // readers count on the way what they drop
     shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
     return false;
+}
+
+void SelectedReader::pass(const PointBatch& batch)
+{
+    for (std::size_t i = 0; i < batch.size; ++i) {
+        Vec3d p;
+        for (std::size_t a = 0; a < 3; ++a)
+            p[a] = batch.gridded ? info_.grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
+        if (is_finite(p)) passed_->extend(p);
+    }
 }
 
 void SelectedReader::seek(std::uint64_t index)

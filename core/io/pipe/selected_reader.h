@@ -12,8 +12,10 @@ namespace pcm {
 // The selection of another reader's cloud. One thread.
 class SelectedReader final : public PointReader {
 public:
-    // Throws what Selector throws.
-    SelectedReader(std::unique_ptr<PointReader> cloud, const Selection& selection);
+    // Throws what Selector throws. `passed`, if given, is extended by the finite positions that are read until the
+    // first point is selected.
+    SelectedReader(std::unique_ptr<PointReader> cloud, const Selection& selection,
+                   std::shared_ptr<Box3d> passed = nullptr);
 
     // The number of points is known when none is left out.
     const FileInfo& info() const override { return info_; }
@@ -25,11 +27,14 @@ public:
     std::uint64_t points_seen() const { return seen_; }  // of the other cloud, so far
 
 private:
+    void pass(const PointBatch& batch);
+
     std::unique_ptr<PointReader> cloud_;
     Selector selector_;
     FileInfo info_;
     PointBatch whole_;
     std::uint64_t seen_ = 0;
+    std::shared_ptr<Box3d> passed_;  // null once a point is selected
 };
 
 }  // namespace pcm
