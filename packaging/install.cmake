@@ -59,3 +59,10 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/cmake/pcmConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/packaging/pcmConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/packaging/pcmConfig.cmake ${PROJECT_BINARY_DIR}/packaging/pcmConfigVersion.cmake
         DESTINATION ${package_folder} COMPONENT library)
+
+# cmake strips programs and shared libraries itself.
+if(PCM_STRIP_INSTALL AND CMAKE_STRIP)
+  install(CODE "
+file(GLOB libraries \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/libpcm*.a\")
+execute_process(COMMAND \"${CMAKE_STRIP}\" --strip-debug \${libraries} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT library)
+endif()

@@ -249,7 +249,6 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
         if (words.empty()) return refuse_command(name, "a command is missing", commands);
         CLI::App app{help, name};
         app.set_version_flag("--version", std::string(name) + " " PCM_VERSION);
-        app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         app.require_subcommand(1);
         std::vector<Runnable> runnable;
         bool known = words[0][0] == '-';
@@ -261,6 +260,7 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
             // A command that is a program of its own would have replaced this process, had its name come first.
             runnable.push_back({subcommand, command.start ? not_first(command.name) : command.add(options)});
         }
+        app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         if (!known) return refuse_command(name, unknown_command(words[0], commands), commands);
         return parse_and_run(app, runnable, words);
     });

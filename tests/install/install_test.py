@@ -141,6 +141,42 @@ def check_headers(cmake, work, prefix, with_gl, options):
     run(cmake, "--build", project / "build", "--parallel", "2")
 
 
+def check_readme(cmake, source, pcm, work, options):
+    """The README's programs, as they stand there: they compile, and select points of a generated scene."""
+    blocks = re.findall(r"^```cpp\n(.*?)^```", (source / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 2, len(blocks)
+    project = work / "readme"
+    project.mkdir()
+    text = ("cmake_minimum_required(VERSION 3.16)\nproject(readme LANGUAGES CXX)\n"
+            "find_package(pcm 0.1 REQUIRED COMPONENTS core)\n")
+    for i, block in enumerate(blocks):
+        (project / f"block{i}.cpp").write_text(f'#include "pcm/point_cloud.h"\n\n#include <cstdio>\n\n'
+                                               f"int main()\n{{\n{block}}}\n")
+        text += f"add_executable(block{i} block{i}.cpp)\ntarget_link_libraries(block{i} PRIVATE pcm::core)\n"
+    (project / "CMakeLists.txt").write_text(text)
+    run(cmake, "-S", project, "-B", project / "build", *options)
+    run(cmake, "--build", project / "build", "--parallel", "2")
+    run(pcm, "generate", "--points", POINTS, project / "scene.las")
+    run(pcm, "build", project / "scene.las", "-o", project / "site.pct")
+    results = [subprocess.run([project / "build" / f"block{i}"], cwd=project, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True) for i in range(len(blocks))]
+    assert all(result.returncode == 0 for result in results), results
+    match = re.fullmatch(r"(\d+) points, mean height ([\d.]+)\n", results[0].stdout)
+    assert match and 0 < int(match[1]) <= POINTS and 90 < float(match[2]) < 110, results[0].stdout
+    found = json.loads(run(pcm, "query", project / "site.pct", "--where", "height!=0", "--json").stdout)
+    assert found["points"] == POINTS, found
+
+
+def check_stripped(prefix):
+    """Nothing that is installed carries debug information, which would be most of it; what it is linked with is there."""
+    objects = [path for path in prefix.rglob("*")
+               if path.is_file() and (path.suffix in (".a", ".so") or path.parent.name == "bin")]
+    assert len(objects) >= 3, objects
+    for path in objects:
+        sections = run("objdump", "-h", path).stdout
+        assert ".text" in sections and ".debug_info" not in sections, path
+
+
 def check_missing_component(cmake, work, options):
     """A component that is not installed is refused by name, not found half."""
     project = work / "missing"
@@ -157,6 +193,7 @@ def check_plugins(cmake, build, work):
     """MeshLab's component brings every plugin, and each finds the library that they share where it is installed."""
     prefix = work / "meshlab"
     run(cmake, "--install", build, "--prefix", prefix, "--component", "meshlab")
+    check_stripped(prefix)
     installed = {path.name: path for path in prefix.rglob("*.so")}
     expected = {"libpcm_meshlab.so", "libio_00_pcm.so", "libpcm_render.so", "libpcm_filter.so", "libpcm_edit.so"}
     assert set(installed) == expected, sorted(installed)
@@ -182,6 +219,10 @@ def main():
 
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
+    # What root installed before does not stand in the way: here a list of files that nobody can write.
+    manifest = arguments.build / "install_manifest_library.txt"
+    manifest.unlink(missing_ok=True)
+    manifest.symlink_to(work / "no such folder" / "list")
     run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "library")
     run(cmake, "--install", arguments.build, "--prefix", prefix, "--component", "command")
     pcm = prefix / "bin" / "pcmlab"
@@ -241,9 +282,11 @@ def main():
 
     if arguments.plugins == "1":
         check_plugins(cmake, arguments.build, work)
+    check_stripped(prefix)
     check_lists(arguments.source, prefix / "include" / "pcm", work)
     check_headers(cmake, work, prefix, with_gl, options)
     check_missing_component(cmake, work, options)
+    check_readme(cmake, arguments.source, pcm, work, options)
     print(f"installed, built against, and {len(boxes)} boxes agreed with the LAS file")
 
 

@@ -1,0 +1,64 @@
+"""The commands of README.md work as they stand there, one after the other, and those that select points select some."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(os.environ["PCM_SOURCE_DIR"])
+PROGRAMS = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin"
+
+# What the README speaks of and no command of it makes.
+TOUR = {"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": [
+    {"eye": [500030, 4799960, 150], "target": [500030, 4800030, 100], "angle": 45},
+    {"eye": [500030, 4800030, 400], "target": [500030, 4800030, 100], "up": [0, 1, 0], "height": 100}]}
+
+
+def commands(text):
+    """Lines of the shell blocks that run pcmlab."""
+    blocks = re.findall(r"^```sh\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    return [line for block in blocks for line in block.splitlines() if re.search(r"(^|; do )pcmlab ", line)]
+
+
+def without_points(output):
+    """Whether an output is that of a command that selected nothing."""
+    counts = [int(number.replace(",", "")) for number in re.findall(r"([\d,]+) points", output)]
+    return "no point is selected" in output or "the cloud's points lie" in output or (bool(counts) and counts[0] == 0)
+
+
+class Readme(unittest.TestCase):
+    def run_in(self, folder, line):
+        environment = dict(os.environ, PATH=f"{PROGRAMS}:{os.environ['PATH']}")
+        return subprocess.run(["bash", "-euc", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True)
+
+    def test_every_command_works_and_selects_points(self):
+        lines = commands((SOURCE / "README.md").read_text(encoding="utf-8"))
+        named = {word for line in lines for word in re.findall(r"pcmlab (\w+)", line)}
+        help_text = self.run_in(".", "pcmlab help").stdout
+        listed = set(re.findall(r"^  ([a-z]+)  ", help_text, re.MULTILINE))
+        self.assertEqual(listed - named, set(), "commands that the README does not show")
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "tour.json").write_text(json.dumps(TOUR))
+            for line in lines:
+                with self.subTest(line):
+                    result = self.run_in(folder, line)
+                    self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                    self.assertFalse(without_points(result.stdout), result.stdout)
+            self.assertTrue((pathlib.Path(folder) / "tour0002.png").is_file())
+
+    def test_a_command_that_selects_nothing_is_noticed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.run_in(folder, "pcmlab generate --points 5000 scan.las && pcmlab build scan.las -o site.pct")
+            for command in ("query site.pct", "delete --count site.pct", "set site.pct intensity=1"):
+                for region, nothing in (("--sphere 0 0 0 1", True), ("--sphere 500000 4800000 100 1e4", False)):
+                    result = self.run_in(folder, f"pcmlab {command} {region}")
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertEqual(without_points(result.stdout), nothing, result.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
