@@ -1,0 +1,56 @@
+"""The faults that are made, and the choice of tests for them."""
+
+import pathlib
+import unittest
+
+import mutate
+import operators
+
+
+def faulty(line):
+    return [fault for _, fault in operators.faults_of(line)]
+
+
+class Faults(unittest.TestCase):
+    def test_operators_and_numbers(self):
+        self.assertEqual(faulty("    return a < b;"), ["    return a <= b;"])
+        self.assertEqual(faulty("    return a == 1;"), ["    return a != 1;", "    return a == 2;"])
+        self.assertIn("    x = b - c;", faulty("    x = b + c;"))
+        self.assertIn("    x = b + c;".replace("b + c", "std::max(b, c)"), faulty("    x = std::min(b, c);"))
+        self.assertEqual(faulty("    return !found;"), ["    return found;"])
+        self.assertEqual(faulty("    return true;"), ["    return false;"])
+
+    def test_statements_and_conditions(self):
+        self.assertIn("    ;", faulty("    file.sync();"))
+        self.assertIn("    ;", faulty("    count = 3 + n;"))
+        self.assertIn("    if (false) return;", faulty("    if (ready(a)) return;"))
+        self.assertIn("    if (true) return;", faulty("    if (ready(a)) return;"))
+        for line in ("    const int a = b;", "    return f(a);", "    std::string name = f();"):
+            self.assertNotIn("    ;", faulty(line), line)
+
+    def test_what_is_no_code_stays(self):
+        for line in ("// a < b", '#include "a/1.h"', "", "    // return true;", "template <class T>", '    f("a < 1 + 2", \'1\')',
+                     "    std::vector<int> istrue(a);"):
+            self.assertEqual([fault for fault in faulty(line) if fault.strip() != ";"], [], line)
+
+    def test_no_fault_is_the_line_itself(self):
+        files = mutate.sources(pathlib.Path(__file__).resolve().parents[2])
+        faults = mutate.all_faults(files)
+        self.assertGreater(len(faults), 10000)
+        self.assertTrue(all(fault != files[name][i] for name, i, _, fault in faults))
+        chosen = mutate.choose(faults, 100, 1)
+        self.assertEqual(len({fault[:2] for fault in chosen}), 100)
+        self.assertEqual(chosen, mutate.choose(faults, 100, 1))
+        self.assertNotEqual(chosen, mutate.choose(faults, 100, 2))
+
+    def test_tests_of_a_room_come_first(self):
+        rooms = {"system": [], "io": ["system"], "io/las": ["io"], "tree": ["system"], "convert": ["tree", "io"]}
+        programs = ["test_convert", "test_io", "test_system", "test_tree"]
+        self.assertEqual(mutate.tests_for("core/io/las/las_reader.cpp", rooms, programs), (["test_io"], []))
+        self.assertEqual(mutate.tests_for("core/io/reader.cpp", rooms, programs), (["test_io"], ["test_convert"]))
+        self.assertEqual(mutate.tests_for("core/system/file.cpp", rooms, programs),
+                         (["test_system"], ["test_convert", "test_io", "test_tree"]))
+
+
+if __name__ == "__main__":
+    unittest.main()
