@@ -97,6 +97,7 @@ Option Option::not_negative() const
 Option Option::bytes() const
 {
     option_->transform(CLI::AsSizeValue(false));
+    option_->type_name("SIZE");
     return *this;
 }
 
@@ -143,19 +144,75 @@ struct Runnable {
     Run run;
 };
 
+// Whether a word is nearly a name: a typing error or two, or its beginning.
+bool resembles(const std::string& word, const std::string& name)
+{
+    if (word.size() >= 2 && name.compare(0, word.size(), word) == 0) return true;
+    std::vector<std::size_t> row(name.size() + 1);  // distances of Levenshtein, row by row
+    for (std::size_t c = 0; c < row.size(); ++c) row[c] = c;
+    for (std::size_t w = 0; w < word.size(); ++w) {
+        std::size_t diagonal = row[0];
+        row[0] = w + 1;
+        for (std::size_t c = 1; c < row.size(); ++c) {
+            const std::size_t above = row[c];
+            row[c] = std::min({above + 1, row[c - 1] + 1, diagonal + (word[w] != name[c - 1])});
+            diagonal = above;
+        }
+    }
+    return row.back() <= 1 + name.size() / 5;
+}
+
+// What was meant, as the end of a message.
+std::string perhaps(const std::string& word, const std::vector<std::string>& names)
+{
+    std::string nearest;
+    for (const std::string& name : names)
+        if (resembles(word, name)) nearest += (nearest.empty() ? "" : " or ") + name;
+    return nearest.empty() ? "" : "; perhaps " + nearest;
+}
+
+// Of a command line with words that belong to no option.
+std::string unexpected(const CLI::App& command)
+{
+    const std::vector<std::string> words = command.remaining();
+    const auto option =
+        std::find_if(words.begin(), words.end(), [](const std::string& word) { return word[0] == '-'; });
+    if (option == words.end()) return "'" + words.front() + "' is one word too many";
+    const std::string name = option->substr(0, option->find('='));
+    std::vector<std::string> names;
+    for (const CLI::Option* known : command.get_options())
+        for (const std::string& long_name : known->get_lnames()) names.push_back("--" + long_name);
+    return "there is no option " + name + perhaps(name, names);
+}
+
+int refuse_usage(const CLI::App& command, const std::string& what)
+{
+    const CLI::App* const parent = command.get_parent();
+    std::fprintf(stderr, "%s%s: %s\nRun with --help for more information.\n",
+                 parent ? (parent->get_name() + " ").c_str() : "", command.get_name().c_str(), what.c_str());
+    return 2;
+}
+
 int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vector<std::string> words)
 {
+    const auto parsed = [&] {
+        const auto at =
+            std::find_if(commands.begin(), commands.end(), [](const Runnable& c) { return c.app->parsed(); });
+        return at == commands.end() ? nullptr : &*at;
+    };
+    const auto command = [&]() -> const CLI::App& { return parsed() ? *parsed()->app : app; };
     try {
         std::reverse(words.begin(), words.end());  // as CLI11 takes them
         app.parse(std::move(words));
-        for (const Runnable& command : commands)
-            if (command.app->parsed()) return command.run();
-        return 0;
+        return parsed() ? parsed()->run() : 0;
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
+    } catch (const CLI::ExtrasError&) {
+        return refuse_usage(command(), unexpected(command()));
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;  // --help is thrown too
+        return refuse_usage(command(), error.what());
     } catch (const UsageError& error) {
-        app.exit(CLI::ValidationError(error.what()));
-        return 2;
+        return refuse_usage(command(), error.what());
     }
 }
 
@@ -179,30 +236,11 @@ Run not_first(const std::string& name)
     return [name]() -> int { throw UsageError("'" + name + "' must be the first argument"); };
 }
 
-// Words that are nearly a command: a typing error of one letter, or its beginning.
-bool resembles(const std::string& word, const std::string& command)
-{
-    if (word.size() >= 2 && command.compare(0, word.size(), word) == 0) return true;
-    std::vector<std::size_t> row(command.size() + 1);  // distances of Levenshtein, row by row
-    for (std::size_t c = 0; c < row.size(); ++c) row[c] = c;
-    for (std::size_t w = 0; w < word.size(); ++w) {
-        std::size_t diagonal = row[0];
-        row[0] = w + 1;
-        for (std::size_t c = 1; c < row.size(); ++c) {
-            const std::size_t above = row[c];
-            row[c] = std::min({above + 1, row[c - 1] + 1, diagonal + (word[w] != command[c - 1])});
-            diagonal = above;
-        }
-    }
-    return row.back() <= 1 + command.size() / 5;
-}
-
 std::string unknown_command(const std::string& word, const std::vector<Command>& commands)
 {
-    std::string nearest;
-    for (const Command& command : commands)
-        if (resembles(word, command.name)) nearest += (nearest.empty() ? "" : " or ") + command.name;
-    return "there is no command '" + word + "'" + (nearest.empty() ? "" : "; perhaps " + nearest);
+    std::vector<std::string> names;
+    for (const Command& command : commands) names.push_back(command.name);
+    return "there is no command '" + word + "'" + perhaps(word, names);
 }
 
 std::string list_of(const char* name, const std::vector<Command>& commands)

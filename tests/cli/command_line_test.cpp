@@ -143,7 +143,9 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
 {
     const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
         {{}, "word is required"},
-        {{"w", "--nonsense"}, "--nonsense"},
+        {{"w", "--nonsense"}, "one: there is no option --nonsense\n"},
+        {{"w", "--nams", "x", "y"}, "one: there is no option --nams; perhaps --names\n"},
+        {{"w", "--over=3"}, "one: there is no option --over; perhaps --overwrite\n"},
         {{"w", "--box", "1"}, "--box"},
         {{"w", "--box", "1", "x"}, "--box"},
         {{"w", "--size", "0.4"}, "--size"},
@@ -187,7 +189,7 @@ TEST(CommandLine, ExitCodesOfTheWork)
     EXPECT_EQ(ends_with([]() -> int { throw std::runtime_error("odd"); }).err, "pcmlab: odd\n");
     const Result usage = ends_with([]() -> int { throw UsageError("word: too short"); });
     EXPECT_EQ(usage.code, 2);
-    EXPECT_EQ(usage.err, "word: too short\nRun with --help for more information.\n");
+    EXPECT_EQ(usage.err, "one: word: too short\nRun with --help for more information.\n");
 }
 
 TEST(CommandLine, HelpShowsOptionsTheirGroupsAndDefaults)
