@@ -96,7 +96,7 @@ Option Option::not_negative() const
 
 Option Option::bytes() const
 {
-    option_->transform(CLI::AsSizeValue(false));
+    option_->transform(CLI::AsSizeValue(false).description(""));
     option_->type_name("SIZE");
     return *this;
 }
