@@ -8,6 +8,7 @@
 #include <utility>
 
 namespace pcm::test {
+inline namespace las_file {  // tests/clouds.h has a simpler LasRecord
 
 struct LasRecord {
     std::int32_t x = 0, y = 0, z = 0;
@@ -195,4 +196,5 @@ inline std::string extra_descriptor(int type, int options, const std::string& na
     return to.data;
 }
 
+}  // namespace las_file
 }  // namespace pcm::test
