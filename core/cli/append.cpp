@@ -26,6 +26,7 @@ int append(Arguments& arguments)
     const CloudSources sources({arguments.inputs.begin(), arguments.inputs.end()}, cloud_options);
     const std::unique_ptr<PointReader> cloud = sources.open();
     arguments.options.memory_bytes = arguments.memory;
+    arguments.options.ignore_crs = cloud_options.read.ignore_crs;
     arguments.options.progress = console_progress(arguments.common);
     const AppendReport report = append_points(arguments.tree, *cloud, sources.names(), arguments.options);
     end_progress(arguments.common);
@@ -67,6 +68,7 @@ Run add_append(Options& options)
     options.option("--chunk-points", arguments->options.chunk_points,
                    "Maximum number of points per chunk (default 25000)");
     arguments->reading.add_to(options);
+    arguments->reading.add_ignore_crs(options);
     add_common(options, arguments->common);
     return [arguments] { return append(*arguments); };
 }

@@ -83,6 +83,7 @@ Run add_build(Options& options)
                 "Time between checkpoints, from which an interrupted build resumes (default 1)")
         .not_negative();
     arguments->reading.add_to(options);
+    arguments->reading.add_ignore_crs(options);
     add_common(options, arguments->common);
     return [arguments] { return build(*arguments); };
 }

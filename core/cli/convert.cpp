@@ -143,6 +143,7 @@ Run add_convert(Options& options)
     add_output(options, *arguments);
     options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");
     arguments->reading.add_to(options);
+    arguments->reading.add_ignore_crs(options);
     add_common(options, arguments->common);
     return [arguments] { return convert(*arguments); };
 }

@@ -1,6 +1,9 @@
 #include "pcm/cli/common.h"
+#include "pcm/cli/origin_of_cloud.h"
 #include "pcm/cli/reading.h"
+#include "pcm/cli/statistics.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/convert/convert.h"
 #include "pcm/io/metadata_text.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
@@ -19,7 +22,7 @@ struct Arguments {
     ReadingOptions reading;
     std::vector<std::string> inputs;
     unsigned threads = 0;
-    bool scan = false;
+    bool scan = false, statistics = false;
 };
 
 Json attributes_of(const Schema& schema)
@@ -78,7 +81,7 @@ void print_metadata(const std::vector<Metadata>& metadata)
     }
 }
 
-Json to_json(const Tree& tree)
+Json to_json(const Tree& tree, const std::optional<CloudStatistics>& statistics)
 {
     const TreeInfo& info = tree.info();
     Json json;
@@ -104,12 +107,14 @@ Json to_json(const Tree& tree)
                                  {"spacing", level.spacing}});
     json["nodes"] = tree.nodes().size();
     json["bytes"] = info.bytes;
+    put_origin(json, info.metadata);
     json["metadata"] = metadata_of(info.metadata);
     json["sources"] = info.sources;
+    if (statistics) json["statistics"] = json_of_statistics(*statistics, info.schema);
     return json;
 }
 
-void print(const Tree& tree)
+void print(const Tree& tree, const std::optional<CloudStatistics>& statistics)
 {
     const TreeInfo& info = tree.info();
     const Box3d bounds = info.bounds();
@@ -127,6 +132,7 @@ void print(const Tree& tree)
     std::printf("positions   %s, largest error %s\n", std::string(name_of(info.position_type)).c_str(),
                 exact(info.position_error).c_str());
     print_attributes(info.schema);
+    print_origin(info.metadata);
     print_metadata(info.metadata);
     std::printf("size        %s, %.2f bytes per point\n", bytes_text(info.bytes).c_str(),
                 info.points ? static_cast<double>(info.bytes) / static_cast<double>(info.points) : 0.0);
@@ -143,12 +149,14 @@ void print(const Tree& tree)
                     grouped(level.points).c_str(), grouped(level.points_to_here).c_str());
         std::printf("%s\n", level.spacing > 0 ? brief(level.spacing).c_str() : "full");
     }
+    if (statistics) print_statistics(*statistics, info.schema);
 }
 
 // Found by reading all points, not from headers.
 struct Scan {
     std::uint64_t points = 0, not_finite = 0;
     Box3d box;
+    std::optional<CloudStatistics> statistics;  // if asked for
 };
 
 Scan scan(PointReader& cloud, const ProgressFunction& progress)
@@ -174,6 +182,16 @@ Scan scan(PointReader& cloud, const ProgressFunction& progress)
     return found;
 }
 
+Scan scan_with_statistics(PointReader& cloud, const ProgressFunction& progress)
+{
+    Scan found;
+    found.statistics = collect_statistics(cloud, progress);
+    found.points = found.statistics->points;
+    found.not_finite = found.statistics->not_finite;
+    found.box = found.statistics->box;
+    return found;
+}
+
 Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
 {
     const FileInfo& info = cloud.info();
@@ -188,6 +206,7 @@ Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
         json["scanned"] = {
             {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
         json["peak_rss_bytes"] = peak_rss_bytes();
+        if (scanned->statistics) json["statistics"] = json_of_statistics(*scanned->statistics, info.schema);
     }
     json["position_type"] = name_of(info.position_type);
     if (info.grid) {
@@ -195,6 +214,7 @@ Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
         json["offset"] = info.grid->offset;
     }
     json["attributes"] = attributes_of(info.schema);
+    put_origin(json, info.metadata);
     json["metadata"] = metadata_of(info.metadata);
     json["notes"] = info.notes;
     return json;
@@ -229,7 +249,9 @@ void print(const MergedReader& cloud, const std::optional<Scan>& scanned)
     }
     std::printf("positions   %s\n", info.grid ? "i32 on a grid" : std::string(name_of(info.position_type)).c_str());
     print_attributes(info.schema);
+    print_origin(info.metadata);
     print_metadata(info.metadata);
+    if (scanned && scanned->statistics) print_statistics(*scanned->statistics, info.schema);
     for (const std::string& note : info.notes) std::printf("note        %s\n", note.c_str());
 }
 
@@ -255,16 +277,27 @@ void show(const Common& common, const Cloud&... cloud)
 
 int info(const Arguments& arguments)
 {
+    const ProgressFunction progress = console_progress(arguments.common);
     if (const auto tree = tree_of(arguments.inputs)) {
-        show(arguments.common, *tree);
+        std::optional<CloudStatistics> statistics;
+        if (arguments.statistics) {
+            CloudOptions options;
+            options.read.threads = arguments.threads;
+            statistics = collect_statistics(*open_cloud({tree->folder()}, options), progress);
+            end_progress(arguments.common);
+        }
+        show(arguments.common, *tree, statistics);
         return 0;
     }
-    MergedReader cloud({arguments.inputs.begin(), arguments.inputs.end()}, arguments.reading.get(arguments.threads));
+    ReadOptions reading = arguments.reading.get(arguments.threads);
+    reading.ignore_crs = true;  // the notes say where systems differ
+    MergedReader cloud({arguments.inputs.begin(), arguments.inputs.end()}, reading);
     std::optional<Scan> scanned;
-    if (arguments.scan) {
-        scanned = scan(cloud, console_progress(arguments.common));
-        end_progress(arguments.common);
-    }
+    if (arguments.statistics)
+        scanned = scan_with_statistics(cloud, progress);
+    else if (arguments.scan)
+        scanned = scan(cloud, progress);
+    end_progress(arguments.common);
     show(arguments.common, cloud, scanned);
     return 0;
 }
@@ -279,6 +312,8 @@ Run add_info(Options& options)
                     "A tree folder, or its index file; or files and folders of files, merged into one cloud")
         .required();
     options.flag("--scan", arguments->scan, "Files: read all points, for the exact count and box");
+    options.flag("--statistics", arguments->statistics,
+                 "Read all points: range and mean of every attribute, points by class and return, duplicates");
     options.option("-t,--threads", arguments->threads, "Reading threads (default: one per processor)");
     arguments->reading.add_to(options);
     add_common(options, arguments->common);

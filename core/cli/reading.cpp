@@ -17,10 +17,18 @@ void ReadingOptions::add_to(Options& options)
     options.option("--colour-range", colour_range_, "Maximum value of a colour: 1, 255 or 65535").group(group);
 }
 
+void ReadingOptions::add_ignore_crs(Options& options)
+{
+    options.flag("--ignore-crs", ignore_crs_,
+                 "Combine clouds whose coordinate systems, units or GPS times differ, with their numbers as they are; "
+                 "the first system is kept");
+}
+
 ReadOptions ReadingOptions::get(unsigned threads) const
 {
     ReadOptions options;
     options.threads = threads;
+    options.ignore_crs = ignore_crs_;
     if (!columns_.empty()) options.text.columns = parse_columns(columns_);
     if (!separator_.empty()) {
         const std::string& s = separator_;

@@ -13,6 +13,8 @@ class ReadingOptions {
 public:
     // --columns, --separator, --skip-lines, --colour-range.
     void add_to(Options& options);
+    // --ignore-crs, of commands that make one cloud out of several.
+    void add_ignore_crs(Options& options);
     // Throws Error(invalid_argument).
     ReadOptions get(unsigned threads) const;
 
@@ -20,6 +22,7 @@ private:
     std::string columns_, separator_;
     std::optional<std::size_t> skip_lines_;
     std::optional<double> colour_range_;
+    bool ignore_crs_ = false;
 };
 
 }  // namespace pcm::cli

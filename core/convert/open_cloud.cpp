@@ -78,7 +78,7 @@ std::unique_ptr<PointReader> CloudSources::open() const
             sources.push_back(
                 {paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
     }
-    auto merged = std::make_unique<MergedReader>(std::move(sources));
+    auto merged = std::make_unique<MergedReader>(std::move(sources), options_.read.ignore_crs);
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
     return std::make_unique<SelectedReader>(std::move(merged), selection, passed_);
 }

@@ -1,8 +1,9 @@
 #include "pcm/io/metadata_text.h"
 
-#include <cstring>
+#include "pcm/io/crs/coordinate_system.h"
+#include "pcm/io/crs/geo_keys.h"
+
 #include <string_view>
-#include <utility>
 
 namespace pcm {
 namespace {
@@ -15,34 +16,12 @@ bool is_geo_directory(std::string_view key)
     return at != std::string_view::npos && (at + name.size() == key.size() || key[at + name.size()] == '/');
 }
 
-// Ids of GeoTIFF 1.1 (OGC 19-008r4) that LAS files use; others are printed as numbers.
-constexpr std::pair<unsigned, std::string_view> geo_keys[] = {
-    {1024, "GTModelType"},      {1025, "GTRasterType"},      {1026, "GTCitation"},        {2048, "GeographicType"},
-    {2049, "GeogCitation"},     {2050, "GeogGeodeticDatum"}, {2051, "GeogPrimeMeridian"}, {2052, "GeogLinearUnits"},
-    {2054, "GeogAngularUnits"}, {2056, "GeogEllipsoid"},     {3072, "ProjectedCSType"},   {3073, "PCSCitation"},
-    {3074, "Projection"},       {3075, "ProjCoordTrans"},    {3076, "ProjLinearUnits"},   {4096, "VerticalCSType"},
-    {4097, "VerticalCitation"}, {4098, "VerticalDatum"},     {4099, "VerticalUnits"},
-};
-
-// Four 16-bit numbers, the last of which is the number of keys; then four per key: id, place of its value (0: here),
-// count, value.
 std::string geo_directory(const std::vector<std::byte>& value)
 {
-    const auto number = [&](std::size_t i) {
-        std::uint16_t n = 0;
-        std::memcpy(&n, value.data() + 2 * i, 2);
-        return static_cast<unsigned>(n);
-    };
-    const std::size_t numbers = value.size() / 2;
-    if (numbers < 4) return {};
     std::string text;
-    for (std::size_t k = 1; k <= number(3) && 4 * k + 3 < numbers; ++k) {
-        const unsigned id = number(4 * k), place = number(4 * k + 1), what = number(4 * k + 3);
-        std::string name = "key " + std::to_string(id);
-        for (const auto& [known, known_name] : geo_keys)
-            if (known == id) name = known_name;
-        text += (text.empty() ? "" : ", ") + name;
-        if (place == 0) text += " " + std::to_string(what);
+    for (const GeoKey& key : geo_keys_of(value)) {
+        text += (text.empty() ? "" : ", ") + name_of_geo_key(key.id);
+        if (key.place == 0) text += " " + std::to_string(key.value);
     }
     return text;
 }
@@ -62,6 +41,23 @@ std::string text_of(const Metadata& block)
         if (blank) c = ' ';
     }
     return text;
+}
+
+std::string unwritten_note(const std::string& format, const std::vector<Metadata>& metadata,
+                           bool (*is_written)(const Metadata&))
+{
+    constexpr std::size_t most_named = 4;
+    std::size_t count = 0;
+    std::string names;
+    for (const Metadata& block : metadata) {
+        const std::string& key = block.key;
+        if (key == "las.header" || key == "pcm.grid" || key == "pcd.viewpoint" || key == crs_comment) continue;
+        if (is_written && is_written(block)) continue;
+        if (count++ < most_named) names += (names.empty() ? "" : ", ") + key;
+    }
+    if (count == 0) return {};
+    if (count > most_named) names += " and " + std::to_string(count - most_named) + " more";
+    return format + " has no place for metadata, which are not written: " + names;
 }
 
 }  // namespace pcm

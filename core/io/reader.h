@@ -65,6 +65,8 @@ inline constexpr std::size_t default_batch_points = 65536;
 struct ReadOptions {
     unsigned threads = 1;  // maximum number of decoding threads, where a format has them (LAZ); 0: one per processor
     TextLayout text;       // of text files; unset members are detected
+    // Of several files as one cloud: coordinate systems and GPS times that differ are noted instead of refused.
+    bool ignore_crs = false;
 };
 
 // Throws Error(not_found | permission | bad_format | truncated | unsupported).

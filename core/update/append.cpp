@@ -2,6 +2,7 @@
 
 #include "pcm/build/bins/partition.h"
 #include "pcm/build/pipeline.h"
+#include "pcm/io/pipe/system_check.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/update/fitted_reader.h"
@@ -45,6 +46,7 @@ public:
         part_options_.sampling = options_.sampling;
         part_options_.part = static_cast<std::uint32_t>(tree_->part_roots().size());
         part_options_.generation = update_.generation();
+        check_systems(options.ignore_crs);
     }
 
     AppendReport run()
@@ -56,6 +58,7 @@ public:
         report_.outcome.points_in = found_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
         // Only now: readers add notes while they read.
         report_.notes = cloud_.info().notes;
+        report_.notes.insert(report_.notes.end(), system_notes_.begin(), system_notes_.end());
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
         if (report_.points_skipped)
             report_.notes.push_back(grouped(report_.points_skipped) +
@@ -75,6 +78,29 @@ public:
     }
 
 private:
+    void check_systems(bool ignore_differences)
+    {
+        SystemCheck check(ignore_differences);
+        FileInfo of_tree;
+        of_tree.schema = tree_->info().schema;
+        of_tree.metadata = tree_->info().metadata;
+        check.add(of_tree, update_.folder());
+        const bool tree_has_system = check.system().has_value();
+        const std::string name = sources_.empty() ? "the new points" : sources_[0];
+        const std::string more = sources_.size() > 1 ? " and " + grouped(sources_.size() - 1) + " more" : std::string();
+        for (const std::string& note : check.add(cloud_.info(), name + more))
+            system_notes_.push_back(name + more + ": " + note);
+        if (!check.system()) return;
+        if (!tree_has_system) {
+            takes_system_ = true;
+            system_notes_.push_back("the tree states no coordinate system; it takes over that of the new points, " +
+                                    describe(*check.system()));
+        } else if (check.is_without_system()) {
+            system_notes_.push_back("the new points state no coordinate system; it is taken to be that of the tree, " +
+                                    describe(*check.system()));
+        }
+    }
+
     template <class Coord>
     void add(Bins<Coord>& bins)
     {
@@ -93,6 +119,14 @@ private:
         add_drafts(part.root, nodes);
         report_.nodes_added = nodes.size() - before;
         commit(join_parts(nodes, part.spacings, tree_->info().grid.scale), part.spacings);
+    }
+
+    // Replaces blocks that could not be decoded.
+    void take_system(std::vector<Metadata>& metadata) const
+    {
+        metadata.erase(std::remove_if(metadata.begin(), metadata.end(), is_crs_block), metadata.end());
+        for (const Metadata& block : cloud_.info().metadata)
+            if (is_crs_block(block)) metadata.push_back(block);
     }
 
     void add_drafts(const Draft* draft, std::vector<PartNode>& nodes) const
@@ -137,6 +171,7 @@ private:
         // A tree of floats returns floats, to which doubles must not be rounded.
         if (info.position_type == ScalarType::f32 && cloud_.info().position_type != ScalarType::f32)
             info.position_type = ScalarType::f64;
+        if (takes_system_) take_system(info.metadata);
         info.sources.insert(info.sources.end(), sources_.begin(), sources_.end());
         report_.outcome.points_out = info.points;
         report_.outcome.error = info.position_error;
@@ -155,6 +190,8 @@ private:
     Workspace work_;
     PartOptions part_options_;
     Ingested found_;
+    std::vector<std::string> system_notes_;
+    bool takes_system_ = false;  // from the new points
     AppendReport report_;
 };
 

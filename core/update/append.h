@@ -16,6 +16,7 @@ struct AppendOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole operation; at least 64 MiB
     unsigned threads = 0;                                 // 0: one per processor
     std::uint32_t chunk_points = default_chunk_points;    // largest number of points in a chunk, as in a build
+    bool ignore_crs = false;  // coordinate systems and GPS times that differ from the tree's: note them, do not refuse
     ProgressFunction progress;
 };
 
@@ -39,9 +40,11 @@ struct AppendReport {
 // not depend on the number of threads.
 //
 // Every new point must have a place on the tree's grid (fitted_reader.h) and no attribute that the tree lacks;
-// attributes that it lacks itself become 0. Throws Error(invalid_argument) when points or attributes do not fit and for
-// options out of range, Error(exists) when another process or thread changes the tree, and what reading and writing
-// throw. After an error or a cancel the written files are removed. The cloud may be a reader of this tree.
+// attributes that it lacks itself become 0. The tree keeps its metadata; a tree that states no coordinate system takes
+// over that of the new points, and notes say so. Throws Error(invalid_argument) when points or attributes do not fit,
+// when coordinate systems, units or GPS times differ (io/pipe/system_check.h), and for options out of range,
+// Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an error or
+// a cancel the written files are removed. The cloud may be a reader of this tree.
 AppendReport append_points(const std::filesystem::path& tree, PointReader& cloud,
                            const std::vector<std::string>& sources, const AppendOptions& options = {});
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 namespace pcm::test {
+inline namespace las_file {  // tests/clouds.h has a simpler LasRecord
 
 struct LasRecord {
     std::int32_t x = 0, y = 0, z = 0;
@@ -112,8 +113,12 @@ struct LasFile {
     std::vector<LasVlr> vlrs, evlrs;
     std::vector<LasRecord> records;
     bool legacy_count = true;  // otherwise 0 in 1.4 files
+    std::uint16_t encoding = 0;
+    // LAS 1.5.
+    double most_time = 0, least_time = 0;
+    std::uint16_t time_offset = 0;
 
-    std::size_t header_size() const { return version >= 4 ? 375 : version == 3 ? 235 : 227; }
+    std::size_t header_size() const { return version >= 5 ? 393 : version == 4 ? 375 : version == 3 ? 235 : 227; }
     std::size_t record_length() const
     {
         Bytes one;
@@ -129,7 +134,7 @@ struct LasFile {
         const auto count = static_cast<std::uint32_t>(records.size());
 
         Bytes to;
-        to.raw("LASF").put(std::uint16_t{7}).put(std::uint16_t{0}).text("", 16);
+        to.raw("LASF").put(std::uint16_t{7}).put(encoding).text("", 16);
         to.put(std::uint8_t{1}).put(static_cast<std::uint8_t>(version)).text("test", 32).text("by hand", 32);
         to.put(std::uint16_t{59}).put(std::uint16_t{2020}).put(static_cast<std::uint16_t>(header_size()));
         to.put(static_cast<std::uint32_t>(point_offset)).put(static_cast<std::uint32_t>(vlrs.size()));
@@ -146,6 +151,7 @@ struct LasFile {
             to.put(static_cast<std::uint64_t>(count));
             for (int i = 0; i < 15; ++i) to.put(std::uint64_t{0});
         }
+        if (version >= 5) to.put(most_time).put(least_time).put(time_offset);
         EXPECT_EQ(to.data.size(), header_size());
         for (const LasVlr& vlr : vlrs)
             to.put(std::uint16_t{0})
@@ -190,4 +196,5 @@ inline std::string extra_descriptor(int type, int options, const std::string& na
     return to.data;
 }
 
+}  // namespace las_file
 }  // namespace pcm::test

@@ -100,11 +100,13 @@ public:
     {
     }
 
-    Fields plan(const Vlr* description)
+    // `descriptions`: the values of all Extra Bytes VLRs. There should be one.
+    Fields plan(const std::vector<std::vector<std::byte>>& descriptions)
     {
-        if (description) {
+        if (descriptions.size() > 1 && plan_together(descriptions)) return std::move(result_);
+        if (!descriptions.empty()) {
             result_ = before_;
-            const std::string wrong = plan_described(description->value);
+            const std::string wrong = plan_described(descriptions[0]);
             if (wrong.empty()) return std::move(result_);
             add_note(notes_, "the Extra Bytes VLR is malformed (" + wrong + ")" +
                                  (extra_ ? "; the " + std::to_string(extra_) +
@@ -117,6 +119,7 @@ public:
     }
 
 private:
+    bool plan_together(const std::vector<std::vector<std::byte>>& descriptions);
     std::optional<Descriptor> parse(const std::byte* from);
     std::string plan_described(const std::vector<std::byte>& bytes);
     std::size_t group_at(const std::vector<Descriptor>& list, std::size_t first) const;
@@ -126,6 +129,26 @@ private:
     Fields before_, result_;
     std::size_t base_, extra_;
 };
+
+// Several VLRs describe the extra bytes one after the other, if they have that many; repetitions do not count.
+bool ExtraBytesPlan::plan_together(const std::vector<std::vector<std::byte>>& descriptions)
+{
+    const std::string found =
+        "the file has " + std::to_string(descriptions.size()) + " Extra Bytes VLRs, and LAS allows one; ";
+    std::vector<std::byte> all = descriptions[0];
+    for (std::size_t i = 1; i < descriptions.size(); ++i)
+        if (descriptions[i] != descriptions[0]) all.insert(all.end(), descriptions[i].begin(), descriptions[i].end());
+    if (all.size() == descriptions[0].size()) {
+        add_note(notes_, found + "they are equal");
+        return false;
+    }
+    result_ = before_;
+    const std::string wrong = plan_described(all);
+    add_note(notes_,
+             found + (wrong.empty() ? "together they describe the extra bytes of a point"
+                                    : "only the first is used, because together they are malformed (" + wrong + ")"));
+    return wrong.empty();
+}
 
 // Nothing for an undefined data type.
 std::optional<Descriptor> ExtraBytesPlan::parse(const std::byte* from)
@@ -294,10 +317,10 @@ Fields fields_of_format(unsigned format)
 
 Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::vector<std::string>& notes)
 {
-    const Vlr* description = nullptr;
+    std::vector<std::vector<std::byte>> descriptions;
     for (const Vlr& vlr : vlrs)
-        if (!description && vlr.user_id == spec_user_id && vlr.id == extra_bytes_record_id) description = &vlr;
-    return ExtraBytesPlan(header, notes).plan(description);
+        if (vlr.user_id == spec_user_id && vlr.id == extra_bytes_record_id) descriptions.push_back(vlr.value);
+    return ExtraBytesPlan(header, notes).plan(descriptions);
 }
 
 std::string component_name(const std::string& name, std::size_t component)

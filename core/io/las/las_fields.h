@@ -26,7 +26,8 @@ struct Fields {
 
 // The fields of the specification, with its names in lower case: see las_reader.h.
 Fields fields_of_format(unsigned format);
-// The same, with the extra bytes as their VLR describes them. Where the VLR contradicts the record, they are one
+// The same, with the extra bytes as their VLR describes them; several VLRs describe them one after the other, which is
+// noted. Where the VLR contradicts the record, they are one
 // attribute of plain bytes, and a note says why.
 Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::vector<std::string>& notes);
 

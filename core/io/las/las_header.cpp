@@ -28,7 +28,7 @@ public:
 
     Header read()
     {
-        std::array<std::byte, at::size_1_4> bytes{};
+        std::array<std::byte, at::size_1_5> bytes{};
         const std::size_t got = file_.read_some_at(bytes.data(), bytes.size(), 0);
         check_start(bytes.data(), got);
         check_sizes(bytes.data(), got);
@@ -68,9 +68,9 @@ void HeaderReader::check_start(const std::byte* bytes, std::size_t got)
 
     const auto version_major = load<std::uint8_t>(bytes + at::version_major);
     h_.version_minor = load<std::uint8_t>(bytes + at::version_minor);
-    if (version_major != 1 || h_.version_minor > 4)
+    if (version_major != 1 || h_.version_minor > 5)
         fail(ErrorCode::unsupported, "LAS version " + std::to_string(version_major) + "." +
-                                         std::to_string(h_.version_minor) + " found; 1.0 to 1.4 can be read");
+                                         std::to_string(h_.version_minor) + " found; 1.0 to 1.5 can be read");
     const std::string version = "LAS 1." + std::to_string(h_.version_minor);
 
     const auto format_byte = load<std::uint8_t>(bytes + at::point_format);
@@ -79,6 +79,9 @@ void HeaderReader::check_start(const std::byte* bytes, std::size_t got)
     if (h_.format >= format_count)
         fail(ErrorCode::unsupported, "LAS point format " + std::to_string(h_.format) + " found; 0 to 10 can be read");
     const unsigned format_since = h_.format >= 6 ? 4 : h_.format >= 4 ? 3 : h_.format >= 2 ? 2 : 0;
+    if (h_.version_minor >= 5 && !is_extended(h_.format))
+        add_note(notes_, "point format " + std::to_string(h_.format) +
+                             " is not part of LAS 1.5, which has 6 to 10; read as in LAS 1.4");
     if (h_.version_minor < format_since)
         add_note(notes_, "point format " + std::to_string(h_.format) + " is not part of " + version +
                              "; read as in LAS 1." + std::to_string(format_since));
@@ -87,12 +90,14 @@ void HeaderReader::check_start(const std::byte* bytes, std::size_t got)
 void HeaderReader::check_sizes(const std::byte* bytes, std::size_t got)
 {
     h_.header_size = load<std::uint16_t>(bytes + at::header_size);
-    const std::size_t least_header = h_.version_minor >= 4 ? at::size_1_4 : at::size_1_0;
+    const std::size_t least_header = h_.version_minor >= 5   ? at::size_1_5
+                                     : h_.version_minor >= 4 ? at::size_1_4
+                                                             : at::size_1_0;
     if (h_.header_size < least_header)
         fail(ErrorCode::bad_format, "the header states a size of " + std::to_string(h_.header_size) + " bytes; LAS 1." +
                                         std::to_string(h_.version_minor) + " has at least " +
                                         std::to_string(least_header));
-    if (h_.header_size > file_size_ || (h_.version_minor >= 4 && got < at::size_1_4))
+    if (h_.header_size > file_size_ || got < least_header)
         fail(ErrorCode::truncated, "the header has " + std::to_string(h_.header_size) + " bytes, the file only " +
                                        std::to_string(file_size_));
 

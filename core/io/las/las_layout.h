@@ -1,5 +1,5 @@
 // Byte layout of LAS files, shared by reader and writer. Offsets are bytes from the start of the structure; everything
-// is little-endian. From the ASPRS LAS specifications 1.0 to 1.4 R15.
+// is little-endian. From the ASPRS LAS specifications 1.0 to 1.4 R15 and 1.5 R00.
 #pragma once
 
 #include <array>
@@ -54,6 +54,10 @@ inline constexpr std::size_t evlr_count = 243;        // u32
 inline constexpr std::size_t point_count_64 = 247;    // u64
 inline constexpr std::size_t return_counts_64 = 255;  // u64[15]
 inline constexpr std::size_t size_1_4 = 375;
+inline constexpr std::size_t gps_time_max = 375;  // f64, since 1.5
+inline constexpr std::size_t gps_time_min = 383;  // f64
+inline constexpr std::size_t time_offset = 391;   // u16, millions of seconds
+inline constexpr std::size_t size_1_5 = 393;
 }  // namespace header
 
 // Bits of global_encoding.
@@ -62,6 +66,7 @@ inline constexpr unsigned gps_standard_time = 1;
 inline constexpr unsigned waveforms_inside = 2, waveforms_beside = 4;
 inline constexpr unsigned synthetic_returns = 8;
 inline constexpr unsigned wkt = 16;
+inline constexpr unsigned time_offset = 64;  // since 1.5, with gps_standard_time: the header states the offset
 }  // namespace encoding
 
 // Variable length records: reserved u16, user id char[16], record id u16, length (u16, extended: u64), description

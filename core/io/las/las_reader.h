@@ -1,4 +1,4 @@
-// Reads LAS 1.0 to 1.4, point formats 0 to 10, and LAZ, their compressed form.
+// Reads LAS 1.0 to 1.5, point formats 0 to 10, and LAZ, their compressed form.
 #pragma once
 
 #include "pcm/io/reader.h"

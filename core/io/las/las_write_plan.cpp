@@ -121,9 +121,9 @@ public:
         for (const Attribute& field : native_.schema) taken_.insert(field.name);
         for (const Metadata& block : cloud.metadata)
             if (const auto vlr = from_metadata(block))
-                if (source_descriptors_.empty() && vlr->user_id == spec_user_id && vlr->id == extra_bytes_record_id &&
+                if (vlr->user_id == spec_user_id && vlr->id == extra_bytes_record_id &&
                     vlr->value.size() % extra::descriptor_bytes == 0)
-                    source_descriptors_ = vlr->value;
+                    source_descriptors_.insert(source_descriptors_.end(), vlr->value.begin(), vlr->value.end());
     }
 
     WritePlan plan()

@@ -1,10 +1,14 @@
 #include "pcm/io/las/las_writer.h"
 
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/file_text.h"
+#include "pcm/io/las/las_encoding.h"
 #include "pcm/io/las/las_header.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/las/las_sink.h"
 #include "pcm/io/las/las_write_plan.h"
+#include "pcm/io/las_summary.h"
+#include "pcm/io/metadata_text.h"
 #include "pcm/io/pipe/grid_choice.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_file.h"
@@ -15,6 +19,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -61,6 +66,7 @@ public:
           out_(path)
     {
         choose_vlrs();
+        choose_time_shift();
         header_.resize(at::size_1_4);
         out_.append(header_.data(), header_.size());
         for (const las::Vlr& vlr : vlrs_) append(vlr);
@@ -78,13 +84,14 @@ public:
 
 private:
     void choose_vlrs();
+    void choose_time_shift();
     void append(const las::Vlr& vlr);
     void check(const PointBatch& batch) const;
     void round_positions(const PointBatch& batch);
     void write_points(const PointBatch& batch);
     void count_returns(std::byte* records, std::size_t count);
     void fill_header(std::uint64_t evlr_start);
-    void copy_from_source(const std::vector<std::byte>& source);
+    unsigned copy_from_source(const std::vector<std::byte>& source);
 
     FileInfo cloud_;
     Grid grid_;
@@ -105,6 +112,9 @@ private:
     Box3i box_;
     double error_ = 0;
     bool finished_ = false;
+    double time_shift_ = 0;
+    std::optional<std::size_t> shifted_;  // the attribute that it is added to
+    Column shifted_times_;
     std::array<std::vector<std::int32_t>, 3> rounded_;
     std::vector<std::byte> scratch_;
 };
@@ -145,13 +155,33 @@ void LasWriter::choose_vlrs()
         add(std::move(*vlr));
     }
     if (!described && !plan_.extra_bytes_vlr.empty()) add(extra_bytes_vlr("Extra Bytes"));
+    if (auto system = las::crs_vlr(cloud_, vlrs_, evlrs_, notes_)) add(std::move(*system));
     if (compressed_) add({std::string(las::laszip_user_id), las::laszip_record_id, "LASzip", false, laszip_vlr_});
+    const auto is_record = [](const Metadata& block) {
+        return las::from_metadata(block).has_value() || is_crs_block(block);
+    };
+    if (std::string note = unwritten_note("LAS", cloud_.metadata, is_record); !note.empty())
+        notes_.push_back(std::move(note));
     if (copc)
         notes_.push_back("the octree of the cloud optimised source (COPC) is not copied: it does not fit the new file");
     if (indexes) notes_.push_back("the spatial index of LAStools is not copied: it does not fit the new file");
     if (waveforms)
         notes_.push_back(
             "waveforms are not copied; the points keep their wave packet fields, which point into the source's");
+}
+
+// Times of LAS 1.5 may be relative to another second than those of the written version.
+void LasWriter::choose_time_shift()
+{
+    time_shift_ = las::gps_time_shift(cloud_);
+    const auto time = cloud_.schema.find(attribute_name::gps_time);
+    if (time_shift_ == 0 || !time) return;
+    const Attribute& attribute = cloud_.schema[*time];
+    if (attribute.type != ScalarType::f64 || attribute.components != 1 || attribute.scale != 1 || attribute.offset != 0)
+        return;
+    shifted_ = time;
+    notes_.push_back(exact(time_shift_) + " seconds are added to the GPS times: those of the source (LAS 1.5) are " +
+                     describe(*gps_time_of(cloud_.metadata)) + ", LAS 1.4 subtracts 1000 million");
 }
 
 void LasWriter::append(const las::Vlr& vlr)
@@ -231,6 +261,11 @@ void LasWriter::write(const PointBatch& batch)
 void LasWriter::write_points(const PointBatch& batch)
 {
     if (!copies_positions_) round_positions(batch);
+    if (shifted_) {
+        shifted_times_ = batch.attributes[*shifted_];
+        double* const times = shifted_times_.as<double>();
+        for (std::size_t i = 0; i < batch.size; ++i) times[i] += time_shift_;
+    }
     const auto& positions = copies_positions_ ? batch.grid_xyz : rounded_;
     const std::size_t stride = plan_.record_length;
     for (std::size_t done = 0; done < batch.size;) {
@@ -242,9 +277,11 @@ void LasWriter::write_points(const PointBatch& batch)
             box_.min[a] = std::min<std::int64_t>(box_.min[a], *least);
             box_.max[a] = std::max<std::int64_t>(box_.max[a], *most);
         }
-        for (std::size_t c = 0; c < plan_.columns.size(); ++c)
-            cut_[c] += las::fill(plan_.columns[c], batch.attributes[plan_.columns[c].attribute], done, room.count,
-                                 room.records, stride, scratch_);
+        for (std::size_t c = 0; c < plan_.columns.size(); ++c) {
+            const std::size_t attribute = plan_.columns[c].attribute;
+            const Column& values = attribute == shifted_ ? shifted_times_ : batch.attributes[attribute];
+            cut_[c] += las::fill(plan_.columns[c], values, done, room.count, room.records, stride, scratch_);
+        }
         count_returns(room.records, room.count);
         done += room.count;
     }
@@ -278,8 +315,8 @@ std::vector<std::string> LasWriter::notes() const
     return all;
 }
 
-// What the header states about the origin of the file.
-void LasWriter::copy_from_source(const std::vector<std::byte>& source)
+// What the header states about the origin of the file. Returns its global encoding.
+unsigned LasWriter::copy_from_source(const std::vector<std::byte>& source)
 {
     std::byte* const to = header_.data();
     const auto copy = [&](std::size_t offset, std::size_t bytes) { std::memcpy(to + offset, &source[offset], bytes); };
@@ -288,12 +325,12 @@ void LasWriter::copy_from_source(const std::vector<std::byte>& source)
     unsigned encoding = minor >= 2 ? las::load<std::uint16_t>(&source[at::global_encoding]) : 0;
     // These bits say where waveforms are; they are not copied.
     encoding &= ~(las::encoding::waveforms_inside | las::encoding::waveforms_beside);
-    las::store(to + at::global_encoding, static_cast<std::uint16_t>(encoding));
     copy(at::guid, 16);
     copy(at::system_identifier, 32);
     copy(at::generating_software, 32);
     copy(at::creation_day, 2);
     copy(at::creation_year, 2);
+    return encoding;
 }
 
 void LasWriter::fill_header(std::uint64_t evlr_start)
@@ -306,11 +343,13 @@ void LasWriter::fill_header(std::uint64_t evlr_start)
     las::store(to + at::creation_day, std::uint16_t{1});
     las::store(to + at::creation_year, std::uint16_t{2025});
     // Point formats 6 and above state coordinate systems as WKT, or none.
-    if (las::is_extended(plan_.format)) las::store(to + at::global_encoding, std::uint16_t{las::encoding::wkt});
+    unsigned encoding = las::is_extended(plan_.format) ? las::encoding::wkt : 0;
     const auto source = std::find_if(cloud_.metadata.begin(), cloud_.metadata.end(), [](const Metadata& block) {
         return block.key == las::header_key && block.value.size() >= at::size_1_0;
     });
-    if (source != cloud_.metadata.end()) copy_from_source(source->value);
+    if (source != cloud_.metadata.end()) encoding = copy_from_source(source->value);
+    encoding = las::encoding_of(encoding, cloud_, vlrs_, evlrs_);
+    las::store(to + at::global_encoding, static_cast<std::uint16_t>(encoding));
     las::store(to + at::version_major, std::uint8_t{1});
     las::store(to + at::version_minor, std::uint8_t{4});
     las::store(to + at::header_size, static_cast<std::uint16_t>(at::size_1_4));

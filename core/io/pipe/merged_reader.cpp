@@ -1,6 +1,7 @@
 #include "pcm/io/pipe/merged_reader.h"
 
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/pipe/system_check.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -108,16 +109,19 @@ private:
     std::vector<std::string> general_;
 };
 
-MergedReader::MergedReader(std::vector<Source> sources) : sources_(std::move(sources)) { look_at_headers(); }
+MergedReader::MergedReader(std::vector<Source> sources, bool ignore_crs) : sources_(std::move(sources))
+{
+    look_at_headers(ignore_crs);
+}
 
 MergedReader::MergedReader(const std::vector<fs::path>& inputs, const ReadOptions& options)
 {
     for (const fs::path& path : expand_inputs(inputs))
         sources_.push_back({path, [path, options] { return open_reader(path, options); }});
-    look_at_headers();
+    look_at_headers(options.ignore_crs);
 }
 
-void MergedReader::look_at_headers()
+void MergedReader::look_at_headers(bool ignore_crs)
 {
     if (sources_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input files were given");
     Notes notes(sources_.size());
@@ -125,6 +129,8 @@ void MergedReader::look_at_headers()
     std::map<std::string, std::size_t> formats;
     Box3d box;
     bool boxes_known = true;
+    SystemCheck systems(ignore_crs);
+    std::vector<fs::path> without_system;
     for (const Source& source : sources_) {
         const auto reader = source.open();
         const FileInfo& info = reader->info();
@@ -145,11 +151,18 @@ void MergedReader::look_at_headers()
             box.extend(*info.promised_box);
         else if (info.points || !info.points_known)
             boxes_known = false;
-        take_metadata(info, notes);
+        for (const std::string& note : systems.add(info, source.path)) notes.add(note, source.path);
+        if (systems.is_without_system()) without_system.push_back(source.path);
+        take_metadata(info, systems.gives_the_system(), notes);
         ++formats[info.format];
         if (sources_.size() == 1) info_.near_grid = info.near_grid;
     }
     if (boxes_known && !box.empty()) info_.promised_box = box;
+    if (systems.system())
+        for (const fs::path& path : without_system)
+            notes.add("no coordinate system is stated; it is taken to be that of the other files, " +
+                          describe(*systems.system()),
+                      path);
     settle_positions(types);
     describe_missing(notes);
     info_.notes = notes.take();
@@ -190,11 +203,16 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
     return shapes_.size() - 1;
 }
 
-void MergedReader::take_metadata(const FileInfo& info, Notes& notes)
+// `with_system`: the file states the cloud's coordinate system; records of an earlier file that nobody could decode
+// make place for it.
+void MergedReader::take_metadata(const FileInfo& info, bool with_system, Notes& notes)
 {
+    std::vector<Metadata>& all = info_.metadata;
+    if (with_system) all.erase(std::remove_if(all.begin(), all.end(), is_crs_block), all.end());
     for (const Metadata& block : info.metadata) {
+        if (!with_system && is_crs_block(block)) continue;
         if (metadata_bytes_ == max_metadata_bytes) return;  // noted already
-        if (std::find(info_.metadata.begin(), info_.metadata.end(), block) != info_.metadata.end()) continue;
+        if (std::find(all.begin(), all.end(), block) != all.end()) continue;
         constexpr std::uint64_t overhead = 128;
         const std::uint64_t bytes = block.value.size() + block.key.size() + overhead;
         if (bytes > max_metadata_bytes - metadata_bytes_) {
@@ -203,7 +221,7 @@ void MergedReader::take_metadata(const FileInfo& info, Notes& notes)
             return;
         }
         metadata_bytes_ += bytes;
-        info_.metadata.push_back(block);
+        all.push_back(block);
     }
 }
 
@@ -229,7 +247,7 @@ void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::p
 {
     Notes late(sources_.size());
     for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
-    take_metadata(info, late);
+    take_metadata(info, false, late);
     for (std::string& note : late.take())
         if (info_.notes.size() < 2 * max_notes &&
             std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())

@@ -18,8 +18,12 @@ namespace pcm {
 // zero. Attributes of the same name that differ in type, components, scale or offset are kept apart: the first keeps
 // the name, others are called NAME_TYPE, or NAME_TYPE_2, ... where that is taken. Positions are passed bit for bit: as
 // integers where all files have the same grid, else as doubles; info().near_grid is then the first file's grid, if the
-// other grids have its scale and offsets that differ by whole steps. Metadata are the union without duplicates. Notes
-// report differences in a few lines, however many files there are.
+// other grids have its scale and offsets that differ by whole steps. Notes report differences in a few lines, however
+// many files there are.
+//
+// Files of different coordinate systems, units or GPS times are refused (system_check.h), unless the difference is to
+// be ignored. Metadata are the union without duplicates, but the records of the coordinate system are those of the
+// first file that states one.
 //
 // One file is open at a time: a survey may have more tiles than a process may open. The constructor opens each file
 // once, for its header. One thread.
@@ -31,9 +35,9 @@ public:
         std::function<std::unique_ptr<PointReader>()> open;
     };
 
-    // Throws what opening throws, Error(invalid_argument) without sources and Error(unsupported) when all sources
-    // together have more than max_attributes.
-    explicit MergedReader(std::vector<Source> sources);
+    // Throws what opening throws, Error(invalid_argument) without sources and for systems that differ, and
+    // Error(unsupported) when all sources together have more than max_attributes.
+    explicit MergedReader(std::vector<Source> sources, bool ignore_crs = false);
     // Files, and folders as expand_inputs() expands them.
     MergedReader(const std::vector<std::filesystem::path>& inputs, const ReadOptions& options);
 
@@ -63,9 +67,9 @@ private:
     };
     class Notes;
 
-    void look_at_headers();
+    void look_at_headers(bool ignore_crs);
     std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, Notes& notes);
-    void take_metadata(const FileInfo& info, Notes& notes);
+    void take_metadata(const FileInfo& info, bool with_system, Notes& notes);
     void take_late(const FileInfo& info, const Part& part, const std::filesystem::path& path);
     void settle_positions(const std::vector<ScalarType>& types);
     void describe_missing(Notes& notes);

@@ -1,5 +1,7 @@
 #include "pcm/io/pts/pts_writer.h"
 
+#include "pcm/io/crs/coordinate_system.h"
+#include "pcm/io/metadata_text.h"
 #include "pcm/io/text/text_output.h"
 #include "pcm/system/text.h"
 
@@ -28,6 +30,10 @@ public:
           out_(path, cloud, options)
     {
         out_.put(std::string(count_width, ' ') + "\n");
+        if (const std::string system = crs_comment_line(cloud.metadata); !system.empty())
+            metadata_notes_.push_back("PTS has no place for the coordinate system (" + system + ")");
+        if (std::string note = unwritten_note("PTS", cloud.metadata); !note.empty())
+            metadata_notes_.push_back(std::move(note));
     }
 
     void write(const PointBatch& batch) override
@@ -66,6 +72,7 @@ private:
     const Schema schema_;
     const std::optional<std::size_t> intensity_, rgb_;
     TextOutput out_;
+    std::vector<std::string> metadata_notes_;
     std::uint64_t points_ = 0;
     std::uint64_t odd_intensities_ = 0;  // not integers of the range
     double least_intensity_ = std::numeric_limits<double>::infinity();
@@ -120,7 +127,7 @@ void PtsWriter::put_colour(const Column& column, std::size_t point)
 
 std::vector<std::string> PtsWriter::notes() const
 {
-    std::vector<std::string> notes;
+    std::vector<std::string> notes = metadata_notes_;
     std::string left_out;
     for (std::size_t i = 0; i < schema_.size(); ++i)
         if (i != intensity_ && i != rgb_) left_out += (left_out.empty() ? "" : ", ") + schema_[i].name;

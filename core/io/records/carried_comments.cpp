@@ -1,5 +1,6 @@
 #include "pcm/io/records/carried_comments.h"
 
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/file_text.h"
 #include "pcm/system/text.h"
 
@@ -151,6 +152,7 @@ void add_grid(const FileInfo& cloud, std::vector<Metadata>& metadata)
 std::vector<std::string> carried_comments(const Carried& carried, std::vector<std::string>& notes)
 {
     std::vector<std::string> lines;
+    if (std::string system = crs_comment_line(carried.metadata); !system.empty()) lines.push_back(std::move(system));
     for (const auto& [field, attribute] : carried.attributes) {
         std::string description = percent_encoded(attribute.description);
         if (description.size() > longest_text) {

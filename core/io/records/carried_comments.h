@@ -5,6 +5,8 @@
 //   pcm metadata <key> <bytes>
 //   pcm data <base64>            as many lines as the metadata before them need
 //
+// Before them, for people: "crs: EPSG:32632 WGS 84 / UTM zone 32N", where the metadata state a coordinate system.
+//
 // An attribute line describes `components` consecutive fields, starting with <field>. Names, keys and descriptions are
 // percent-encoded; an empty description is "-". Numbers are decimal, with enough digits to read back the same double.
 #pragma once

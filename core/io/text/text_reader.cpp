@@ -1,5 +1,6 @@
 #include "pcm/io/text/text_reader.h"
 
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/file_text.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/text/parse_number.h"
@@ -179,6 +180,7 @@ void TextReader::plan(const TextLayout& layout, const TextSample& sample)
     const std::vector<TextColumn> columns = columns_of(layout, sample);
     TextPlan plan = plan_columns(columns, sample.looks, layout.colour_range, conventions_.signed_intensity);
     find_count(sample.head, layout.skip_lines.value_or(0));
+    if (auto system = crs_block_of_lines(sample.head)) info_.metadata.push_back(std::move(*system));
 
     info_.text_layout = layout_of(columns, plan, sample);
     std::string note = "columns " + describe(*info_.text_layout);

@@ -1,6 +1,8 @@
 #include "pcm/io/xyz/xyz_writer.h"
 
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/file_text.h"
+#include "pcm/io/metadata_text.h"
 #include "pcm/io/text/text_output.h"
 
 #include <algorithm>
@@ -63,6 +65,11 @@ public:
             header += csv ? csv_field(names[i]) : names[i];
         }
         out_.put(header + "\n");
+        const std::string system = crs_comment_line(cloud.metadata);
+        // Readers of .csv know no comments.
+        if (!system.empty() && !csv) out_.put("# " + system + "\n");
+        if (!system.empty() && csv) notes_.push_back("CSV has no place for the coordinate system (" + system + ")");
+        if (std::string note = unwritten_note("text", cloud.metadata); !note.empty()) notes_.push_back(std::move(note));
     }
 
     void write(const PointBatch& batch) override
@@ -88,11 +95,13 @@ public:
     }
 
     double position_error() const override { return out_.position_error(); }
+    std::vector<std::string> notes() const override { return notes_; }
 
 private:
     const Schema schema_;
     const char separator_;
     TextOutput out_;
+    std::vector<std::string> notes_;
 };
 
 }  // namespace

@@ -1,0 +1,16 @@
+// What the metadata of a cloud state about its coordinates and its file, as `pcmlab info` shows it.
+#pragma once
+
+#include "pcm/cli/common.h"
+#include "pcm/cloud/metadata.h"
+
+#include <vector>
+
+namespace pcm::cli {
+
+// "crs": the coordinate system, null where none is stated; "gps_time", null likewise; "las": the header of the file
+// that the cloud comes from, where it is one LAS file.
+void put_origin(Json& json, const std::vector<Metadata>& metadata);
+void print_origin(const std::vector<Metadata>& metadata);
+
+}  // namespace pcm::cli
