@@ -19,6 +19,7 @@ struct Arguments {
     std::vector<std::string> paths;  // inputs, then the output
     std::vector<double> scale, offset;
     double step = 0;
+    std::string las_version;
     std::uint64_t memory = std::uint64_t(1) << 30;
     unsigned threads = 0;
     ConvertOptions options;
@@ -42,6 +43,14 @@ void take_grid(const Arguments& arguments, ConvertOptions& options)
     }
 }
 
+std::optional<unsigned> minor_version(const std::string& text)
+{
+    if (text.empty()) return std::nullopt;
+    for (unsigned minor = 0; minor <= 4; ++minor)
+        if (text == "1." + std::to_string(minor)) return minor;
+    throw UsageError("--las-version: found '" + text + "', expected 1.0, 1.1, 1.2, 1.3 or 1.4");
+}
+
 int convert(Arguments& arguments)
 {
     if (arguments.paths.size() < 2) throw UsageError("paths: an input and an output are needed");
@@ -56,6 +65,9 @@ int convert(Arguments& arguments)
     options.cloud.selection.region = chosen.region;
     options.cloud.selection.where = chosen.where;
     take_grid(arguments, options);
+    options.write.las_version = minor_version(arguments.las_version);
+    if (const auto bits = options.write.colour_bits; bits && *bits != 8 && *bits != 16)
+        throw UsageError("--colour-bits: found " + std::to_string(*bits) + ", expected 8 or 16");
     options.progress = console_progress(arguments.common);
 
     const ConvertReport report = pcm::convert(inputs, output, options);
@@ -118,6 +130,19 @@ void add_output(Options& options, Arguments& arguments)
                 "Text: digits after the decimal point (default: as many as exact positions need)")
         .group(group);
     options.flag("--ascii", to.write.ascii, "PLY, PCD: text instead of binary").group(group);
+    options
+        .option("--las-version", arguments.las_version,
+                "LAS, LAZ: version 1.0 to 1.4 (default: the source's, or the lowest that holds everything)")
+        .group(group);
+    options
+        .option("--colour-bits", to.write.colour_bits,
+                "PLY, PCD: colours of 8 bits, rounded if need be, or 16 (default: 8, and the exact ones too where 8 do "
+                "not hold them)")
+        .group(group);
+    options
+        .flag("--float-positions", to.write.float_positions,
+              "PCD: positions as floats relative to a whole-numbered shift in VIEWPOINT, for PCL and Open3D")
+        .group(group);
     options.option("-m,--memory", arguments.memory, "Trees: memory limit of the build, e.g. 512M or 2G (default 1G)")
         .bytes()
         .group(group);

@@ -6,6 +6,7 @@
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
 #include "pcm/io/pipe/require_points.h"
+#include "pcm/io/survey.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
@@ -42,6 +43,9 @@ void refuse_idle_options(const ConvertOptions& options, const fs::path& output, 
     if (options.write.grid || options.scale) only(needs_grid, "a grid goes to ");
     if (options.write.decimals) only(takes_decimals, "decimals go to ");
     if (options.write.ascii) only(takes_ascii, "ascii goes to ");
+    if (options.write.las_version) only(takes_las_version, "a LAS version goes to ");
+    if (options.write.colour_bits) only(takes_colour_bits, "a number of colour bits goes to ");
+    if (options.write.float_positions) only(takes_float_positions, "float positions go to ");
 }
 
 void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, bool overwrite)
@@ -101,6 +105,51 @@ ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& outpu
     return report;
 }
 
+// Passes the points of a cloud on, and shows them to a surveyor.
+class WatchedReader final : public PointReader {
+public:
+    WatchedReader(PointReader& cloud, Surveyor& surveyor) : cloud_(cloud), surveyor_(surveyor) {}
+
+    const FileInfo& info() const override { return cloud_.info(); }
+    bool read(PointBatch& batch, std::size_t max_points) override
+    {
+        const bool more = cloud_.read(batch, max_points);
+        if (more) surveyor_.watch(batch);
+        return more;
+    }
+    double fraction_read() const override { return cloud_.fraction_read(); }
+
+private:
+    PointReader& cloud_;
+    Surveyor& surveyor_;
+};
+
+// What has to be known before a file is begun: the grid of its positions, and the answers to its format's questions.
+// Returns whether the cloud was read for it.
+bool look_ahead(PointReader& cloud, const fs::path& output, const ConvertOptions& options, WriteOptions& write,
+                ConvertReport& report, Watch& watch)
+{
+    const Format* const format = format_of_extension(extension_of(output));
+    const bool needs = format && format->has(needs_grid) && !write.grid && (!cloud.info().grid || options.scale);
+    const bool asks = format && format->questions && !write.survey;
+    Surveyor surveyor(cloud.info(), asks ? format->questions(cloud.info(), write) : SurveyQuestions());
+    WatchedReader watched(cloud, surveyor);
+    bool has_read = false;
+    if (needs) {
+        const OutputGrid chosen = choose_output_grid(watched, options.scale, [&](double fraction) {
+            watch.report("Finding the grid of the positions", 0.4 * fraction);
+        });
+        write.grid = report.grid = chosen.grid;
+        append(report.notes, chosen.notes);
+        has_read = chosen.points_read > 0;
+    } else {
+        for (PointBatch batch; surveyor.open() && watched.read(batch, default_batch_points); has_read = true)
+            watch.report("Looking at the values", 0.4 * cloud.fraction_read());
+    }
+    if (asks) write.survey = std::make_shared<const Survey>(surveyor.answers());
+    return has_read;
+}
+
 }  // namespace
 
 std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, const CloudOptions& options)
@@ -117,16 +166,9 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     auto cloud = open();
     const bool gridded = has(extension_of(output), needs_grid);
     double done = 0;  // fraction of the whole work, before the points are written
-    if (gridded && !write.grid && (!cloud->info().grid || options.scale)) {
-        const OutputGrid chosen = choose_output_grid(*cloud, options.scale, [&](double fraction) {
-            watch.report("Finding the grid of the positions", 0.4 * fraction);
-        });
-        write.grid = report.grid = chosen.grid;
-        append(report.notes, chosen.notes);
-        if (chosen.points_read) {
-            done = 0.4;
-            cloud = open();
-        }
+    if (look_ahead(*cloud, output, options, write, report, watch)) {
+        done = 0.4;
+        cloud = open();
     }
     const std::unique_ptr<PointWriter> writer = create_writer(output, cloud->info(), write);
     PointBatch batch;

@@ -30,9 +30,16 @@ struct CloudOptions {
 std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
                                         const CloudOptions& options = {});
 
+inline WriteOptions on_all_processors()
+{
+    WriteOptions options;
+    options.threads = 0;
+    return options;
+}
+
 struct ConvertOptions {
     CloudOptions cloud;
-    WriteOptions write{{}, {}, false, 0};
+    WriteOptions write = on_all_processors();
     // LAS and LAZ, instead of write.grid: a grid of this step with an offset chosen for the cloud.
     std::optional<Vec3d> scale;
     // Trees.
@@ -54,15 +61,18 @@ struct ConvertReport {
 
 // The output's extension chooses the format: "pct" builds a tree, others are written by create_writer(). When doubles
 // are written as LAS or LAZ, the input is read twice, first to find a grid on which all positions are exact, if one
-// exists. The output appears atomically under its name; an error or a cancel leaves nothing behind. Throws
-// Error(exists) when the output exists and is not to be overwritten, Error(invalid_argument) when it is one of the
-// inputs, an option has no meaning for its format, or the selection takes no point of a cloud that has some,
-// Error(unsupported) for an unknown extension, Error(cancelled), and what readers, writers and build_tree throw.
+// exists. It is read twice, too, where the values decide what is written, until that is decided: whether 8 bits hold
+// all colours, for PLY and PCD, for example (Format::questions). The output appears atomically under its name; an error
+// or a cancel leaves nothing behind. Throws Error(exists) when the output exists and is not to be overwritten,
+// Error(invalid_argument) when it is one of the inputs, an option has no meaning for its format, or the selection takes
+// no point of a cloud that has some, Error(unsupported) for an unknown extension, Error(cancelled), and what readers,
+// writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 
 // Writes any cloud to a file: each call of `open` returns a reader at the beginning of the (already selected) cloud. An
-// existing file is replaced. The options `cloud` and those of trees have no meaning here.
+// existing file is replaced. It is called twice where convert() reads twice. The options `cloud` and those of trees
+// have no meaning here.
 ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open,
                           const std::filesystem::path& output, const ConvertOptions& options = {});
 

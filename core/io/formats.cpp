@@ -26,18 +26,18 @@ namespace {
 
 // clang-format off
 constexpr Format rows[] = {
-//   extensions            label                           first bytes                      structure          open      create      only points      traits
-    {{"bpc"},               "binary point cloud",           {"BPCLOUD\n", "BPC1"},           nullptr,           open_bpc, create_bpc, nullptr,         no_traits},
-    {{"las"},               "point cloud",                  {"LASF"},                        nullptr,           open_las, create_las, nullptr,         needs_grid},
-    {{"laz"},               "point cloud, compressed LAS",  {"LASF"},                        nullptr,           open_las, create_las, nullptr,         needs_grid},
-    {{"pcd"},               "point cloud (PCL)",            {"# .PCD", "VERSION "},          nullptr,           open_pcd, create_pcd, nullptr,         takes_ascii},
-    {{"ply"},               "point cloud",                  {"ply\n", "ply\r", "ply ", "ply\t"}, nullptr,       open_ply, create_ply, ply_only_points, takes_ascii},
-    {{"e57"},               "scans",                        {"ASTM-E57"},                    nullptr,           open_e57, nullptr,    nullptr,         no_traits},
-    {{"xyz"},               "points as text",               {},                              looks_like_points, open_xyz, create_xyz, nullptr,         takes_decimals | asks_layout},
-    {{"txt", "asc", "csv"}, "points as text",               {},                              looks_like_points, open_xyz, create_xyz, nullptr,         takes_decimals | asks_layout | common_extension},
-    {{"pwn"},               "points with normals as text",  {},                              nullptr,           open_pwn, nullptr,    nullptr,         no_traits},
-    {{"pts"},               "point cloud (Leica)",          {},                              nullptr,           open_pts, create_pts, nullptr,         takes_decimals},
-    {{"ptx"},               "scans (Leica)",                {},                              looks_like_ptx,    open_ptx, nullptr,    nullptr,         unique_structure},
+//   extensions            label                           first bytes                      structure          open      create      questions      only points      traits
+    {{"bpc"},               "binary point cloud",           {"BPCLOUD\n", "BPC1"},           nullptr,           open_bpc, create_bpc, nullptr,       nullptr,         no_traits},
+    {{"las"},               "point cloud",                  {"LASF"},                        nullptr,           open_las, create_las, las_questions, nullptr,         needs_grid | takes_las_version},
+    {{"laz"},               "point cloud, compressed LAS",  {"LASF"},                        nullptr,           open_las, create_las, las_questions, nullptr,         needs_grid | takes_las_version},
+    {{"pcd"},               "point cloud (PCL)",            {"# .PCD", "VERSION "},          nullptr,           open_pcd, create_pcd, pcd_questions, nullptr,         takes_ascii | takes_colour_bits | takes_float_positions},
+    {{"ply"},               "point cloud",                  {"ply\n", "ply\r", "ply ", "ply\t"}, nullptr,       open_ply, create_ply, ply_questions, ply_only_points, takes_ascii | takes_colour_bits},
+    {{"e57"},               "scans",                        {"ASTM-E57"},                    nullptr,           open_e57, nullptr,    nullptr,       nullptr,         no_traits},
+    {{"xyz"},               "points as text",               {},                              looks_like_points, open_xyz, create_xyz, nullptr,       nullptr,         takes_decimals | asks_layout},
+    {{"txt", "asc", "csv"}, "points as text",               {},                              looks_like_points, open_xyz, create_xyz, nullptr,       nullptr,         takes_decimals | asks_layout | common_extension},
+    {{"pwn"},               "points with normals as text",  {},                              nullptr,           open_pwn, nullptr,    nullptr,       nullptr,         no_traits},
+    {{"pts"},               "point cloud (Leica)",          {},                              nullptr,           open_pts, create_pts, nullptr,       nullptr,         takes_decimals},
+    {{"ptx"},               "scans (Leica)",                {},                              looks_like_ptx,    open_ptx, nullptr,    nullptr,       nullptr,         unique_structure},
 };
 // clang-format on
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "pcm/io/reader.h"
+#include "pcm/io/survey.h"
 #include "pcm/io/writer.h"
 
 #include <array>
@@ -20,12 +21,15 @@ namespace pcm {
 // Properties of a format; a row has any number of them, combined with |.
 enum FormatTrait : unsigned {
     no_traits = 0,
-    needs_grid = 1,         // positions are written as 32-bit integers on a grid: WriteOptions::grid has a meaning
-    takes_decimals = 2,     // WriteOptions::decimals has a meaning
-    takes_ascii = 4,        // WriteOptions::ascii has a meaning
-    asks_layout = 8,        // lines of columns in any layout, which a user may state: ReadOptions::text
-    common_extension = 16,  // other kinds of files have the extension too: of a folder only files of points are taken
-    unique_structure = 32,  // text that `looks_like` recognises whatever the extension is
+    needs_grid = 1,           // positions are written as 32-bit integers on a grid: WriteOptions::grid has a meaning
+    takes_decimals = 2,       // WriteOptions::decimals has a meaning
+    takes_ascii = 4,          // WriteOptions::ascii has a meaning
+    asks_layout = 8,          // lines of columns in any layout, which a user may state: ReadOptions::text
+    common_extension = 16,    // other kinds of files have the extension too: of a folder only files of points are taken
+    unique_structure = 32,    // text that `looks_like` recognises whatever the extension is
+    takes_las_version = 64,   // WriteOptions::las_version has a meaning
+    takes_colour_bits = 128,  // WriteOptions::colour_bits has a meaning
+    takes_float_positions = 256,  // WriteOptions::float_positions has a meaning
 };
 
 struct Format {
@@ -41,6 +45,8 @@ struct Format {
     // Null: this format is only read.
     std::unique_ptr<PointWriter> (*create)(const std::filesystem::path& path, const FileInfo& cloud,
                                            const WriteOptions& options);
+    // What create() should know of the cloud's values, in WriteOptions::survey. Null: nothing.
+    SurveyQuestions (*questions)(const FileInfo& cloud, const WriteOptions& options);
     // Whether a file holds points and nothing else, for a format that may also hold meshes. Null: it always does.
     bool (*only_points)(const std::filesystem::path& path);
     unsigned traits;

@@ -14,6 +14,8 @@
 
 namespace pcm {
 
+struct Survey;
+
 struct WriteOptions {
     // LAS and LAZ: the grid to write on; the source's own when absent. A source of doubles needs one: choose_grid()
     // finds the coarsest grid on which all of its points are exact.
@@ -22,6 +24,17 @@ struct WriteOptions {
     std::optional<unsigned> decimals;
     bool ascii = false;    // PLY and PCD: text instead of binary
     unsigned threads = 1;  // maximum number of encoding threads, where a format has them; 0: one per processor
+
+    // LAS and LAZ: the minor version, 0 to 4. When absent, the source's, or the lowest that holds everything.
+    std::optional<unsigned> las_version;
+    // PLY and PCD: colours of 8 bits, rounded if need be, or as the cloud has them with 16. When absent, 8 bits for
+    // other programs, and beside them the exact ones where 8 bits do not hold them.
+    std::optional<unsigned> colour_bits;
+    // PCD: positions as floats relative to a whole-numbered shift, in VIEWPOINT.
+    bool float_positions = false;
+    // What is known of the cloud's values: the answers to what the format asks (Format::questions). Without it, a
+    // writer assumes the worst.
+    std::shared_ptr<const Survey> survey;
 };
 
 // One thread. The file appears under its name only when finish() returns; until then the destructor leaves nothing

@@ -1,6 +1,7 @@
 // Clouds of random shape for tests of writers: any schema, positions of any kind, values of any bits.
 #pragma once
 
+#include "pcm/io/formats.h"
 #include "pcm/io/writer.h"
 #include "tests/io/bytes.h"
 
@@ -106,6 +107,15 @@ inline PointBatch slice(const PointBatch& all, std::size_t first, std::size_t co
         if (copy.bytes()) std::memcpy(copy.data(), column.data() + first * column.point_bytes(), copy.bytes());
     }
     return part;
+}
+
+// The answers to what the format asks of a cloud's values.
+inline std::shared_ptr<const Survey> survey_of(const FileInfo& info, const PointBatch& points,
+                                               const std::string& extension, const WriteOptions& options = {})
+{
+    Surveyor surveyor(info, format_of_extension(extension)->questions(info, options));
+    surveyor.watch(points);
+    return std::make_shared<const Survey>(surveyor.answers());
 }
 
 // Writes in batches of random size; returns the writer's notes.

@@ -9,8 +9,6 @@
 namespace pcm::las {
 namespace {
 
-constexpr std::string_view projection_user_id = "LASF_Projection";
-constexpr std::uint16_t wkt_record_id = 2112;
 constexpr std::uint16_t geotiff_record_id = 34735;
 
 bool has(const std::vector<Vlr>& list, std::uint16_t id)

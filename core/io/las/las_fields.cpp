@@ -4,10 +4,13 @@
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/unique_name.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace pcm::las {
@@ -250,13 +253,21 @@ std::string ExtraBytesPlan::plan_described(const std::vector<std::byte>& bytes)
 bool ExtraBytesPlan::take_the_place_of_a_field(const Attribute& attribute, std::size_t offset)
 {
     if (attribute.description != exact_description) return false;
-    const auto place = before_.schema.find(attribute.name);
+    std::string name = attribute.name;
+    const std::string ending = exact_name("");
+    if (!before_.schema.find(name) && name.size() > ending.size() &&
+        name.compare(name.size() - ending.size(), ending.size(), ending) == 0)
+        name.resize(name.size() - ending.size());
+    const auto place = before_.schema.find(name);
     // Only once: the format's own field remains in the list.
     if (!place || result_.fields[*place].offset >= base_) return false;
     Schema schema;
     for (std::size_t i = 0; i < result_.schema.size(); ++i) {
         Attribute entry = i == *place ? attribute : result_.schema[i];
-        if (i == *place) entry.description.clear();
+        if (i == *place) {
+            entry.name = name;
+            entry.description.clear();
+        }
         schema.add(std::move(entry));
     }
     result_.schema = std::move(schema);
@@ -321,6 +332,22 @@ Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::v
     for (const Vlr& vlr : vlrs)
         if (vlr.user_id == spec_user_id && vlr.id == extra_bytes_record_id) descriptions.push_back(vlr.value);
     return ExtraBytesPlan(header, notes).plan(descriptions);
+}
+
+std::string exact_name(const std::string& field) { return field + "_exact"; }
+
+bool is_name_of_a_field(unsigned format, const std::string& name)
+{
+    // What laspy calls bytes of the record, where that is not the specification's name.
+    static constexpr std::string_view any_format[] = {
+        "X", "Y", "Z", "x", "y", "z", "bit_fields", "raw_classification", "classification_flags"};
+    static constexpr std::string_view waves[] = {
+        "wavepacket_index", "wavepacket_offset", "wavepacket_size", "return_point_wave_location", "x_t", "y_t", "z_t"};
+    const auto is = [&](std::string_view other) { return name == other; };
+    return fields_of_format(format).schema.find(name) ||
+           std::any_of(std::begin(any_format), std::end(any_format), is) ||
+           (has_rgb(format) && (is("red") || is("green") || is("blue"))) ||
+           (has_waves(format) && std::any_of(std::begin(waves), std::end(waves), is));
 }
 
 std::string component_name(const std::string& name, std::size_t component)

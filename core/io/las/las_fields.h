@@ -34,9 +34,14 @@ Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::v
 // An attribute of more than three components has one descriptor per component, "name[0]", "name[1]", ...: no data type
 // has that many.
 std::string component_name(const std::string& name, std::size_t component);
-// The description of extra bytes with values that the field of the same name cannot hold: they are read instead of the
-// field. Written to files: do not change.
+// Extra bytes with the values of an attribute that the field of its name cannot hold have this description and this
+// name, NAME_exact; they are read instead of the field. Extra bytes with the name of a field itself, which other
+// software refuses, are read so too. Written to files: do not change.
 inline constexpr const char* exact_description = "exact; the field has it rounded";
+std::string exact_name(const std::string& field);
+
+// Whether a point format has a field of this name, as laspy spells it too: other software refuses extra bytes so named.
+bool is_name_of_a_field(unsigned format, const std::string& name);
 
 // Copies values of `count` records, `stride` bytes apart, from their field to consecutive values, ...
 void gather(const Field& field, const std::byte* records, std::size_t stride, std::size_t count, std::byte* to);

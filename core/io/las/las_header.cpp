@@ -78,7 +78,7 @@ void HeaderReader::check_start(const std::byte* bytes, std::size_t got)
     h_.format = format_byte & 0x3Fu;
     if (h_.format >= format_count)
         fail(ErrorCode::unsupported, "LAS point format " + std::to_string(h_.format) + " found; 0 to 10 can be read");
-    const unsigned format_since = h_.format >= 6 ? 4 : h_.format >= 4 ? 3 : h_.format >= 2 ? 2 : 0;
+    const unsigned format_since = first_minor(h_.format);
     if (h_.version_minor >= 5 && !is_extended(h_.format))
         add_note(notes_, "point format " + std::to_string(h_.format) +
                              " is not part of LAS 1.5, which has 6 to 10; read as in LAS 1.4");

@@ -58,6 +58,11 @@ inline constexpr std::size_t gps_time_max = 375;  // f64, since 1.5
 inline constexpr std::size_t gps_time_min = 383;  // f64
 inline constexpr std::size_t time_offset = 391;   // u16, millions of seconds
 inline constexpr std::size_t size_1_5 = 393;
+
+constexpr std::size_t size_of_version(unsigned minor)
+{
+    return minor >= 4 ? size_1_4 : minor == 3 ? size_1_3 : size_1_0;
+}
 }  // namespace header
 
 // Bits of global_encoding.
@@ -67,6 +72,7 @@ inline constexpr unsigned waveforms_inside = 2, waveforms_beside = 4;
 inline constexpr unsigned synthetic_returns = 8;
 inline constexpr unsigned wkt = 16;
 inline constexpr unsigned time_offset = 64;  // since 1.5, with gps_standard_time: the header states the offset
+constexpr unsigned bits_of_version(unsigned minor) { return minor >= 4 ? 31 : minor == 3 ? 15 : minor == 2 ? 1 : 0; }
 }  // namespace encoding
 
 // Variable length records: reserved u16, user id char[16], record id u16, length (u16, extended: u64), description
@@ -76,6 +82,8 @@ inline constexpr std::size_t evlr_header_bytes = 60;
 inline constexpr std::string_view spec_user_id = "LASF_Spec";
 inline constexpr std::uint16_t extra_bytes_record_id = 4;
 inline constexpr std::uint16_t waveforms_record_id = 65535;  // of LASF_Spec: the waveforms themselves
+inline constexpr std::string_view projection_user_id = "LASF_Projection";
+inline constexpr std::uint16_t wkt_record_id = 2112;  // of the coordinate system
 inline constexpr std::string_view laszip_user_id = "laszip encoded";
 inline constexpr std::uint16_t laszip_record_id = 22204;
 
@@ -97,6 +105,10 @@ inline constexpr unsigned format_count = 11;
 
 // Properties of the point formats.
 constexpr bool is_extended(unsigned format) { return format >= 6; }  // 4-bit returns, 8-bit classes, LAS 1.4
+constexpr unsigned first_minor(unsigned format)                      // the first version that has it
+{
+    return format >= 6 ? 4 : format >= 4 ? 3 : format >= 2 ? 2 : 0;
+}
 constexpr bool has_gps_time(unsigned format) { return format != 0 && format != 2; }
 constexpr bool has_rgb(unsigned format)
 {

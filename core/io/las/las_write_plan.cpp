@@ -3,6 +3,7 @@
 #include "pcm/cloud/with_type.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,88 +20,6 @@ constexpr std::size_t most_name_bytes = 32;
 constexpr std::size_t most_record_bytes = 65535;
 
 bool is_float(ScalarType type) { return type == ScalarType::f32 || type == ScalarType::f64; }
-bool is_signed(ScalarType type)
-{
-    return type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32 || type == ScalarType::i64;
-}
-
-// Whether type `to` can represent every value of type `from`.
-bool widens(ScalarType from, ScalarType to)
-{
-    if (from == to) return true;
-    if (is_float(to)) {
-        if (is_float(from)) return size_of(from) <= size_of(to);
-        return size_of(from) < size_of(to);
-    }
-    if (is_float(from)) return false;
-    if (is_signed(from) && !is_signed(to)) return false;
-    return size_of(from) < size_of(to);
-}
-
-// How an attribute is stored exactly in the field of its name; null when the field cannot hold it.
-std::optional<Conversion> exact_conversion(const Attribute& attribute, const Attribute& field, unsigned mask)
-{
-    if (attribute.components != field.components) return std::nullopt;
-    if (attribute.name == attribute_name::rgb && attribute.type == ScalarType::u8 && attribute.scale == 1 &&
-        attribute.offset == 0)
-        return Conversion::colours;
-    if (attribute.scale != field.scale || attribute.offset != field.offset) return std::nullopt;
-    if (attribute.type == field.type) return Conversion::none;
-    if (!mask && widens(attribute.type, field.type)) return Conversion::widened;
-    return std::nullopt;
-}
-
-bool names_all_of(const Schema& cloud, const Schema& fields)
-{
-    return std::all_of(fields.begin(), fields.end(),
-                       [&](const Attribute& f) { return cloud.find(f.name).has_value(); });
-}
-
-bool has_all_of(const Schema& cloud, const Schema& fields)
-{
-    return std::all_of(fields.begin(), fields.end(), [&](const Attribute& f) {
-        const auto i = cloud.find(f.name);
-        return i && cloud[*i].type == f.type && cloud[*i].components == f.components && cloud[*i].scale == f.scale;
-    });
-}
-
-unsigned choose_format(const FileInfo& cloud)
-{
-    for (const Metadata& block : cloud.metadata) {
-        if (block.key != header_key || block.value.size() <= header::point_format) continue;
-        const unsigned format = load<std::uint8_t>(&block.value[header::point_format]) & 0x3Fu;
-        if (format < format_count && names_all_of(cloud.schema, fields_of_format(format).schema)) return format;
-        break;
-    }
-    unsigned best = 0;
-    std::size_t most = 0, most_named = 0;
-    bool best_is_whole = false;
-    for (unsigned format = 0; format < format_count; ++format) {
-        const Fields native = fields_of_format(format);
-        // A cloud from LAS has all fields of its format, and they can hold its values.
-        const bool whole = has_all_of(cloud.schema, native.schema);
-        std::size_t carried = 0, named = 0;
-        for (const Attribute& attribute : cloud.schema) {
-            const auto i = native.schema.find(attribute.name);
-            named += i.has_value();
-            if (!i || !exact_conversion(attribute, native.schema[*i], native.fields[*i].mask)) continue;
-            // 8-bit classes are common; the old formats have 5 bits.
-            if (attribute.name == attribute_name::classification && native.fields[*i].mask && !whole) continue;
-            ++carried;
-        }
-        const bool better = whole != best_is_whole ? whole
-                            : carried != most      ? carried > most
-                            : named != most_named  ? named > most_named
-                                                   : record_bytes[format] < record_bytes[best];
-        if (format == 0 || better) {
-            best = format;
-            most = carried;
-            most_named = named;
-            best_is_whole = whole;
-        }
-    }
-    return best;
-}
 
 // The first `most` bytes, without an incomplete UTF-8 character at the end.
 std::string cut_text(const std::string& text, std::size_t most)
@@ -113,12 +32,15 @@ std::string cut_text(const std::string& text, std::size_t most)
 
 class Planner {
 public:
-    Planner(const std::filesystem::path& path, const FileInfo& cloud) : path_(path), cloud_(cloud)
+    Planner(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
+        : path_(path), cloud_(cloud), survey_(options.survey.get())
     {
-        plan_.format = choose_format(cloud);
-        plan_.record_length = record_bytes[plan_.format];
-        native_ = fields_of_format(plan_.format);
-        for (const Attribute& field : native_.schema) taken_.insert(field.name);
+        plan_.target = choose_target(path, cloud, options);
+        plan_.record_length = record_bytes[plan_.target.format];
+        native_ = fields_of_format(plan_.target.format);
+        for (std::size_t i = 0; i < cloud.schema.size(); ++i)
+            if (const auto place = native_.schema.find(cloud.schema[i].name); place && !fits_field(i, *place))
+                taken_.insert(exact_name(cloud.schema[i].name));
         for (const Metadata& block : cloud.metadata)
             if (const auto vlr = from_metadata(block))
                 if (vlr->user_id == spec_user_id && vlr->id == extra_bytes_record_id &&
@@ -142,6 +64,7 @@ public:
             }
         }
         if (undescribed) add_field(*undescribed, cloud_.schema[*undescribed].bytes());
+        add_scan_angle();
         plan_.has_returns = cloud_.schema.find("return_number") || cloud_.schema.find("number_of_returns");
         if (plan_.record_length > most_record_bytes)
             throw Error(ErrorCode::invalid_argument, path_,
@@ -167,6 +90,19 @@ private:
         plan_.record_length += bytes;
     }
 
+    std::optional<Conversion> fits_field(std::size_t i, std::size_t place) const
+    {
+        return exact_conversion(cloud_.schema[i], native_.schema[place], native_.fields[place].mask,
+                                survey_ ? survey_->of(i) : nullptr);
+    }
+
+    std::string has_no_field(const Attribute& attribute) const
+    {
+        return "'" + attribute.name + "' is " + std::string(name_of(attribute.type)) +
+               (attribute.components > 1 ? " x " + std::to_string(attribute.components) : "") +
+               ", for which point format " + std::to_string(plan_.target.format) + " has no field: ";
+    }
+
     void into_field(std::size_t i, std::size_t place)
     {
         const Attribute& attribute = cloud_.schema[i];
@@ -174,10 +110,8 @@ private:
         WriteColumn column;
         column.attribute = i;
         column.type = field.type;
-        column.scale = field.scale;
-        column.offset = field.offset;
         column.field = native_.fields[place];
-        if (const auto exact = exact_conversion(attribute, field, column.field.mask)) {
+        if (const auto exact = fits_field(i, place)) {
             column.conversion = *exact;
             plan_.columns.push_back(column);
             if (*exact == Conversion::colours)
@@ -185,21 +119,62 @@ private:
             return;
         }
         // Other software reads the field; our reader takes the exact values.
-        const std::string what = "'" + attribute.name + "' is " + std::string(name_of(attribute.type)) +
-                                 (attribute.components > 1 ? " x " + std::to_string(attribute.components) : "");
+        const std::string kept = "extra bytes '" + exact_name(attribute.name) + "' keep it exactly";
         if (attribute.components == field.components) {
             column.conversion = Conversion::rounded;
+            const std::string how = fit_to_field(column, attribute, field, survey_ ? survey_->of(i) : nullptr);
             plan_.columns.push_back(column);
-            plan_.notes.push_back(
-                what + ", for which point format " + std::to_string(plan_.format) +
-                " has no field: it is kept exactly as extra bytes, and rounded in the field of that name");
+            plan_.notes.push_back(has_no_field(attribute) + kept + ", and the field of that name has it " + how);
         } else {
-            plan_.notes.push_back(what + ", for which point format " + std::to_string(plan_.format) +
-                                  " has no field: it is kept exactly as extra bytes");
+            plan_.notes.push_back(has_no_field(attribute) + kept);
         }
         if (!attribute.description.empty() && attribute.description != exact_description)
             plan_.notes.push_back("the description of '" + attribute.name + "' is not kept");
-        into_extra_bytes(i, attribute.name, exact_description);
+        into_extra_bytes(i, exact_name(attribute.name), exact_description);
+    }
+
+    // Sets how the numbers go into a field that cannot hold them as they are, and says it.
+    static std::string fit_to_field(WriteColumn& column, const Attribute& attribute, const Attribute& field,
+                                    const ValueSurvey* known)
+    {
+        // As values, unless they are to fill the field's range.
+        column.factor = attribute.scale / field.scale;
+        column.addend = (attribute.offset - field.offset) / field.scale;
+        const bool colours = attribute.name == attribute_name::rgb;
+        const bool fills = column.type == ScalarType::u16 && (colours || attribute.name == attribute_name::intensity);
+        if (!fills || (!known && !(colours && is_float(attribute.type)))) return "rounded";
+        const double least = known && known->any() ? known->least : 0, most = known && known->any() ? known->most : 0;
+        double factor = 0;
+        if (is_float(attribute.type) && least >= 0 && most <= 1) factor = 65535;
+        if (colours && factor == 0 && most <= 255) factor = 257;
+        if (factor != 0) {
+            column.factor = factor;
+            column.addend = 0;
+            return "times " + exact(factor) + ", rounded";
+        }
+        const bool stays = least >= 0 && most <= 65535 && (colours || known->whole || most >= 255);
+        if (stays || !(least < most)) return "rounded";
+        column.factor = 65535 / (most - least);
+        column.addend = -least * column.factor;
+        return "with its range, " + exact(least) + " to " + exact(most) + ", spread over 0 to 65535, rounded";
+    }
+
+    // Degrees, for the field that the other formats have for them.
+    void add_scan_angle()
+    {
+        const bool extended = is_extended(plan_.target.format);
+        const auto from = cloud_.schema.find(extended ? "scan_angle_rank" : "scan_angle");
+        const char* const name = extended ? "scan_angle" : "scan_angle_rank";
+        if (!from || cloud_.schema.find(name) || cloud_.schema[*from].components != 1) return;
+        const std::size_t place = *native_.schema.find(name);
+        WriteColumn column;
+        column.attribute = *from;
+        column.conversion = Conversion::rounded;
+        column.type = native_.schema[place].type;
+        column.field = native_.fields[place];
+        column.factor = cloud_.schema[*from].scale / native_.schema[place].scale;
+        column.addend = cloud_.schema[*from].offset / native_.schema[place].scale;
+        plan_.columns.push_back(column);
     }
 
     void into_extra_bytes(std::size_t i, const std::string& name, const std::string& description)
@@ -209,23 +184,31 @@ private:
         if (text != description) plan_.notes.push_back("the description of '" + name + "' is cut to 32 bytes");
         const bool plain = is_plain_bytes(attribute) && attribute.components > 3 && attribute.components <= 255;
         const bool one_descriptor = attribute.components <= 3 || plain;
-        const bool exact = description == exact_description;
+        const bool exact = description == exact_description && is_exact_name(name);
         // With room for the longest suffix of a component.
         const std::size_t suffix = one_descriptor ? 0 : component_name("", attribute.components - 1).size();
-        const std::string short_name = exact ? name : free_name(name, most_name_bytes - suffix);
+        const std::string short_name =
+            exact && name.size() + suffix <= most_name_bytes ? name : free_name(name, most_name_bytes - suffix);
         if (short_name != name)
             plan_.notes.push_back("'" + name + "' is written as '" + short_name +
-                                  "': names have at most 32 bytes and must be unique");
+                                  "': names have at most 32 bytes, and no two fields of a point have one");
         for (std::uint32_t c = 0; c < (one_descriptor ? 1u : attribute.components); ++c)
             add_descriptor(attribute, one_descriptor ? short_name : component_name(short_name, c), text,
                            one_descriptor ? attribute.components : 1, plain);
         add_field(i, attribute.bytes());
     }
 
+    // Of the exact copy of a field.
+    bool is_exact_name(const std::string& name) const
+    {
+        return std::any_of(native_.schema.begin(), native_.schema.end(),
+                           [&](const Attribute& field) { return exact_name(field.name) == name; });
+    }
+
     std::string free_name(const std::string& name, std::size_t most)
     {
         std::string candidate = cut_text(name, most);
-        for (int number = 2; taken_.count(candidate); ++number) {
+        for (int number = 2; taken_.count(candidate) || is_name_of_a_field(plan_.target.format, candidate); ++number) {
             const std::string ending = "_" + std::to_string(number);
             candidate = cut_text(name, most - ending.size()) + ending;
         }
@@ -285,6 +268,7 @@ private:
 
     const std::filesystem::path& path_;
     const FileInfo& cloud_;
+    const Survey* survey_;
     WritePlan plan_;
     Fields native_;
     std::set<std::string> taken_;
@@ -292,17 +276,15 @@ private:
 };
 
 template <class To>
-void put_rounded(const WriteColumn& column, const Column& values, std::size_t first, std::size_t count, bool colours,
+void put_rounded(const WriteColumn& column, const Column& values, std::size_t first, std::size_t count,
                  std::byte* scratch)
 {
     const std::uint32_t components = values.components();
-    // Float colours are 0 to 1.
-    const double factor = colours ? 65535.0 : 1.0 / column.scale;
     const double low = static_cast<double>(std::numeric_limits<To>::lowest());
     const double high = column.field.mask ? column.field.mask : static_cast<double>(std::numeric_limits<To>::max());
     for (std::size_t i = 0; i < count * components; ++i) {
         const double value = values.value(first + i / components, static_cast<std::uint32_t>(i % components));
-        double rounded = (value - column.offset) * factor;
+        double rounded = value * column.factor + column.addend;
         if (std::numeric_limits<To>::is_integer) rounded = std::nearbyint(rounded);
         To number = 0;
         if (rounded >= high)
@@ -339,7 +321,10 @@ std::uint64_t cut_to_bits(const Field& field, const std::byte* values, std::size
 
 }  // namespace
 
-WritePlan plan_writing(const std::filesystem::path& path, const FileInfo& cloud) { return Planner(path, cloud).plan(); }
+WritePlan plan_writing(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
+{
+    return Planner(path, cloud, options).plan();
+}
 
 std::uint64_t fill(const WriteColumn& column, const Column& values, std::size_t first, std::size_t count,
                    std::byte* records, std::size_t stride, std::vector<std::byte>& scratch)
@@ -366,13 +351,10 @@ std::uint64_t fill(const WriteColumn& column, const Column& values, std::size_t 
             for (std::size_t i = 0; i < numbers; ++i)
                 store(scratch.data() + 2 * i, static_cast<std::uint16_t>(257u * std::to_integer<unsigned>(from[i])));
             break;
-        case Conversion::rounded: {
-            const bool colours = column.type == ScalarType::u16 && values.components() == 3 && is_float(values.type());
-            with_type(column.type, [&](auto to) {
-                put_rounded<decltype(to)>(column, values, first, count, colours, scratch.data());
-            });
+        case Conversion::rounded:
+            with_type(column.type,
+                      [&](auto to) { put_rounded<decltype(to)>(column, values, first, count, scratch.data()); });
             break;
-        }
     }
     scatter(column.field, scratch.data(), count, records, stride);
     return cut;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/io/las/las_fields.h"
+#include "pcm/io/las/las_target.h"
 #include "pcm/io/reader.h"
 
 #include <cstddef>
@@ -11,24 +12,16 @@
 
 namespace pcm::las {
 
-// How values of an attribute are converted for a field.
-enum class Conversion : std::uint8_t {
-    none,     // the same bytes
-    widened,  // the same numbers in a larger type
-    colours,  // 8 bits to 16: times 257, so that 255 becomes 65535
-    rounded,  // rounded and clamped to the field's range; extra bytes hold the exact values
-};
-
 struct WriteColumn {
     std::size_t attribute = 0;  // in the cloud's schema
     Conversion conversion = Conversion::none;
     ScalarType type = ScalarType::u8;  // of the field
-    double scale = 1, offset = 0;      // of the field: it holds (value - offset) / scale, rounded
+    double factor = 1, addend = 0;     // rounded: the field holds raw * factor + addend
     Field field;
 };
 
 struct WritePlan {
-    unsigned format = 0;
+    Target target;
     std::size_t record_length = 0;
     bool has_returns = false;  // otherwise every point is return 1 of 1
     std::vector<WriteColumn> columns;
@@ -36,10 +29,10 @@ struct WritePlan {
     std::vector<std::string> notes;
 };
 
-// The point format is that of the cloud's own LAS header if the cloud still has all of its fields. Otherwise it is the
-// one that stores the most attributes exactly in its fields; among those the one with fields of the same names for the
-// most other attributes; among those the smallest. Throws Error(invalid_argument) for points of more than 65535 bytes.
-WritePlan plan_writing(const std::filesystem::path& path, const FileInfo& cloud);
+// For choose_target(). An attribute that its field cannot hold goes to extra bytes of the name NAME_exact, and rounded
+// to the field: intensities and colours scaled to the field's range, by options.survey where they have another than 0
+// to 1. Throws Error(invalid_argument) for points of more than 65535 bytes.
+WritePlan plan_writing(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options);
 
 // Stores `count` values of `column`, starting with `first`, in the fields of records of zeros. Returns how many did not
 // fit the bits of the field and were clamped to the largest that does. Rounded columns do not count: extra bytes hold

@@ -29,6 +29,10 @@ namespace {
 namespace at = las::header;
 
 constexpr std::size_t most_vlr_bytes = 65535;
+constexpr std::uint64_t most_points_before_1_4 = std::numeric_limits<std::uint32_t>::max();
+// Of LAS 1.0: before a VLR and before the points.
+constexpr std::uint16_t vlr_signature = 0xAABB;
+constexpr std::array<std::uint8_t, 2> start_of_points{0xDD, 0xCC};
 
 bool is(const las::Vlr& vlr, std::string_view user_id, std::uint16_t id)
 {
@@ -58,8 +62,9 @@ public:
           grid_(checked_grid(path, cloud, options)),
           copies_positions_(cloud.grid && *cloud.grid == grid_),
           compressed_(compressed),
-          plan_(las::plan_writing(path, cloud)),
-          laszip_vlr_(compressed ? las::make_laszip_vlr(path, plan_.format, plan_.record_length)
+          plan_(las::plan_writing(path, cloud, options)),
+          minor_(plan_.target.minor),
+          laszip_vlr_(compressed ? las::make_laszip_vlr(path, plan_.target.format, plan_.record_length)
                                  : std::vector<std::byte>()),
           notes_(plan_.notes),
           cut_(plan_.columns.size()),
@@ -67,9 +72,11 @@ public:
     {
         choose_vlrs();
         choose_time_shift();
-        header_.resize(at::size_1_4);
+        choose_version();
+        header_.resize(at::size_of_version(minor_));
         out_.append(header_.data(), header_.size());
         for (const las::Vlr& vlr : vlrs_) append(vlr);
+        if (minor_ == 0) out_.append(start_of_points.data(), start_of_points.size());
         if (out_.size() > std::numeric_limits<std::uint32_t>::max())
             throw Error(ErrorCode::invalid_argument, path, "the VLRs take more than 4 GB");
         point_offset_ = out_.size();
@@ -85,6 +92,7 @@ public:
 private:
     void choose_vlrs();
     void choose_time_shift();
+    void choose_version();
     void append(const las::Vlr& vlr);
     void check(const PointBatch& batch) const;
     void round_positions(const PointBatch& batch);
@@ -98,6 +106,7 @@ private:
     bool copies_positions_;
     bool compressed_;
     las::WritePlan plan_;
+    unsigned minor_;  // of the version
     std::vector<std::byte> laszip_vlr_;
     std::vector<std::string> notes_;
     std::vector<std::uint64_t> cut_;  // number of values, by column
@@ -129,7 +138,7 @@ void LasWriter::choose_vlrs()
         return las::Vlr{std::string(las::spec_user_id), las::extra_bytes_record_id, description, false,
                         plan_.extra_bytes_vlr};
     };
-    bool copc = false, waveforms = las::has_waves(plan_.format), described = false;
+    bool copc = false, waveforms = las::has_waves(plan_.target.format), described = false;
     std::uint64_t indexes = 0;
     for (const Metadata& block : cloud_.metadata) {
         auto vlr = las::from_metadata(block);
@@ -184,10 +193,48 @@ void LasWriter::choose_time_shift()
                      describe(*gps_time_of(cloud_.metadata)) + ", LAS 1.4 subtracts 1000 million");
 }
 
+// Raises the version where more is to be written than it holds, or leaves that out where the user wants the version.
+void LasWriter::choose_version()
+{
+    const std::string version = "LAS 1." + std::to_string(minor_);
+    const bool wkt = std::any_of(vlrs_.begin(), vlrs_.end(), [](const las::Vlr& vlr) {
+        return is(vlr, las::projection_user_id, las::wkt_record_id);
+    });
+    const auto* const source = las::source_header(cloud_);
+    const bool source_has_wkt = source && las::load<std::uint8_t>(&(*source)[at::version_minor]) < 4;
+    if (minor_ >= 4) return;
+    if (!plan_.target.minor_is_asked) {
+        if (!evlrs_.empty() || cloud_.points > most_points_before_1_4 || (wkt && !source_has_wkt)) minor_ = 4;
+        return;
+    }
+    if (wkt)
+        notes_.push_back("the coordinate system is stated as WKT, which is not part of " + version +
+                         ": other software may not find it");
+    for (las::Vlr& vlr : evlrs_) {
+        if (is(vlr, las::spec_user_id, las::extra_bytes_record_id))
+            throw Error(ErrorCode::invalid_argument, out_.path(),
+                        "the description of the extra bytes takes " + std::to_string(vlr.value.size()) + " bytes; " +
+                            version + " allows 65535",
+                        "write LAS 1.4, or fewer attributes");
+        const std::string key = las::to_metadata(vlr).key;
+        vlr.extended = false;
+        if (vlr.value.size() <= most_vlr_bytes) {
+            notes_.push_back("the extended VLR '" + key + "' is written as a VLR: " + version +
+                             " has no extended ones");
+            vlrs_.push_back(std::move(vlr));
+        } else {
+            notes_.push_back("the extended VLR '" + key + "' of " + std::to_string(vlr.value.size()) +
+                             " bytes is left out: " + version + " allows 65535");
+        }
+    }
+    evlrs_.clear();
+}
+
 void LasWriter::append(const las::Vlr& vlr)
 {
     std::array<std::byte, las::evlr_header_bytes> head{};
     std::byte* to = head.data();
+    if (minor_ == 0) las::store(to, vlr_signature);
     std::memcpy(to + 2, vlr.user_id.data(), std::min<std::size_t>(16, vlr.user_id.size()));
     las::store(to + 18, vlr.id);
     if (vlr.extended)
@@ -210,6 +257,10 @@ void LasWriter::check(const PointBatch& batch) const
         throw Error(ErrorCode::invalid_argument, out_.path(),
                     "the batch has other attributes than the writer was created for");
     if (finished_) throw Error(ErrorCode::invalid_argument, out_.path(), "points written after finish()");
+    if (minor_ < 4 && batch.size > most_points_before_1_4 - points_)
+        throw Error(ErrorCode::invalid_argument, out_.path(),
+                    "LAS 1." + std::to_string(minor_) + " holds at most " + grouped(most_points_before_1_4) + " points",
+                    "write LAS 1.4");
 }
 
 // Fills rounded_ with the positions on grid_.
@@ -291,7 +342,7 @@ void LasWriter::write_points(const PointBatch& batch)
 void LasWriter::count_returns(std::byte* records, std::size_t count)
 {
     const std::size_t stride = plan_.record_length;
-    const bool extended = las::is_extended(plan_.format);
+    const bool extended = las::is_extended(plan_.target.format);
     if (!plan_.has_returns) {
         returns_[1] += count;
         const auto only_return = static_cast<std::byte>(extended ? 1 | 1 << 4 : 1 | 1 << 3);
@@ -308,7 +359,7 @@ std::vector<std::string> LasWriter::notes() const
     for (std::size_t c = 0; c < cut_.size(); ++c)
         if (cut_[c])
             all.push_back(grouped(cut_[c]) + " values of '" + cloud_.schema[plan_.columns[c].attribute].name +
-                          "' need more bits than point format " + std::to_string(plan_.format) +
+                          "' need more bits than point format " + std::to_string(plan_.target.format) +
                           " has for them; they are clamped to " + std::to_string(plan_.columns[c].field.mask));
     if (not_finite_)
         all.push_back(grouped(not_finite_) + " points without a finite position are left out: LAS cannot store them");
@@ -321,7 +372,7 @@ unsigned LasWriter::copy_from_source(const std::vector<std::byte>& source)
     std::byte* const to = header_.data();
     const auto copy = [&](std::size_t offset, std::size_t bytes) { std::memcpy(to + offset, &source[offset], bytes); };
     const auto minor = las::load<std::uint8_t>(&source[at::version_minor]);
-    if (minor >= 1) copy(at::file_source_id, 2);
+    if (minor >= 1 && minor_ >= 1) copy(at::file_source_id, 2);
     unsigned encoding = minor >= 2 ? las::load<std::uint16_t>(&source[at::global_encoding]) : 0;
     // These bits say where waveforms are; they are not copied.
     encoding &= ~(las::encoding::waveforms_inside | las::encoding::waveforms_beside);
@@ -343,31 +394,30 @@ void LasWriter::fill_header(std::uint64_t evlr_start)
     las::store(to + at::creation_day, std::uint16_t{1});
     las::store(to + at::creation_year, std::uint16_t{2025});
     // Point formats 6 and above state coordinate systems as WKT, or none.
-    unsigned encoding = las::is_extended(plan_.format) ? las::encoding::wkt : 0;
-    const auto source = std::find_if(cloud_.metadata.begin(), cloud_.metadata.end(), [](const Metadata& block) {
-        return block.key == las::header_key && block.value.size() >= at::size_1_0;
-    });
-    if (source != cloud_.metadata.end()) encoding = copy_from_source(source->value);
-    encoding = las::encoding_of(encoding, cloud_, vlrs_, evlrs_);
+    unsigned encoding = las::is_extended(plan_.target.format) ? las::encoding::wkt : 0;
+    if (const auto* const source = las::source_header(cloud_)) encoding = copy_from_source(*source);
+    encoding = las::encoding_of(encoding, cloud_, vlrs_, evlrs_) & las::encoding::bits_of_version(minor_);
     las::store(to + at::global_encoding, static_cast<std::uint16_t>(encoding));
     las::store(to + at::version_major, std::uint8_t{1});
-    las::store(to + at::version_minor, std::uint8_t{4});
-    las::store(to + at::header_size, static_cast<std::uint16_t>(at::size_1_4));
+    las::store(to + at::version_minor, static_cast<std::uint8_t>(minor_));
+    las::store(to + at::header_size, static_cast<std::uint16_t>(header_.size()));
     las::store(to + at::point_offset, static_cast<std::uint32_t>(point_offset_));
     las::store(to + at::vlr_count, static_cast<std::uint32_t>(vlrs_.size()));
-    las::store(to + at::point_format, static_cast<std::uint8_t>(plan_.format | (compressed_ ? 0x80u : 0u)));
+    las::store(to + at::point_format, static_cast<std::uint8_t>(plan_.target.format | (compressed_ ? 0x80u : 0u)));
     las::store(to + at::record_length, static_cast<std::uint16_t>(plan_.record_length));
     // The 32-bit counts serve readers of older versions; they are 0 where those cannot read the points anyway.
-    if (!las::is_extended(plan_.format) && points_ <= std::numeric_limits<std::uint32_t>::max()) {
+    if (!las::is_extended(plan_.target.format) && points_ <= std::numeric_limits<std::uint32_t>::max()) {
         las::store(to + at::point_count_32, static_cast<std::uint32_t>(points_));
         for (std::size_t r = 0; r < 5; ++r)
             las::store(to + at::return_counts_32 + 4 * r, static_cast<std::uint32_t>(returns_[r + 1]));
     }
-    las::store(to + at::point_count_64, points_);
-    for (std::size_t r = 0; r < 15; ++r) las::store(to + at::return_counts_64 + 8 * r, returns_[r + 1]);
-    if (!evlrs_.empty()) {
-        las::store(to + at::evlr_start, evlr_start);
-        las::store(to + at::evlr_count, static_cast<std::uint32_t>(evlrs_.size()));
+    if (minor_ >= 4) {
+        las::store(to + at::point_count_64, points_);
+        for (std::size_t r = 0; r < 15; ++r) las::store(to + at::return_counts_64 + 8 * r, returns_[r + 1]);
+        if (!evlrs_.empty()) {
+            las::store(to + at::evlr_start, evlr_start);
+            las::store(to + at::evlr_count, static_cast<std::uint32_t>(evlrs_.size()));
+        }
     }
     const Box3d bounds = points_ ? grid_.to_source(box_) : Box3d{{0, 0, 0}, {0, 0, 0}};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -396,6 +446,11 @@ std::unique_ptr<PointWriter> create_las(const std::filesystem::path& path, const
                                         const WriteOptions& options)
 {
     return std::make_unique<LasWriter>(path, cloud, options, extension_of(path) == "laz");
+}
+
+SurveyQuestions las_questions(const FileInfo& cloud, const WriteOptions& options)
+{
+    return las::questions_about(cloud, options);
 }
 
 }  // namespace pcm

@@ -3,12 +3,12 @@
 #include "pcm/io/file_text.h"
 #include "pcm/io/pcd/lzf_stream.h"
 #include "pcm/io/pcd/pcd_header.h"
+#include "pcm/io/pcd/pcd_plan.h"
 #include "pcm/io/pipe/batch_shape.h"
-#include "pcm/io/records/carried_comments.h"
 #include "pcm/io/records/line_stream.h"
 #include "pcm/io/records/line_words.h"
 #include "pcm/io/records/scalars.h"
-#include "pcm/io/unique_name.h"
+#include "pcm/io/records/stored_values.h"
 #include "pcm/system/file.h"
 
 #include <algorithm>
@@ -23,41 +23,48 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t tile_bytes = std::size_t{256} << 10;  // read at once and decoded while in the cache
-constexpr auto no_field = static_cast<std::size_t>(-1);
 
-// The destination of a field.
-struct Target {
-    enum class Kind { none, axis, scalars, packed_colour } kind = Kind::none;
-    std::size_t index = 0;             // the axis or the attribute
-    std::size_t byte = 0;              // first byte among the attribute's bytes of a point
-    std::optional<std::size_t> alpha;  // packed_colour: this attribute's
-    ScalarType type = ScalarType::f32;
-    std::size_t bytes = 0;   // of a point
-    std::size_t offset = 0;  // in a record
-};
-
-// Copies `count` values of a field, `stride` bytes apart, to columns of the batch from point `first` on.
-void unpack(const Target& target, const std::byte* from, std::size_t stride, std::size_t count, PointBatch& batch,
-            std::size_t first)
+// Copies `count` values of a field, `stride` bytes apart, to columns of the batch from point `first` on. Returns how
+// many are beyond the type of their attribute.
+std::uint64_t unpack(const PcdPlan& plan, const Schema& schema, const PcdTarget& target, const std::byte* from,
+                     std::size_t stride, std::size_t count, PointBatch& batch, std::size_t first)
 {
-    if (target.kind == Target::Kind::axis) {
+    if (target.kind == PcdTarget::Kind::axis) {
         double* const to = batch.xyz[target.index].data() + first;
         with_type(target.type, [&](auto example) { widen<decltype(example)>(from, stride, count, to); });
-        return;
+        if (plan.shift)
+            for (std::size_t i = 0; i < count; ++i)
+                to[i] = coordinate_of_float(plan.grid, target.index, static_cast<float>(to[i]),
+                                            (*plan.shift)[target.index]);
+        return 0;
     }
     Column& column = batch.attributes[target.index];
     const std::size_t to_stride = column.point_bytes();
     std::byte* to = column.data() + first * to_stride + target.byte;
-    if (target.kind == Target::Kind::packed_colour) {
-        for (std::size_t i = 0; i < count; ++i, to += 3) {
+    if (target.kind == PcdTarget::Kind::packed_colour) {
+        for (std::size_t i = 0; i < count; ++i) {
             const auto colour = load_scalar<std::uint32_t>(from + i * stride);
-            for (std::size_t c = 0; c < 3; ++c) to[c] = static_cast<std::byte>(colour >> (16 - 8 * c) & 255u);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::uint32_t byte = colour >> (16 - 8 * c) & 255u;
+                if (target.step)
+                    column.as<std::uint16_t>()[3 * (first + i) + c] = static_cast<std::uint16_t>(byte * target.step);
+                else
+                    column.as<std::uint8_t>()[3 * (first + i) + c] = static_cast<std::uint8_t>(byte);
+            }
             if (target.alpha)
                 batch.attributes[*target.alpha].as<std::uint8_t>()[first + i] = static_cast<std::uint8_t>(colour >> 24);
         }
-        return;
+        return 0;
     }
-    copy_scalars(target.bytes, from, stride, count, to, to_stride);
+    if (target.kind == PcdTarget::Kind::scalars) {
+        copy_scalars(target.bytes, from, stride, count, to, to_stride);
+        return 0;
+    }
+    std::uint64_t beyond = 0;
+    const Attribute& attribute = schema[target.index];
+    for (std::size_t done = 0; done < target.bytes; done += size_of(target.type), to += size_of(attribute.type))
+        beyond += restore_values(attribute, target.type, 0, false, from + done, stride, count, to, to_stride);
+    return beyond;
 }
 
 class PcdReader final : public PointReader {
@@ -67,7 +74,8 @@ public:
     {
         info_.notes = header_.notes;
         info_.points = header_.points;
-        plan();
+        plan_ = plan_pcd(path, header_, info_);
+        beyond_.resize(info_.schema.size());
         check_bytes_hold_the_points();
         describe();
         batch_points_ = points_that_fit_a_batch(info_.schema);
@@ -87,17 +95,17 @@ private:
     }
     std::uint64_t left() const { return file_size_ - std::min(header_.bytes, file_size_); }
 
-    void plan();
-    void plan_axes();
-    void plan_group(const std::array<const char*, 3>& members, std::string_view name);
-    void plan_field(std::size_t field);
-    std::size_t add_attribute(Attribute attribute);
-    void restore(const CarriedAttribute& carried);
     void check_bytes_hold_the_points();
     void check_compressed();
     void describe();
 
     void start();
+    void take(const PcdTarget& target, const std::byte* from, std::size_t stride, std::size_t count, PointBatch& batch,
+              std::size_t first)
+    {
+        const std::uint64_t beyond = unpack(plan_, info_.schema, target, from, stride, count, batch, first);
+        if (beyond) beyond_[target.index] += beyond;
+    }
     void read_records(PointBatch& batch, std::size_t count);
     void read_columns(PointBatch& batch, std::size_t count);
     void read_line(std::byte* record);
@@ -107,8 +115,8 @@ private:
     std::uint64_t file_size_;
     PcdHeader header_;
     FileInfo info_;
-    std::vector<Target> targets_;  // one per field
-    std::size_t record_bytes_ = 0;
+    PcdPlan plan_;
+    std::vector<std::uint64_t> beyond_;  // values that are not in the range of the attribute's type
     std::size_t batch_points_ = 1;
     std::uint64_t compressed_bytes_ = 0;
     bool padding_compressed_ = false;  // whether the compressed block has columns for "_"
@@ -119,141 +127,6 @@ private:
     std::vector<LzfStream> columns_;  // of the fields with a target
     std::vector<std::byte> buffer_;
 };
-
-std::size_t PcdReader::add_attribute(Attribute attribute)
-{
-    if (info_.schema.size() == max_attributes)
-        fail(ErrorCode::unsupported, "a point has more than " + std::to_string(max_attributes) + " attributes");
-    attribute.name = unique_name(info_.schema, attribute.name);
-    info_.schema.add(std::move(attribute));
-    return info_.schema.size() - 1;
-}
-
-void PcdReader::plan_axes()
-{
-    std::array<bool, 3> have{};
-    bool all_f32 = true;
-    for (std::size_t i = 0; i < header_.fields.size(); ++i) {
-        const PcdField& field = header_.fields[i];
-        const std::string name = lower_case(field.name);
-        if (name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
-        const auto axis = static_cast<std::size_t>(name[0] - 'x');
-        if (std::exchange(have[axis], true)) fail(ErrorCode::bad_format, "the header has two fields '" + name + "'");
-        if (field.count != 1)
-            fail(ErrorCode::bad_format,
-                 "the field '" + name + "' has COUNT " + std::to_string(field.count) + ", expected 1");
-        targets_[i].kind = Target::Kind::axis;
-        targets_[i].index = axis;
-        all_f32 = all_f32 && field.type == ScalarType::f32;
-    }
-    for (std::size_t a = 0; a < 3; ++a)
-        if (!have[a]) fail(ErrorCode::bad_format, "the header has no field '" + std::string(1, "xyz"[a]) + "'");
-    info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
-}
-
-// Joins the three fields to one attribute if each exists once, with COUNT 1, and all have the same type.
-void PcdReader::plan_group(const std::array<const char*, 3>& members, std::string_view name)
-{
-    if (info_.schema.find(name)) return;
-    const std::vector<PcdField>& fields = header_.fields;
-    std::array<std::size_t, 3> at{no_field, no_field, no_field};
-    for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t i = 0; i < fields.size(); ++i) {
-            if (lower_case(fields[i].name) != members[c]) continue;
-            if (at[c] != no_field || fields[i].count != 1) return;
-            at[c] = i;
-        }
-    for (const std::size_t i : at)
-        if (i == no_field || fields[i].type != fields[at[0]].type || targets_[i].kind != Target::Kind::none) return;
-    const ScalarType type = fields[at[0]].type;
-    const std::size_t attribute = add_attribute({std::string(name), type, 3, 1, 0, {}});
-    for (std::size_t c = 0; c < 3; ++c) {
-        targets_[at[c]].kind = Target::Kind::scalars;
-        targets_[at[c]].index = attribute;
-        targets_[at[c]].byte = c * size_of(type);
-    }
-}
-
-void PcdReader::plan_field(std::size_t i)
-{
-    const PcdField& field = header_.fields[i];
-    Target& target = targets_[i];
-    const std::string name = lower_case(field.name);
-    if ((name == "rgb" || name == "rgba") && field.count == 1 && size_of(field.type) == 4 &&
-        !info_.schema.find(attribute_name::rgb)) {
-        target.kind = Target::Kind::packed_colour;
-        target.index = add_attribute({std::string(attribute_name::rgb), ScalarType::u8, 3, 1, 0, {}});
-        if (name == "rgba") target.alpha = add_attribute({"alpha", ScalarType::u8, 1, 1, 0, {}});
-        return;
-    }
-    std::string attribute = pcd_attribute_name(field.name);
-    if ((attribute == attribute_name::rgb || attribute == attribute_name::normal) && field.count != 3)
-        attribute += "_scalar";  // these names mean three components
-    target.kind = Target::Kind::scalars;
-    target.index = add_attribute({attribute, field.type, field.count, 1, 0, {}});
-}
-
-// Applies a comment about an attribute, if the fields agree with it.
-void PcdReader::restore(const CarriedAttribute& carried)
-{
-    const Attribute& attribute = carried.attribute;
-    std::optional<std::size_t> index;
-    for (std::size_t i = 0; i < targets_.size(); ++i)
-        if (header_.fields[i].name == carried.field &&
-            (targets_[i].kind == Target::Kind::scalars || targets_[i].kind == Target::Kind::packed_colour))
-            index = targets_[i].index;
-    const bool means_three = attribute.name == attribute_name::rgb || attribute.name == attribute_name::normal;
-    if (!index || info_.schema[*index].type != attribute.type ||
-        info_.schema[*index].components != attribute.components || (means_three && attribute.components != 3)) {
-        info_.notes.push_back("a comment about the attribute '" + attribute.name +
-                              "' is ignored: no field agrees with it");
-        return;
-    }
-    Schema schema;
-    for (std::size_t i = 0; i < info_.schema.size(); ++i) {
-        if (i != *index) {
-            Attribute other = info_.schema[i];
-            if (other.name == attribute.name) other.name = unique_name(info_.schema, other.name);
-            schema.add(std::move(other));
-        } else {
-            schema.add(attribute);
-        }
-    }
-    info_.schema = std::move(schema);
-}
-
-void PcdReader::plan()
-{
-    const std::vector<PcdField>& fields = header_.fields;
-    targets_.assign(fields.size(), {});
-    std::size_t offset = 0;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-        targets_[i].type = fields[i].type;
-        targets_[i].bytes = static_cast<std::size_t>(fields[i].bytes());
-        targets_[i].offset = offset;
-        offset += targets_[i].bytes;
-    }
-    record_bytes_ = offset;
-    plan_axes();
-
-    using Names = std::array<const char*, 3>;
-    const auto begins = [&](std::size_t field, const Names& members) {
-        const std::string name = lower_case(fields[field].name);
-        return std::find(members.begin(), members.end(), name) != members.end();
-    };
-    // In the order of the fields, so that attributes come in the order of the file.
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-        for (const Names& members : {Names{"red", "green", "blue"}, Names{"r", "g", "b"}})
-            if (targets_[i].kind == Target::Kind::none && begins(i, members)) plan_group(members, attribute_name::rgb);
-        for (const Names& members : {Names{"normal_x", "normal_y", "normal_z"}, Names{"nx", "ny", "nz"}})
-            if (targets_[i].kind == Target::Kind::none && begins(i, members))
-                plan_group(members, attribute_name::normal);
-        if (targets_[i].kind == Target::Kind::none && !fields[i].is_padding()) plan_field(i);
-    }
-    const Carried carried = read_carried_comments(header_.comments, info_.notes);
-    info_.metadata = carried.metadata;
-    for (const CarriedAttribute& attribute : carried.attributes) restore(attribute);
-}
 
 void PcdReader::check_compressed()
 {
@@ -277,7 +150,7 @@ void PcdReader::check_compressed()
         return record && whole % record == 0 && whole / record == header_.points;
     };
     padding_compressed_ = !is(plain);
-    if (padding_compressed_ && !is(record_bytes_))
+    if (padding_compressed_ && !is(plan_.record_bytes))
         fail(ErrorCode::bad_format, "byte " + std::to_string(header_.bytes + 4) + ": the compressed block holds " +
                                         std::to_string(whole) + " bytes, expected " + std::to_string(header_.points) +
                                         " points of " + std::to_string(plain) + " bytes");
@@ -294,7 +167,7 @@ void PcdReader::check_bytes_hold_the_points()
     if (header_.encoding == PcdHeader::Encoding::compressed) return check_compressed();
     const bool ascii = header_.encoding == PcdHeader::Encoding::ascii;
     // In ascii a number takes a digit and a separator; the last one of the file may have none.
-    const std::uint64_t least = ascii ? 2 * header_.numbers() : record_bytes_;
+    const std::uint64_t least = ascii ? 2 * header_.numbers() : plan_.record_bytes;
     if (header_.points > (left() + (ascii ? 1 : 0)) / least)
         fail(ErrorCode::truncated, "the header promises " + std::to_string(header_.points) + " points of at least " +
                                        std::to_string(least) + " bytes; from byte " + std::to_string(header_.bytes) +
@@ -310,7 +183,7 @@ void PcdReader::describe()
                    encodings[static_cast<std::size_t>(header_.encoding)];
     if (header_.height > 1)
         info_.notes.push_back("organised as " + std::to_string(header_.width) + " x " + std::to_string(header_.height));
-    if (header_.viewpoint.empty()) return;
+    if (header_.viewpoint.empty() || plan_.viewpoint_is_shift) return;
     const auto* bytes = reinterpret_cast<const std::byte*>(header_.viewpoint.data());
     info_.metadata.push_back({"pcd.viewpoint", {bytes, bytes + header_.viewpoint.size()}});
 }
@@ -324,10 +197,10 @@ void PcdReader::start()
     if (header_.encoding != PcdHeader::Encoding::compressed || header_.points == 0) return;
     const std::uint64_t begin = header_.bytes + 8;
     LzfStream stream(file_, begin, begin + compressed_bytes_);
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-        if (targets_[i].kind != Target::Kind::none) columns_.push_back(stream);
+    for (std::size_t i = 0; i < plan_.targets.size(); ++i) {
+        if (plan_.targets[i].kind != PcdTarget::Kind::none) columns_.push_back(stream);
         if (padding_compressed_ || !header_.fields[i].is_padding())
-            stream.take(nullptr, header_.points * targets_[i].bytes);
+            stream.take(nullptr, header_.points * plan_.targets[i].bytes);
     }
     if (!stream.at_end())
         fail(ErrorCode::corrupt, "byte " + std::to_string(begin) + ": the " + std::to_string(compressed_bytes_) +
@@ -364,21 +237,21 @@ void PcdReader::read_line(std::byte* record)
                   "the file ends after " + std::to_string(next_) + " of " + std::to_string(info_.points) + " points");
     LineWords words(line, true);
     std::string_view word;
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
+    for (std::size_t i = 0; i < plan_.targets.size(); ++i) {
         const PcdField& field = header_.fields[i];
-        const Target& target = targets_[i];
+        const PcdTarget& target = plan_.targets[i];
         std::byte* to = record + target.offset;
         if (words.at_end() && field.count)
             fail_line(ErrorCode::bad_format,
                       "found " + quote_bytes(line) + ", which ends before the field '" + field.name + "'");
-        if (target.kind == Target::Kind::packed_colour) {
+        if (target.kind == PcdTarget::Kind::packed_colour) {
             const std::uint32_t colour = colour_of(words, field, word);
             std::memcpy(to, &colour, sizeof colour);
             continue;
         }
         for (std::uint32_t k = 0; k < field.count; ++k, to += size_of(field.type)) {
-            const bool found = target.kind == Target::Kind::none ? !(word = words.next()).empty()
-                                                                 : words.next_number(field.type, to, word);
+            const bool found = target.kind == PcdTarget::Kind::none ? !(word = words.next()).empty()
+                                                                    : words.next_number(field.type, to, word);
             if (found) continue;
             if (word.empty())
                 fail_line(ErrorCode::bad_format,
@@ -395,19 +268,19 @@ void PcdReader::read_line(std::byte* record)
 void PcdReader::read_records(PointBatch& batch, std::size_t count)
 {
     const bool ascii = header_.encoding == PcdHeader::Encoding::ascii;
-    const std::size_t tile = std::max<std::size_t>(1, (ascii ? tile_bytes / 16 : tile_bytes) / record_bytes_);
-    buffer_.resize(std::min(tile, count) * record_bytes_);
+    const std::size_t tile = std::max<std::size_t>(1, (ascii ? tile_bytes / 16 : tile_bytes) / plan_.record_bytes);
+    buffer_.resize(std::min(tile, count) * plan_.record_bytes);
     for (std::size_t done = 0; done < count;) {
         const std::size_t now = std::min(tile, count - done);
         if (ascii) {
-            for (std::size_t i = 0; i < now; ++i, ++next_) read_line(buffer_.data() + i * record_bytes_);
+            for (std::size_t i = 0; i < now; ++i, ++next_) read_line(buffer_.data() + i * plan_.record_bytes);
         } else {
-            file_.read_at(buffer_.data(), now * record_bytes_, header_.bytes + next_ * record_bytes_);
+            file_.read_at(buffer_.data(), now * plan_.record_bytes, header_.bytes + next_ * plan_.record_bytes);
             next_ += now;
         }
-        for (const Target& target : targets_)
-            if (target.kind != Target::Kind::none)
-                unpack(target, buffer_.data() + target.offset, record_bytes_, now, batch, done);
+        for (const PcdTarget& target : plan_.targets)
+            if (target.kind != PcdTarget::Kind::none)
+                take(target, buffer_.data() + target.offset, plan_.record_bytes, now, batch, done);
         done += now;
     }
 }
@@ -415,14 +288,14 @@ void PcdReader::read_records(PointBatch& batch, std::size_t count)
 void PcdReader::read_columns(PointBatch& batch, std::size_t count)
 {
     auto column = columns_.begin();
-    for (const Target& target : targets_) {
-        if (target.kind == Target::Kind::none) continue;
+    for (const PcdTarget& target : plan_.targets) {
+        if (target.kind == PcdTarget::Kind::none) continue;
         const std::size_t tile = std::max<std::size_t>(1, tile_bytes / 16 / target.bytes);
         buffer_.resize(std::min(tile, count) * target.bytes);
         for (std::size_t done = 0; done < count;) {
             const std::size_t now = std::min(tile, count - done);
             column->take(buffer_.data(), now * target.bytes);
-            unpack(target, buffer_.data(), target.bytes, now, batch, done);
+            take(target, buffer_.data(), target.bytes, now, batch, done);
             done += now;
         }
         ++column;
@@ -441,6 +314,7 @@ bool PcdReader::read(PointBatch& batch, std::size_t max_points)
         read_columns(batch, count);
     else
         read_records(batch, count);
+    if (next_ == info_.points) note_values_beyond(info_.schema, beyond_, info_.notes);
     std::string_view line;
     if (lines_ && next_ == info_.points && lines_->next(line))
         info_.notes.push_back("line " + std::to_string(lines_->line_number()) +

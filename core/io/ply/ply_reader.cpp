@@ -4,15 +4,14 @@
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/ply/byte_stream.h"
 #include "pcm/io/ply/ply_header.h"
-#include "pcm/io/records/carried_comments.h"
+#include "pcm/io/ply/ply_plan.h"
 #include "pcm/io/records/line_stream.h"
 #include "pcm/io/records/line_words.h"
 #include "pcm/io/records/scalars.h"
-#include "pcm/io/unique_name.h"
+#include "pcm/io/records/stored_values.h"
 #include "pcm/system/file.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -21,29 +20,18 @@
 namespace pcm {
 namespace {
 
-// Names that mean three components.
-bool means_three(std::string_view name) { return name == attribute_name::rgb || name == attribute_name::normal; }
-
-constexpr auto no_group = static_cast<std::size_t>(-1);
-
-// The destination of a scalar property.
-struct Target {
-    int axis = -1;              // 0, 1, 2: a coordinate
-    std::size_t attribute = 0;  // otherwise: the attribute
-    std::size_t byte = 0;       // first byte among the attribute's bytes of a point
-    ScalarType type = ScalarType::f32;
-    std::size_t offset = 0;  // in a record
-};
-
 class PlyReader final : public PointReader {
 public:
     explicit PlyReader(const std::filesystem::path& path)
         : file_(path, File::Mode::read), file_size_(file_.size()), header_(read_ply_header(file_))
     {
-        find_vertices();
-        plan();
+        PlyPlan plan = plan_ply(path, header_, info_);
+        vertex_element_ = plan.vertex_element;
+        targets_ = std::move(plan.targets);
+        record_bytes_ = plan.record_bytes;
         check_bytes_hold_the_points();
         describe();
+        beyond_.resize(info_.schema.size());
         batch_points_ = points_that_fit_a_batch(info_.schema);
     }
 
@@ -59,20 +47,9 @@ private:
     {
         fail(code, "line " + std::to_string(lines_->line_number()) + ": " + what);
     }
-    [[noreturn]] void fail_header(const std::string& what) const
-    {
-        fail(ErrorCode::bad_format, "the header, lines 1 to " + std::to_string(header_.lines) + ", " + what);
-    }
     bool ascii() const { return header_.encoding == PlyHeader::Encoding::ascii; }
     const PlyElement& vertices() const { return header_.elements[vertex_element_]; }
 
-    void find_vertices();
-    void find_axes();
-    void plan();
-    std::string name_of_single(const PlyProperty& property) const;
-    bool plan_group(const std::array<const char*, 3>& members, std::string_view name);
-    void plan_carried(const CarriedAttribute& carried);
-    void add_attribute(Attribute attribute);
     void check_bytes_hold_the_points();
     void describe();
 
@@ -80,27 +57,21 @@ private:
     std::uint64_t take_list_length(const PlyProperty& list, const std::string& owner);
     void read_lists_of(const PlyElement& element, std::uint64_t instance, std::byte* record);
     void read_line(std::byte* record);
-    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const;
+    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first);
     template <bool Swap>
-    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const;
+    void unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first);
 
     File file_;
     std::uint64_t file_size_;
     PlyHeader header_;
     FileInfo info_;
     std::size_t vertex_element_ = 0;
-    // Properties that together are one attribute: three of a colour, or as a comment describes.
-    struct Group {
-        Attribute attribute;
-        std::size_t index = max_attributes;  // in the schema, once added
-    };
-    std::vector<Group> groups_;
-    std::vector<std::size_t> group_of_;  // for each property; or no_group
-    std::vector<Target> targets_;        // of the scalar properties of a vertex, in file order
-    std::size_t record_bytes_ = 0;       // bytes of all targets
-    bool addressable_ = false;           // binary, without lists in the vertices and before them
-    std::uint64_t vertex_offset_ = 0;    // when addressable
+    std::vector<PlyTarget> targets_;
+    std::size_t record_bytes_ = 0;
+    bool addressable_ = false;         // binary, without lists in the vertices and before them
+    std::uint64_t vertex_offset_ = 0;  // when addressable
     std::size_t batch_points_ = 1;
+    std::vector<std::uint64_t> beyond_;  // values that are not in the range of the attribute's type
 
     std::uint64_t next_ = 0;
     bool started_ = false;
@@ -108,169 +79,6 @@ private:
     std::optional<LineStream> lines_;  // ascii
     std::vector<std::byte> buffer_;
 };
-
-void PlyReader::find_vertices()
-{
-    const std::size_t none = header_.elements.size();
-    vertex_element_ = none;
-    for (std::size_t i = 0; i < none; ++i) {
-        if (header_.elements[i].name != "vertex") continue;
-        if (vertex_element_ != none) fail_header("has two elements 'vertex', one was expected");
-        vertex_element_ = i;
-    }
-    if (vertex_element_ == none) {
-        std::string found;
-        for (std::size_t i = 0; i < std::min<std::size_t>(none, 8); ++i)
-            found += (found.empty() ? "" : ", ") + quote_bytes(header_.elements[i].name);
-        fail_header("has no element 'vertex', which holds the points; found " + (found.empty() ? "none" : found));
-    }
-}
-
-// Marks the three properties as components of the attribute `name` if each exists once and all have the same type.
-bool PlyReader::plan_group(const std::array<const char*, 3>& members, std::string_view name)
-{
-    const std::vector<PlyProperty>& properties = vertices().properties;
-    std::array<std::size_t, 3> at{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        std::size_t found = properties.size();
-        for (std::size_t i = 0; i < properties.size(); ++i)
-            if (!properties[i].is_list && group_of_[i] == no_group && lower_case(properties[i].name) == members[c]) {
-                if (found != properties.size()) return false;
-                found = i;
-            }
-        if (found == properties.size()) return false;
-        at[c] = found;
-    }
-    const ScalarType type = properties[at[0]].type;
-    if (type != properties[at[1]].type || type != properties[at[2]].type) return false;
-    for (std::size_t c = 0; c < 3; ++c) {
-        group_of_[at[c]] = groups_.size();
-        targets_[at[c]].byte = c * size_of(type);
-    }
-    groups_.push_back({{std::string(name), type, 3, 1, 0, {}}});
-    return true;
-}
-
-// Marks the properties that a comment joins to one attribute, if they agree with the comment.
-void PlyReader::plan_carried(const CarriedAttribute& carried)
-{
-    const std::vector<PlyProperty>& properties = vertices().properties;
-    const Attribute& attribute = carried.attribute;
-    const bool halves = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
-    const std::uint64_t count = std::uint64_t{attribute.components} * (halves ? 2 : 1);
-    const auto begins = [&](const PlyProperty& p) { return !p.is_list && p.name == carried.field; };
-    const auto first =
-        static_cast<std::size_t>(std::find_if(properties.begin(), properties.end(), begins) - properties.begin());
-    bool fits = count <= properties.size() - first;
-    for (std::size_t k = 0; fits && k < count; ++k) {
-        const PlyProperty& property = properties[first + k];
-        const bool same = halves ? property.type == ScalarType::u32 || property.type == ScalarType::i32
-                                 : property.type == attribute.type;
-        fits = same && !property.is_list && targets_[first + k].axis < 0 && group_of_[first + k] == no_group;
-    }
-    if (!fits) {
-        info_.notes.push_back("a comment about the attribute '" + attribute.name +
-                              "' is ignored: the properties do not agree with it");
-        return;
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-        group_of_[first + k] = groups_.size();
-        targets_[first + k].byte = k * size_of(properties[first + k].type);
-    }
-    groups_.push_back({attribute});
-}
-
-void PlyReader::add_attribute(Attribute attribute)
-{
-    if (info_.schema.size() == max_attributes)
-        fail(ErrorCode::unsupported, "the vertices have more than " + std::to_string(max_attributes) + " properties");
-    attribute.name = unique_name(info_.schema, attribute.name);
-    info_.schema.add(std::move(attribute));
-}
-
-void PlyReader::find_axes()
-{
-    const std::vector<PlyProperty>& properties = vertices().properties;
-    std::array<bool, 3> have{};
-    for (std::size_t i = 0; i < properties.size(); ++i) {
-        const std::string name = lower_case(properties[i].name);
-        if (properties[i].is_list || name.size() != 1 || name[0] < 'x' || name[0] > 'z') continue;
-        const int axis = name[0] - 'x';
-        if (std::exchange(have[static_cast<std::size_t>(axis)], true))
-            fail_header("gives the vertices two properties '" + name + "'");
-        targets_[i].axis = axis;
-    }
-    for (std::size_t a = 0; a < 3; ++a)
-        if (!have[a]) fail_header("gives the vertices no property '" + std::string(1, "xyz"[a]) + "'");
-}
-
-// The attribute's name for a property that belongs to no group.
-std::string PlyReader::name_of_single(const PlyProperty& property) const
-{
-    const auto has_scalar = [&](std::string_view name) {
-        return std::any_of(vertices().properties.begin(), vertices().properties.end(),
-                           [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
-    };
-    std::string name = property.name;
-    if (means_three(name)) name += "_scalar";
-    if (name == "scalar_intensity" && !has_scalar(attribute_name::intensity)) name = attribute_name::intensity;
-    // A name that a group will need later is not free.
-    const auto needed = [&](const Group& group) { return group.attribute.name == name; };
-    while (std::any_of(groups_.begin(), groups_.end(), needed)) name += "_scalar";
-    return name;
-}
-
-void PlyReader::plan()
-{
-    const std::vector<PlyProperty>& properties = vertices().properties;
-    targets_.assign(properties.size(), {});
-    group_of_.assign(properties.size(), no_group);
-    find_axes();
-
-    const Carried carried = read_carried_comments(header_.comments, info_.notes);
-    info_.metadata = carried.metadata;
-    for (const CarriedAttribute& attribute : carried.attributes) plan_carried(attribute);
-
-    using Names = std::array<const char*, 3>;
-    for (const Names& members :
-         {Names{"red", "green", "blue"}, Names{"diffuse_red", "diffuse_green", "diffuse_blue"}, Names{"r", "g", "b"}})
-        if (plan_group(members, attribute_name::rgb)) break;
-    for (const Names& members : {Names{"nx", "ny", "nz"}, Names{"normal_x", "normal_y", "normal_z"}})
-        if (plan_group(members, attribute_name::normal)) break;
-
-    bool all_f32 = true;
-    std::vector<Target> scalars;
-    for (std::size_t i = 0; i < properties.size(); ++i) {
-        const PlyProperty& property = properties[i];
-        if (property.is_list) {
-            info_.notes.push_back("the list '" + property.name + "' of the vertices is ignored");
-            continue;
-        }
-        Target target = targets_[i];
-        target.type = property.type;
-        target.offset = record_bytes_;
-        record_bytes_ += size_of(property.type);
-        if (target.axis >= 0) {
-            all_f32 = all_f32 && property.type == ScalarType::f32;
-        } else if (group_of_[i] != no_group) {
-            Group& group = groups_[group_of_[i]];
-            if (group.index == max_attributes) {
-                group.index = info_.schema.size();
-                if (means_three(group.attribute.name) && group.attribute.components != 3)
-                    group.attribute.name += "_scalar";
-                add_attribute(group.attribute);
-            }
-            target.attribute = group.index;
-        } else {
-            target.attribute = info_.schema.size();
-            add_attribute({name_of_single(property), property.type, 1, 1, 0, {}});
-        }
-        scalars.push_back(target);
-    }
-    targets_ = std::move(scalars);
-    info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
-    info_.points = vertices().count;
-}
 
 // Checks sizes as far as possible without reading lists and lines.
 void PlyReader::check_bytes_hold_the_points()
@@ -408,24 +216,29 @@ void PlyReader::read_line(std::byte* record)
 }
 
 template <bool Swap>
-void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const
+void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first)
 {
-    for (const Target& target : targets_) {
+    for (const PlyTarget& target : targets_) {
+        if (target.kind == PlyTarget::Kind::skipped) continue;
         const std::byte* from = records + target.offset;
-        if (target.axis >= 0) {
-            double* to = batch.xyz[static_cast<std::size_t>(target.axis)].data() + first;
+        if (target.kind == PlyTarget::Kind::axis) {
+            double* to = batch.xyz[target.index].data() + first;
             with_type(target.type,
                       [&](auto example) { widen<decltype(example), Swap>(from, record_bytes_, count, to); });
             continue;
         }
-        Column& column = batch.attributes[target.attribute];
+        Column& column = batch.attributes[target.index];
         const std::size_t stride = column.point_bytes();
         std::byte* to = column.data() + first * stride + target.byte;
-        copy_scalars<Swap>(size_of(target.type), from, record_bytes_, count, to, stride);
+        if (target.kind == PlyTarget::Kind::restored)
+            beyond_[target.index] += restore_values(info_.schema[target.index], target.type, target.step, Swap, from,
+                                                    record_bytes_, count, to, stride);
+        else
+            copy_scalars<Swap>(size_of(target.type), from, record_bytes_, count, to, stride);
     }
 }
 
-void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first) const
+void PlyReader::unpack(const std::byte* records, std::size_t count, PointBatch& batch, std::size_t first)
 {
     if (header_.encoding == PlyHeader::Encoding::big_endian)
         unpack<true>(records, count, batch, first);
@@ -462,6 +275,7 @@ bool PlyReader::read(PointBatch& batch, std::size_t max_points)
         unpack(buffer_.data(), now, batch, done);
         done += now;
     }
+    if (next_ == info_.points) note_values_beyond(info_.schema, beyond_, info_.notes);
     return true;
 }
 

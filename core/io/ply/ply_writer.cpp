@@ -4,6 +4,7 @@
 #include "pcm/io/ply/ply_header.h"
 #include "pcm/io/records/carried_comments.h"
 #include "pcm/io/records/record_encoder.h"
+#include "pcm/io/records/stored_values.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_file.h"
 
@@ -71,7 +72,7 @@ bool has_a_meaning(const std::string& lower_name)
 
 class Plan {
 public:
-    Plan(const std::filesystem::path& path, const FileInfo& cloud)
+    Plan(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options) : options_(options)
     {
         // Checked before names are made for each of a million components.
         constexpr std::size_t shortest_line = 16;
@@ -89,46 +90,99 @@ public:
     }
 
     std::vector<Property> properties;
-    std::vector<CarriedAttribute> carried;
+    Carried carried;
+    std::vector<std::string> notes;
 
 private:
     using Names = std::vector<std::string>;
 
+    static bool is_wide(ScalarType type) { return type == ScalarType::i64 || type == ScalarType::u64; }
+    static bool is_three(const Attribute& attribute, std::string_view name)
+    {
+        return attribute.name == name && attribute.components == 3;
+    }
+
     void add(const Attribute& attribute, std::size_t index)
     {
-        const bool wide = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
+        const ValueSurvey* const known = options_.survey ? options_.survey->of(index) : nullptr;
+        const bool colours = is_three(attribute, attribute_name::rgb);
+        StoredAs stored =
+            colours ? stored_colours(attribute, known, options_.colour_bits) : stored_values(attribute, known);
+        if (stored.raw() && is_wide(attribute.type) && known && known->doubles_hold) {
+            stored.source = RecordField::Source::value;
+            stored.type = ScalarType::f64;
+        }
+        const bool halves = stored.raw() && is_wide(attribute.type);
         Names names;
-        bool plain = true;  // read back the same without a comment
-        if (attribute.name == attribute_name::rgb && attribute.components == 3 && !wide) {
+        bool plain = stored.raw();  // read back the same without a comment
+        if (colours && !halves) {
             names = {"red", "green", "blue"};
-        } else if (attribute.name == attribute_name::normal && attribute.components == 3 && !wide) {
+        } else if (is_three(attribute, attribute_name::normal) && !halves) {
             names = {"nx", "ny", "nz"};
         } else {
-            names = names_of(attribute, wide);
-            plain = names.size() == 1 && names[0] == attribute.name;
+            names = names_of(attribute, halves, "");
+            plain = plain && names.size() == 1 && names[0] == attribute.name;
         }
-        for (const std::string& name : names) used_.insert(lower_case(name));
-        if (!plain || attribute.scale != 1 || attribute.offset != 0 || !attribute.description.empty())
-            carried.push_back({names[0], attribute});
-
-        const ScalarType type = wide ? ScalarType::u32 : attribute.type;
-        for (std::size_t k = 0; k < names.size(); ++k) {
-            // The upper half has the sign.
-            const ScalarType half = attribute.type == ScalarType::i64 && k % 2 == 1 ? ScalarType::i32 : type;
-            properties.push_back({names[k], RecordField::scalars(index, k * size_of(type), half)});
+        add_properties(attribute, index, names, stored);
+        if (halves)
+            notes.push_back("PLY has no 64-bit integers: '" + attribute.name + "' is written as two properties each, " +
+                            names[0] + " and " + names[1] + ", the lower and the upper 32 bits");
+        if (stored.rounded && colours && options_.colour_bits) {
+            notes.push_back("colours of type " + std::string(name_of(attribute.type)) + " are rounded to 8 bits");
+        } else if (stored.rounded) {
+            add_exact(attribute, index, names);
+        } else if (!plain || attribute.scale != 1 || attribute.offset != 0 || !attribute.description.empty()) {
+            carried.attributes.push_back({names[0], attribute, stored.step});
         }
     }
 
-    Names names_of(const Attribute& attribute, bool wide) const
+    // The raw numbers, after properties that have them rounded.
+    void add_exact(const Attribute& attribute, std::size_t index, const Names& rounded)
     {
-        std::string base = field_name(attribute.name);
+        StoredAs raw;
+        raw.type = attribute.type;
+        const bool colours = is_three(attribute, attribute_name::rgb);
+        Names names{"red_exact", "green_exact", "blue_exact"};
+        if (!colours || is_wide(attribute.type) ||
+            used_.count(names[0]) + used_.count(names[1]) + used_.count(names[2]))
+            names = names_of(attribute, is_wide(attribute.type), colours ? "_exact" : "_raw");
+        add_properties(attribute, index, names, raw);
+        carried.attributes.push_back({names[0], attribute, 0});
+        carried.repeated.push_back({rounded[0], static_cast<std::uint32_t>(rounded.size()), names[0]});
+        if (colours)
+            notes.push_back("colours of type " + std::string(name_of(attribute.type)) +
+                            " are written with 8 bits, which other programs show, and exactly, as " + names[0] +
+                            " and so on: 8 colour bits leave the exact ones out, 16 those of 8 bits");
+        else
+            notes.push_back("'" + attribute.name + "' is written as values, " + rounded[0] + ", and as raw numbers, " +
+                            names[0] + ", without its scale and offset");
+    }
+
+    void add_properties(const Attribute& attribute, std::size_t index, const Names& names, const StoredAs& stored)
+    {
+        for (const std::string& name : names) used_.insert(lower_case(name));
+        const bool halves = stored.raw() && is_wide(attribute.type);
+        const ScalarType type = halves ? ScalarType::u32 : stored.type;
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            RecordField field = field_of(stored, index, 1);
+            // The upper half has the sign.
+            field.type = halves && attribute.type == ScalarType::i64 && k % 2 == 1 ? ScalarType::i32 : type;
+            field.byte = k * (stored.raw() ? size_of(type) : size_of(attribute.type));
+            properties.push_back({names[k], field});
+        }
+    }
+
+    // Of one property per component, or of two halves. Distinct from all others.
+    Names names_of(const Attribute& attribute, bool halves, const std::string& ending) const
+    {
+        std::string base = field_name(attribute.name) + ending;
         if (has_a_meaning(lower_case(base))) base = "attribute_" + base;
         for (int number = 1;; ++number) {
             const std::string stem = number == 1 ? base : base + "_" + std::to_string(number);
             Names names;
             for (std::uint32_t c = 0; c < attribute.components; ++c) {
                 const std::string name = attribute.components == 1 ? stem : stem + "_" + std::to_string(c);
-                if (wide) {
+                if (halves) {
                     names.push_back(name + "_low");
                     names.push_back(name + "_high");
                 } else {
@@ -142,6 +196,7 @@ private:
         }
     }
 
+    WriteOptions options_;
     std::set<std::string> used_;  // lower case
 };
 
@@ -155,11 +210,12 @@ std::vector<RecordField> fields_of(const Plan& plan)
 class PlyWriter final : public PointWriter {
 public:
     PlyWriter(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
-        : ascii_(options.ascii), plan_(path, cloud), records_(cloud, options, fields_of(plan_)), file_(path)
+        : ascii_(options.ascii), plan_(path, cloud, options), records_(cloud, options, fields_of(plan_)), file_(path)
     {
-        Carried carried{plan_.carried, cloud.metadata};
-        add_grid(cloud, carried.metadata);
-        comments_ = carried_comments(carried, notes_);
+        plan_.carried.metadata = cloud.metadata;
+        add_grid(cloud, plan_.carried.metadata);
+        comments_ = carried_comments(plan_.carried, plan_.notes);
+        plan_.carried.metadata.clear();
         const std::string text = header();
         if (text.size() > longest_ply_header)
             throw Error(ErrorCode::invalid_argument, path,
@@ -176,7 +232,7 @@ public:
         file_.finish();
     }
     double position_error() const override { return records_.position_error(); }
-    std::vector<std::string> notes() const override { return notes_; }
+    std::vector<std::string> notes() const override { return plan_.notes; }
 
 private:
     // Its length does not depend on the number of points.
@@ -197,10 +253,17 @@ private:
     RecordEncoder records_;
     OutputFile file_;
     std::vector<std::string> comments_;
-    std::vector<std::string> notes_;
 };
 
 }  // namespace
+
+SurveyQuestions ply_questions(const FileInfo& cloud, const WriteOptions& options)
+{
+    SurveyQuestions questions;
+    for (const Attribute& attribute : cloud.schema)
+        questions.attributes.push_back(question_about(attribute, options.colour_bits, false));
+    return questions;
+}
 
 std::unique_ptr<PointWriter> create_ply(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options)

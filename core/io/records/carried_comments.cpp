@@ -118,6 +118,8 @@ std::optional<CarriedAttribute> parse_attribute(std::string_view line)
         return std::nullopt;
     const auto name = percent_decoded(next_word(line));
     const std::string_view description = next_word(line);
+    const std::string_view step = next_word(line);
+    if (!step.empty() && !parse(step, carried.step)) return std::nullopt;
     const auto decoded = percent_decoded(description == "-" ? std::string_view() : description);
     if (!name || !decoded) return std::nullopt;
     attribute.type = *type;
@@ -127,6 +129,23 @@ std::optional<CarriedAttribute> parse_attribute(std::string_view line)
         !std::isfinite(attribute.offset))
         return std::nullopt;
     return carried;
+}
+
+std::optional<RepeatedFields> parse_repeated(std::string_view line)
+{
+    RepeatedFields repeated;
+    repeated.field = next_word(line);
+    if (!parse(next_word(line), repeated.count)) return std::nullopt;
+    repeated.exact = next_word(line);
+    return repeated;
+}
+
+std::optional<Vec3d> parse_shift(std::string_view line)
+{
+    Vec3d shift{};
+    for (double& s : shift)
+        if (!parse(next_word(line), s) || !std::isfinite(s)) return std::nullopt;
+    return shift;
 }
 
 }  // namespace
@@ -149,11 +168,25 @@ void add_grid(const FileInfo& cloud, std::vector<Metadata>& metadata)
     metadata.push_back({"pcm.grid", {bytes, bytes + text.size()}});
 }
 
+std::optional<Grid> carried_grid(const std::vector<Metadata>& metadata)
+{
+    for (const Metadata& block : metadata) {
+        if (block.key != "pcm.grid") continue;
+        std::string_view text(reinterpret_cast<const char*>(block.value.data()), block.value.size());
+        Grid grid;
+        bool whole = true;
+        for (Vec3d* v : {&grid.scale, &grid.offset})
+            for (double& number : *v) whole = parse(next_word(text), number) && std::isfinite(number) && whole;
+        if (whole && grid.scale[0] > 0 && grid.scale[1] > 0 && grid.scale[2] > 0) return grid;
+    }
+    return std::nullopt;
+}
+
 std::vector<std::string> carried_comments(const Carried& carried, std::vector<std::string>& notes)
 {
     std::vector<std::string> lines;
     if (std::string system = crs_comment_line(carried.metadata); !system.empty()) lines.push_back(std::move(system));
-    for (const auto& [field, attribute] : carried.attributes) {
+    for (const auto& [field, attribute, step] : carried.attributes) {
         std::string description = percent_encoded(attribute.description);
         if (description.size() > longest_text) {
             notes.push_back("the description of attribute '" + attribute.name + "' is too long and is not kept");
@@ -162,8 +195,11 @@ std::vector<std::string> carried_comments(const Carried& carried, std::vector<st
         lines.push_back("pcm attribute " + field + " " + std::string(name_of(attribute.type)) + " " +
                         std::to_string(attribute.components) + " " + exact(attribute.scale) + " " +
                         exact(attribute.offset) + " " + percent_encoded(attribute.name) + " " +
-                        (description.empty() ? "-" : description));
+                        (description.empty() ? "-" : description) + (step ? " " + std::to_string(step) : ""));
     }
+    for (const auto& [field, count, same] : carried.repeated)
+        lines.push_back("pcm repeated " + field + " " + std::to_string(count) + " " + same);
+    if (carried.shift) lines.push_back("pcm shift " + exact(*carried.shift));
     std::size_t left = carried_metadata_bytes;
     for (const Metadata& block : carried.metadata) {
         const std::string key = percent_encoded(block.key);
@@ -196,6 +232,15 @@ Carried read_carried_comments(const std::vector<std::string>& comments, std::vec
                 carried.attributes.push_back(std::move(*attribute));
             else
                 ++damaged;
+        } else if (kind == "repeated") {
+            auto repeated = parse_repeated(rest);
+            if (repeated && carried.repeated.size() < max_attributes)
+                carried.repeated.push_back(std::move(*repeated));
+            else
+                ++damaged;
+        } else if (kind == "shift") {
+            carried.shift = parse_shift(rest);
+            damaged += !carried.shift;
         } else if (kind == "metadata") {
             const std::string_view word = next_word(rest);
             const auto key = percent_decoded(word == "-" ? std::string_view() : word);

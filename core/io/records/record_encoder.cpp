@@ -57,11 +57,21 @@ T load(const std::byte* from)
     return value;
 }
 
+std::uint8_t colour(const Column& column, double factor, std::size_t point, std::uint32_t component)
+{
+    const double byte = std::nearbyint(column.value(point, component) * factor);
+    return static_cast<std::uint8_t>(byte >= 255 ? 255 : byte > 0 ? byte : 0);  // NaN: 0
+}
+
 std::uint32_t packed_colour(const PointBatch& batch, const RecordField& field, std::size_t point)
 {
-    const auto* rgb = batch.attributes[field.index].as<std::uint8_t>() + 3 * point;
+    const Column& column = batch.attributes[field.index];
     const std::uint32_t alpha = field.alpha ? batch.attributes[*field.alpha].as<std::uint8_t>()[point] : 0u;
-    return alpha << 24 | std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | std::uint32_t{rgb[2]};
+    std::uint32_t packed = alpha;
+    for (std::uint32_t c = 0; c < 3; ++c)
+        packed = packed << 8 | (column.type() == ScalarType::u8 ? column.as<std::uint8_t>()[3 * point + c]
+                                                                : colour(column, field.factor, point, c));
+    return packed;
 }
 
 char* put_scalar(ScalarType type, const std::byte* from, char* to, char* end)
@@ -120,6 +130,7 @@ void RecordEncoder::put_coordinates(const PointBatch& batch, std::size_t first, 
                                     std::byte* to)
 {
     const std::size_t axis = run.field.index;
+    const double shift = run.field.shift;
     const auto put = [&](auto value_of) {
         if (run.field.type == ScalarType::f64) {
             for (std::size_t i = 0; i < count; ++i, to += record_bytes_) {
@@ -131,9 +142,9 @@ void RecordEncoder::put_coordinates(const PointBatch& batch, std::size_t first, 
         double error = 0;
         for (std::size_t i = 0; i < count; ++i, to += record_bytes_) {
             const double value = value_of(first + i);
-            const auto single = static_cast<float>(value);
+            const auto single = static_cast<float>(value - shift);
             std::memcpy(to, &single, sizeof single);
-            const double off = std::fabs(static_cast<double>(single) - value);
+            const double off = std::fabs(static_cast<double>(single) + shift - value);
             error = off > error ? off : error;  // the difference is NaN for a NaN coordinate: not an error
         }
         position_error_ = std::max(position_error_, error);
@@ -145,6 +156,29 @@ void RecordEncoder::put_coordinates(const PointBatch& batch, std::size_t first, 
         const double* x = batch.xyz[axis].data();
         put([x](std::size_t i) { return x[i]; });
     }
+}
+
+// Values and colours.
+void RecordEncoder::put_numbers(const Column& column, std::size_t first, std::size_t count, const Run& run,
+                                std::byte* to) const
+{
+    const RecordField& field = run.field;
+    const Attribute& attribute = schema_[field.index];
+    const std::size_t size = size_of(field.type);
+    const auto component = static_cast<std::uint32_t>(field.byte / size_of(attribute.type));
+    for (std::size_t i = first; i < first + count; ++i, to += record_bytes_)
+        for (std::uint32_t k = 0; k < field.count; ++k) {
+            if (field.source == RecordField::Source::colour) {
+                to[k] = static_cast<std::byte>(colour(column, field.factor, i, component + k));
+                continue;
+            }
+            const double value = column.value(i, component + k) * attribute.scale + attribute.offset;
+            const auto single = static_cast<float>(value);
+            if (field.type == ScalarType::f32)
+                std::memcpy(to + k * size, &single, size);
+            else
+                std::memcpy(to + k * size, &value, size);
+        }
 }
 
 void RecordEncoder::append_binary(const PointBatch& batch, OutputFile& file)
@@ -161,31 +195,55 @@ void RecordEncoder::append_binary(const PointBatch& batch, OutputFile& file)
                 const Column& column = batch.attributes[run.field.index];
                 const std::size_t stride = column.point_bytes();
                 copy(run.bytes, column.data() + first * stride + run.field.byte, stride, to, record_bytes_, count);
+            } else if (run.field.source != RecordField::Source::packed_rgb) {
+                put_numbers(batch.attributes[run.field.index], first, count, run, to);
             } else {
                 for (std::size_t i = 0; i < count; ++i, to += record_bytes_) {
-                    const std::uint32_t colour = packed_colour(batch, run.field, first + i);
-                    std::memcpy(to, &colour, sizeof colour);
+                    const std::uint32_t packed = packed_colour(batch, run.field, first + i);
+                    std::memcpy(to, &packed, sizeof packed);
                 }
             }
         }
     }
 }
 
-char* RecordEncoder::put_coordinate(double value, ScalarType type, char* to, char* end)
+char* RecordEncoder::put_coordinate(double value, const RecordField& field, char* to, char* end)
 {
-    const auto single = static_cast<float>(value);
+    const auto single = static_cast<float>(value - field.shift);
     if (!decimals_ || !std::isfinite(value)) {
-        if (type == ScalarType::f64) return std::to_chars(to, end, value).ptr;
-        const double off = std::fabs(static_cast<double>(single) - value);
+        if (field.type == ScalarType::f64) return std::to_chars(to, end, value).ptr;
+        const double off = std::fabs(static_cast<double>(single) + field.shift - value);
         if (off > position_error_) position_error_ = off;
         return std::to_chars(to, end, single).ptr;
     }
-    char* const stop = std::to_chars(to, end, value, std::chars_format::fixed, static_cast<int>(*decimals_)).ptr;
+    char* const stop =
+        std::to_chars(to, end, value - field.shift, std::chars_format::fixed, static_cast<int>(*decimals_)).ptr;
     double back = 0;
     std::from_chars(to, stop, back);
-    if (type == ScalarType::f32) back = static_cast<double>(static_cast<float>(back));
-    position_error_ = std::max(position_error_, std::fabs(back - value));
+    if (field.type == ScalarType::f32) back = static_cast<double>(static_cast<float>(back));
+    position_error_ = std::max(position_error_, std::fabs(back + field.shift - value));
     return stop;
+}
+
+char* RecordEncoder::put_field(const PointBatch& batch, const RecordField& field, std::size_t point,
+                               std::uint32_t component, char* to, char* end)
+{
+    using Source = RecordField::Source;
+    if (field.source == Source::position) return put_coordinate(coordinate(batch, field.index, point), field, to, end);
+    if (field.source == Source::packed_rgb) return std::to_chars(to, end, packed_colour(batch, field, point)).ptr;
+    const Column& column = batch.attributes[field.index];
+    const Attribute& attribute = schema_[field.index];
+    if (field.source != Source::attribute)
+        component += static_cast<std::uint32_t>(field.byte / size_of(attribute.type));
+    if (field.source == Source::colour)
+        return std::to_chars(to, end, unsigned{colour(column, field.factor, point, component)}).ptr;
+    if (field.source == Source::attribute)
+        return put_scalar(field.type,
+                          column.data() + point * column.point_bytes() + field.byte + component * size_of(field.type),
+                          to, end);
+    const double value = column.value(point, component) * attribute.scale + attribute.offset;
+    return field.type == ScalarType::f32 ? std::to_chars(to, end, static_cast<float>(value)).ptr
+                                         : std::to_chars(to, end, value).ptr;
 }
 
 void RecordEncoder::append_text(const PointBatch& batch, OutputFile& file)
@@ -204,20 +262,10 @@ void RecordEncoder::append_text(const PointBatch& batch, OutputFile& file)
         for (std::size_t f = 0; f < fields_.size(); ++f) {
             const RecordField& field = fields_[f];
             const char last = f + 1 == fields_.size() ? '\n' : ' ';
-            if (field.source == RecordField::Source::attribute) {
-                const Column& column = batch.attributes[field.index];
-                const std::byte* from = column.data() + i * column.point_bytes() + field.byte;
-                for (std::uint32_t k = 0; k < field.count; ++k, from += size_of(field.type)) {
-                    to = put_scalar(field.type, from, to, end);
-                    end_number(k + 1 == field.count ? last : ' ');
-                }
-                continue;
+            for (std::uint32_t k = 0; k < field.count; ++k) {
+                to = put_field(batch, field, i, k, to, end);
+                end_number(k + 1 == field.count ? last : ' ');
             }
-            if (field.source == RecordField::Source::position)
-                to = put_coordinate(coordinate(batch, field.index, i), field.type, to, end);
-            else
-                to = std::to_chars(to, end, packed_colour(batch, field, i)).ptr;
-            end_number(last);
         }
     file.append(text_.data(), static_cast<std::size_t>(to - text_.data()));
 }

@@ -13,14 +13,22 @@ namespace pcm {
 
 // One scalar of a record, or several consecutive ones of one attribute.
 struct RecordField {
-    enum class Source { position, attribute, packed_rgb };
+    enum class Source {
+        position,
+        attribute,   // its raw numbers
+        value,       // raw * scale + offset
+        colour,      // raw * factor, rounded and clamped to 0..255
+        packed_rgb,  // three colours in 32 bits
+    };
     Source source = Source::position;
-    // Position: f32 or f64. Attribute: how the bytes are printed in text. packed_rgb: u32 or f32.
+    // Position, value: f32 or f64. Attribute: how the bytes are printed in text. colour: u8. packed_rgb: u32 or f32.
     ScalarType type = ScalarType::f64;
-    std::size_t index = 0;  // the axis, or the attribute in the schema (for packed_rgb: u8 x 3)
+    std::size_t index = 0;  // the axis, or the attribute in the schema (for packed_rgb: of three components)
     std::size_t byte = 0;   // the scalar's first byte among the attribute's bytes of a point
     std::uint32_t count = 1;
     std::optional<std::size_t> alpha;  // packed_rgb: the attribute, u8 x 1, for the highest byte; 0 without one
+    double factor = 1;                 // colour, packed_rgb
+    double shift = 0;                  // position: subtracted before it is rounded
 
     static RecordField axis(std::size_t axis, ScalarType type) { return {Source::position, type, axis, 0, 1, {}}; }
     static RecordField scalars(std::size_t attribute, std::size_t byte, ScalarType type, std::uint32_t count = 1)
@@ -51,9 +59,12 @@ private:
     void check(const PointBatch& batch, const OutputFile& file) const;
     double coordinate(const PointBatch& batch, std::size_t axis, std::size_t point) const;
     void put_coordinates(const PointBatch& batch, std::size_t first, std::size_t count, const Run& run, std::byte* to);
+    void put_numbers(const Column& column, std::size_t first, std::size_t count, const Run& run, std::byte* to) const;
+    char* put_field(const PointBatch& batch, const RecordField& field, std::size_t point, std::uint32_t component,
+                    char* to, char* end);
     void append_binary(const PointBatch& batch, OutputFile& file);
     void append_text(const PointBatch& batch, OutputFile& file);
-    char* put_coordinate(double value, ScalarType type, char* to, char* end);
+    char* put_coordinate(double value, const RecordField& field, char* to, char* end);
 
     std::optional<Grid> grid_;
     Schema schema_;

@@ -81,12 +81,10 @@ TEST(LasWriter, BytesOfOnePoint)
     EXPECT_TRUE(write_cloud(folder / "a.las", cloud).notes.empty());
 
     Bytes expected;
-    expected.raw("LASF").put(0u).text("", 16).put(std::uint8_t{1}).put(std::uint8_t{4}).text("OTHER", 32);
-    expected.text("pcm", 32).put(std::uint16_t{1}).put(std::uint16_t{2025}).put(std::uint16_t{375}).put(375u).put(0u);
+    expected.raw("LASF").put(0u).text("", 16).put(std::uint8_t{1}).put(std::uint8_t{2}).text("OTHER", 32);
+    expected.text("pcm", 32).put(std::uint16_t{1}).put(std::uint16_t{2025}).put(std::uint16_t{227}).put(227u).put(0u);
     expected.put(std::uint8_t{2}).put(std::uint16_t{26}).put(1u).put(1u).put(0u).put(0u).put(0u).put(0u);
     for (const double value : {1., 1., 1., 0., 0., 0., 1., 1., 2., 2., 3., 3.}) expected.put(value);
-    expected.put(std::uint64_t{0}).put(std::uint64_t{0}).put(0u).put(std::uint64_t{1}).put(std::uint64_t{1});
-    for (int r = 2; r <= 15; ++r) expected.put(std::uint64_t{0});
     expected.put(1).put(2).put(3).put(std::uint16_t{0x0405}).put(std::uint8_t{9}).put(std::uint8_t{0});
     expected.put(std::uint16_t{0}).put(std::uint16_t{0x0708});
     for (const std::uint16_t c : colour) expected.put(c);

@@ -194,6 +194,13 @@ TEST(PcdReader, PackedColours)
     expect(read("rgb", "F", "9.219563e-41"), 1, 1, 1);         // the bits 0x010101
     expect(read("rgb", "F", "2.3509886e-38"), 255, 255, 255);  // 0xFFFFFF
     expect(read("rgb", "F", "4.2108e+06"), 64, 64, 112);       // as the first programs wrote 0x404070
+    expect(read("rgb", "F", "16777215"), 255, 255, 255);       // white, as the first programs wrote it
+    expect(read("rgb", "F", "1.6777215e+07"), 255, 255, 255);
+    expect(read("rgb", "F", "16777216"), 0x80, 0, 0);  // beyond any colour: bits, 0x4B800000
+    expect(read("rgb", "F", "1"), 0, 0, 1);
+    expect(read("rgb", "U", "16777215"), 255, 255, 255);
+    expect(read("rgba", "U", "4294967295"), 255, 255, 255);
+    EXPECT_EQ(read("rgba", "U", "4294967295").value("alpha", 0), 255);
     expect(read("rgb", "F", "0"), 0, 0, 0);
     expect(read("RGB", "U", "66051"), 1, 2, 3);
     const Error error = error_of([&] { read("rgb", "U", "99999999999"); });
