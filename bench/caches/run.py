@@ -58,7 +58,7 @@ class Run:
                 if not scene.exists():
                     print(f"generating {name} points", flush=True)
                     part = scene.with_name("new-" + scene.name)
-                    call([self.pcm, "generate", "-n", points, "--no-truth", part])
+                    call([self.pcm, "generate", "--overwrite", "-n", points, "--no-truth", part])
                     part.rename(scene)
             for chunk in self.size.chunks:
                 self.build(name, scene, chunk)

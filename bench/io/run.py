@@ -129,7 +129,7 @@ def make_tiny(arguments):
     """A cloud of a few thousand points in every format that `pcmlab convert` writes."""
     pcm = arguments.bin / "pcmlab"
     las = arguments.work / "tiny.las"
-    subprocess.run([pcm, "generate", las, "--points", "3000", "--no-truth", "-q"], check=True, stdout=subprocess.DEVNULL,
+    subprocess.run([pcm, "generate", "--overwrite", las, "--points", "3000", "--no-truth", "-q"], check=True, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)
     clouds = [("las", las)]
     for extension in ("laz", "ply", "pcd", "xyz", "pts", "bpc"):

@@ -91,7 +91,7 @@ class Run:
         if self.size.points:
             name = f"scene-{self.size.points}"
             if not (self.work / f"{name}.pct" / "index.pct").exists():
-                call([self.pcm, "generate", "-n", self.size.points, "--no-truth", self.work / f"{name}.las"])
+                call([self.pcm, "generate", "--overwrite", "-n", self.size.points, "--no-truth", self.work / f"{name}.las"])
             self.make_tree(name, self.work / f"{name}.las")
         for text in self.arguments.cloud:
             name, _, file = text.rpartition("=")

@@ -2,6 +2,8 @@
 
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
+#include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/unfinished_build.h"
@@ -22,20 +24,23 @@ namespace fs = std::filesystem;
 
 constexpr const char* publishing_name = "publishing";
 
-fs::path parent_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
-
 bool is_there(const fs::path& path)
 {
     std::error_code error;
     return fs::exists(fs::symlink_status(path, error));
 }
 
-std::optional<std::uint64_t> checksum_of_file(const fs::path& path)
+// Not a link to one.
+bool is_folder(const fs::path& path)
+{
+    std::error_code error;
+    return fs::is_directory(fs::symlink_status(path, error));
+}
+
+std::optional<std::uint64_t> checksum_of_index(const fs::path& path)
 {
     try {
-        const File file(path, File::Mode::read);
-        std::vector<std::byte> bytes(file.size());
-        file.read_at(bytes.data(), bytes.size(), 0);
+        const std::vector<std::byte> bytes = read_index(File(path, File::Mode::read));
         return checksum(bytes.data(), bytes.size());
     } catch (const Error&) {
         return std::nullopt;
@@ -57,10 +62,11 @@ bool exchange(const fs::path& a, const fs::path& b)
 
 }  // namespace
 
-BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(output), part_(build_folder_of(output))
+BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
+    : output_(output_tree(output)), part_(build_folder_of(output_))
 {
     std::error_code error;
-    const fs::path parent = parent_of(output_);
+    const fs::path parent = parent_folder(output_);
     if (!fs::is_directory(parent, error))
         throw Error(ErrorCode::not_found, parent, "no such folder to put the tree in");
     if (is_there(part_)) {
@@ -68,13 +74,14 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite) : output_(outpu
         settle();
     }
     if (is_there(output_)) {
-        const bool is_a_tree = is_tree(output_);
-        if (!overwrite || !is_a_tree) {
+        try {
+            if (overwrite) check_replaceable_tree(output_);
+            if (!overwrite)
+                throw Error(ErrorCode::exists, output_, "there is something of this name already",
+                            is_tree(output_) ? "choose another name or overwrite it" : "choose another name");
+        } catch (...) {
             if (lock_.is_open() && !left_over_) remove_quietly();
-            if (overwrite)
-                throw Error(ErrorCode::exists, output_, "this is not a point cloud tree, so it is not overwritten");
-            throw Error(ErrorCode::exists, output_, "there is something of this name already",
-                        is_a_tree ? "choose another name or overwrite it" : "choose another name");
+            throw;
         }
     }
     if (!lock_.is_open()) {
@@ -95,10 +102,13 @@ void BuildFolder::lock()
 {
     std::error_code error;
     for (;;) {
-        if (!fs::exists(part_ / build_marker_name, error) && !fs::is_empty(part_, error))
+        if (is_there(part_) && !is_folder(part_))
+            throw Error(ErrorCode::exists, part_,
+                        "something of this name is in the way that is not a folder of a build", "remove or rename it");
+        if (!is_there(part_ / build_marker_name) && !fs::is_empty(part_, error))
             throw Error(ErrorCode::exists, part_, "a folder of this name is in the way and is not an interrupted build",
                         "remove or rename it");
-        lock_ = File(part_ / build_marker_name, File::Mode::create_or_truncate);
+        lock_ = File(part_ / build_marker_name, File::Mode::change_or_create);
         if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
             throw Error(ErrorCode::exists, output_, "another build is writing this tree at this moment");
         // One that has just ended may have removed what was opened here.
@@ -115,20 +125,19 @@ void BuildFolder::lock()
 // Puts back a tree that was being replaced, and removes what a finished build has left.
 void BuildFolder::settle()
 {
-    if (is_there(part_ / replaced_tree_name) && !is_there(output_)) {
+    if (is_folder(part_ / replaced_tree_name) && !is_there(output_)) {
         rename(part_ / replaced_tree_name, output_, "putting back the tree that was being replaced");
-        sync_folder(parent_of(output_));
+        sync_folder(parent_folder(output_));
     }
     if (is_there(part_ / publishing_name)) {
         std::uint64_t published = 0;
         const File file(part_ / publishing_name, File::Mode::read);
         if (file.read_some_at(&published, sizeof published, 0) == sizeof published &&
-            checksum_of_file(output_ / index_file_name) == published)
+            checksum_of_index(output_ / index_file_name) == published)
             remove_all_but_marker();
     }
     left_over_ = std::distance(fs::directory_iterator(part_), fs::directory_iterator()) > 1;
-    std::error_code error;
-    if (left_over_ && !fs::is_directory(tree(), error)) {
+    if (left_over_ && !is_folder(tree())) {
         remove_all_but_marker();
         left_over_ = false;
     }
@@ -177,7 +186,7 @@ void BuildFolder::clear()
 
 void BuildFolder::publish()
 {
-    const std::optional<std::uint64_t> index = checksum_of_file(tree() / index_file_name);
+    const std::optional<std::uint64_t> index = checksum_of_index(tree() / index_file_name);
     if (!index) throw Error(ErrorCode::io, tree() / index_file_name, "the index cannot be read back");
     sync_folder(tree());
     replace_file(part_ / publishing_name, &*index, sizeof *index);
@@ -185,14 +194,14 @@ void BuildFolder::publish()
     if (!is_there(output_)) {
         rename(tree(), output_, "giving the finished tree its name");
         try {
-            sync_folder(parent_of(output_));
+            sync_folder(parent_folder(output_));
         } catch (...) {
             std::rename(output_.c_str(), tree().c_str());
             throw;
         }
     } else if (exchange(tree(), output_)) {
         try {
-            sync_folder(parent_of(output_));
+            sync_folder(parent_folder(output_));
         } catch (...) {
             exchange(tree(), output_);
             throw;
@@ -206,7 +215,7 @@ void BuildFolder::publish()
             std::rename((part_ / replaced_tree_name).c_str(), output_.c_str());
             throw;
         }
-        sync_folder(parent_of(output_));
+        sync_folder(parent_folder(output_));
     }
     owned_ = false;
     remove_quietly();
@@ -216,12 +225,12 @@ bool put_back_replaced(const fs::path& output)
 {
     if (!was_being_replaced(output)) return false;
     const fs::path part = build_folder_of(output);
-    const File lock(part / build_marker_name, File::Mode::create_or_truncate);
+    const File lock(part / build_marker_name, File::Mode::change_or_create);
     if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
         throw Error(ErrorCode::exists, output, "a build is writing this tree at this moment");
     if (!was_being_replaced(output)) return false;
     rename(part / replaced_tree_name, output, "putting back the tree that was being replaced");
-    sync_folder(parent_of(output));
+    sync_folder(parent_folder(output));
     return true;
 }
 

@@ -21,7 +21,9 @@ namespace pcm {
 
 class BuildFolder {
 public:
-    // Takes the folder, whether new or left over. Throws Error(exists | not_found | permission | no_space | io).
+    // Takes the folder, whether new or left over. Where `output` is a symbolic link, the tree that it leads to is
+    // meant. Throws what output_tree() and, for a tree to overwrite, check_replaceable_tree() throw
+    // (system/output_path.h), and Error(exists | not_found | permission | no_space | io).
     BuildFolder(const std::filesystem::path& output, bool overwrite);
     // Removes the folder unless the tree was published.
     ~BuildFolder();

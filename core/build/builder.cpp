@@ -9,6 +9,7 @@
 #include "pcm/build/pipeline.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 #include "pcm/tree/about.h"
 
 #include <memory>
@@ -262,10 +263,8 @@ private:
 fs::path check(const fs::path& output, const BuildOptions& options)
 {
     check_build_options(options);
-    fs::path folder = output;
-    if (folder.filename().empty()) folder = folder.parent_path();  // "name.pct/" means name.pct
-    if (folder.empty()) throw Error(ErrorCode::invalid_argument, {}, "the tree needs a name");
-    return folder;
+    output_tree(output);  // refuses what cannot be a tree's name
+    return output;
 }
 
 BuildReport build(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& folder,

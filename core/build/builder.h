@@ -49,9 +49,10 @@ struct BuildReport {
 // beginning. The notes of the report say which. Inputs that take less than checkpoint_seconds to read get no
 // checkpoints. An error or a cancel removes everything that was written. A tree that is overwritten stays until the new
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
-// cannot). Throws Error(exists) when `output` exists (with overwrite: exists and is not a tree) or is being built by
-// another process, Error(invalid_argument) for options out of range, and whatever the readers and the file system
-// throw.
+// cannot). Where `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output`
+// exists (with overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being
+// built by another process, Error(invalid_argument) for options out of range and for a place inside a tree's folder,
+// and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 

@@ -3,6 +3,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
 #include "pcm/convert/open_cloud.h"
+#include "pcm/system/error.h"
 
 #include <cstdio>
 #include <memory>
@@ -24,11 +25,15 @@ int append(Arguments& arguments)
     CloudOptions cloud_options;
     cloud_options.read = arguments.reading.get(arguments.options.threads);
     const CloudSources sources({arguments.inputs.begin(), arguments.inputs.end()}, cloud_options);
+    if (sources.has(tree_folder_of(arguments.tree)))
+        throw Error(ErrorCode::invalid_argument, arguments.tree,
+                    "this tree is among the inputs: its points would be there twice", "name other inputs");
     const std::unique_ptr<PointReader> cloud = sources.open();
     arguments.options.memory_bytes = arguments.memory;
     arguments.options.ignore_crs = cloud_options.read.ignore_crs;
     arguments.options.progress = console_progress(arguments.common);
-    const AppendReport report = append_points(arguments.tree, *cloud, sources.names(), arguments.options);
+    AppendReport report = append_points(arguments.tree, *cloud, sources.names(), arguments.options);
+    report.notes.insert(report.notes.begin(), sources.notes().begin(), sources.notes().end());
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
@@ -61,7 +66,7 @@ int append(Arguments& arguments)
 Run add_append(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     options.positional("input", arguments->inputs, "Files, folders of files or trees to add").required();
     options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();
     options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");

@@ -46,7 +46,7 @@ int compact(Arguments& arguments)
 Run add_compact(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     options.option("-o,--output", arguments->output, "Another tree folder to write (default: in place)");
     options.flag("--overwrite", arguments->options.overwrite, "Replace an existing tree of this name");
     options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();

@@ -64,7 +64,7 @@ int erase(Arguments& arguments)
 Run add_delete(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->region.add_to(options, "Points to delete");
     options.flag("--count", arguments->options.count_only, "Only report how many points would be deleted");
     options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");

@@ -1,6 +1,7 @@
 #include "pcm/generate/scene.h"
 
 #include "pcm/cli/common.h"
+#include "pcm/io/writer.h"
 #include "pcm/system/error.h"
 
 #include <cstdio>
@@ -36,8 +37,10 @@ int generate(Arguments& arguments)
         json["planes"] = planes;
         json["cylinders"] = cylinders;
         json["spheres"] = spheres;
+        json["notes"] = report.notes;
         std::printf("%s\n", json.dump(2).c_str());
     } else {
+        for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
         std::printf("%s: %s points in %.1f s (%.2f M points/s); %zu planes, %zu cylinders, %zu spheres\n",
                     arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
                     points_per_second(report.outcome) / 1e6, planes, cylinders, spheres);
@@ -51,7 +54,10 @@ Run add_generate(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     SceneOptions& scene = arguments->options;
-    options.positional("output", arguments->output, "LAS or LAZ file to write").required();
+    std::string writable;
+    for (const std::string& extension : writable_extensions()) writable += (writable.empty() ? "" : ", ") + extension;
+    options.positional("output", arguments->output, "File to write; its extension sets the format: " + writable)
+        .required();
     options.option("-n,--points", scene.points, "Number of points (default 1000000)");
     options
         .option("--origin", arguments->origin,
@@ -64,6 +70,7 @@ Run add_generate(Options& options)
     options.option("--scale", scene.scale, "Step of the coordinates, metres (default 0.001)");
     options.option("--seed", scene.seed, "Seed of the random numbers (default 1)");
     options.flag("--no-truth", arguments->no_truth, "Do not write the ground truth next to the file");
+    options.flag("--overwrite", scene.overwrite, "Replace existing files");
     add_common(options, arguments->common);
     return [arguments] { return generate(*arguments); };
 }

@@ -259,7 +259,9 @@ void print(const MergedReader& cloud, const std::optional<Scan>& scanned)
 std::shared_ptr<const Tree> tree_of(const std::vector<std::string>& inputs)
 {
     for (const std::string& input : inputs) {
-        if (!is_tree(input) && std::filesystem::path(input).extension() != std::string(".") + tree_extension) continue;
+        if (!is_tree(input) && !is_tree_folder(tree_folder_of(input)) &&
+            std::filesystem::path(input).extension() != std::string(".") + tree_extension)
+            continue;
         if (inputs.size() > 1) throw Error(ErrorCode::invalid_argument, input, "a tree must be the only input");
         return Tree::open(input);
     }
@@ -309,7 +311,7 @@ Run add_info(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options
         .positional("input", arguments->inputs,
-                    "A tree folder, or its index file; or files and folders of files, merged into one cloud")
+                    "A tree folder, or any file of it; or files and folders of files, merged into one cloud")
         .required();
     options.flag("--scan", arguments->scan, "Files: read all points, for the exact count and box");
     options.flag("--statistics", arguments->statistics,

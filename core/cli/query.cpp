@@ -238,7 +238,7 @@ int query(const Arguments& arguments)
 Run add_query(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
 
     const char* group = "Query";
     options.flag("--count", arguments->count, "Number of points and their bounding box (default)").group(group);

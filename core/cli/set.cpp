@@ -214,7 +214,7 @@ int set(Arguments& arguments)
 Run add_set(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     options.positional(
         "values", arguments->values,
         "Assignments: NAME=VALUE, NAME=VALUE,VALUE,... (one value per component), NAME[COMPONENT]=VALUE");

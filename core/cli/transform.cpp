@@ -98,7 +98,7 @@ int transform(Arguments& arguments)
 Run add_transform(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     options.positional("output", arguments->output, "The new tree's folder, by convention NAME.pct").required();
     const char* group = "Transformation (scaled and rotated about the pivot, then translated)";
     options.option("--translate", arguments->translate, "Translation dx dy dz, source units").values(3).group(group);

@@ -93,7 +93,7 @@ int verify(const Arguments& arguments)
 Run add_verify(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or its index file").required();
+    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");
     options.flag("--levels", arguments->levels, "Also measure how evenly the levels are spaced: exact, but slower");
     add_common(options, arguments->common);

@@ -8,6 +8,7 @@
 #include "pcm/io/pipe/require_points.h"
 #include "pcm/io/survey.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
 
@@ -48,19 +49,21 @@ void refuse_idle_options(const ConvertOptions& options, const fs::path& output, 
     if (options.write.float_positions) only(takes_float_positions, "float positions go to ");
 }
 
-void refuse_output(const std::vector<fs::path>& inputs, const fs::path& output, bool overwrite)
+void refuse_output(const CloudSources& inputs, const fs::path& output, bool overwrite)
 {
     std::error_code error;
     const fs::file_status status = fs::status(output, error);
+    // First, so that no message advises to overwrite a file of a tree.
+    if (extension_of(output) == tree_extension)
+        output_tree(output);
+    else
+        output_file(output);
     if (!fs::exists(status)) return;
-    for (const fs::path& input : inputs)
-        if (fs::equivalent(input, output, error))
-            throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too",
-                        "choose another name");
+    if (inputs.has(output))
+        throw Error(ErrorCode::invalid_argument, output, "this is the input; it cannot be the output too",
+                    "choose another name");
     if (!overwrite)
         throw Error(ErrorCode::exists, output, "the output exists already", "choose another name, or overwrite it");
-    if (extension_of(output) != tree_extension && !fs::is_regular_file(status))
-        throw Error(ErrorCode::exists, output, "the output exists and is not a regular file", "choose another name");
 }
 
 // Keeps only points with three finite coordinates.
@@ -160,6 +163,8 @@ std::unique_ptr<PointReader> open_cloud(const std::vector<fs::path>& inputs, con
 ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& open, const fs::path& output,
                           const ConvertOptions& options)
 {
+    check_writable_name(output);
+    output_file(output);
     Watch watch(options.progress);
     ConvertReport report;
     WriteOptions write = options.write;
@@ -204,12 +209,13 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     refuse_idle_options(options, output, extension);
     refuse_impossible_box(options.cloud.selection);
     const CloudSources sources(inputs, options.cloud);
-    refuse_output(sources.paths(), output, options.overwrite);
+    refuse_output(sources, output, options.overwrite);
     const bool to_tree = extension == tree_extension;
-    const Format* const format = format_of_extension(extension);
-    if (!to_tree && !(format && format->create)) create_writer(output, {}, {});  // throws, naming the writable formats
-    return to_tree ? convert_to_tree(sources, output, options)
-                   : write_cloud([&] { return open_selected(sources, options.cloud.selection); }, output, options);
+    if (!to_tree) check_writable_name(output);
+    const auto open = [&] { return open_selected(sources, options.cloud.selection); };
+    ConvertReport report = to_tree ? convert_to_tree(sources, output, options) : write_cloud(open, output, options);
+    report.notes.insert(report.notes.begin(), sources.notes().begin(), sources.notes().end());
+    return report;
 }
 
 }  // namespace pcm

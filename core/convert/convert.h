@@ -24,9 +24,9 @@ struct CloudOptions {
     ReadOptions read{0, {}};
 };
 
-// The selected points of files, trees and folders of files, as one cloud. Trees are read only where the box is.
-// Throws what readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no
-// tree.
+// The selected points of files, trees and folders of files, as one cloud. Trees are read only where the box is. A file
+// of a tree (index.pct, chunks-000.bpc) stands for the tree; a tree that is named twice is read once. Throws what
+// readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no tree.
 std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
                                         const CloudOptions& options = {});
 
@@ -65,8 +65,8 @@ struct ConvertReport {
 // all colours, for PLY and PCD, for example (Format::questions). The output appears atomically under its name; an error
 // or a cancel leaves nothing behind. Throws Error(exists) when the output exists and is not to be overwritten,
 // Error(invalid_argument) when it is one of the inputs, an option has no meaning for its format, or the selection takes
-// no point of a cloud that has some, Error(unsupported) for an unknown extension, Error(cancelled), and what readers,
-// writers and build_tree throw.
+// no point of a cloud that has some, what output_file() and output_tree() throw (system/output_path.h),
+// Error(unsupported) for an unknown extension, Error(cancelled), and what readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 fs::path folder_of_tree(const fs::path& path)
 {
-    if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
-    return path.filename().empty() ? path.parent_path() : path;
+    const fs::path folder = tree_folder_of(path);
+    return folder.filename().empty() ? folder.parent_path() : folder;
 }
 
 unsigned chunks_ahead(const ReadOptions& read) { return std::min(thread_count(read.threads), 8u); }
@@ -39,9 +39,9 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
 CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptions& options) : options_(options)
 {
     for (const fs::path& input : inputs) {
-        if (is_tree(input)) {
-            paths_.push_back(folder_of_tree(input));
-            is_tree_.push_back(true);
+        // A folder with the files of a tree but without its index is a damaged tree: opening it says so.
+        if (is_tree(input) || is_tree_folder(tree_folder_of(input))) {
+            add_tree(input);
             continue;
         }
         if (options.level || options.max_points)
@@ -60,6 +60,23 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
     if (options.max_points && paths_.size() > 1)
         throw Error(ErrorCode::invalid_argument, {},
                     "a number of points chooses the level of a single tree; several inputs were given");
+}
+
+// The points of a tree are taken once, however many of its files are named.
+void CloudSources::add_tree(const fs::path& input)
+{
+    const fs::path folder = folder_of_tree(input);
+    if (is_file_of_tree(input) && input.filename() != index_file_name)
+        notes_.push_back(input.string() + " is a file of the point cloud tree " + folder.string() +
+                         ": the whole tree is read");
+    std::error_code error;
+    for (std::size_t i = 0; i < paths_.size(); ++i)
+        if (is_tree_[i] && fs::equivalent(paths_[i], folder, error)) {
+            notes_.push_back("the tree " + folder.string() + " is named more than once; it is read once");
+            return;
+        }
+    paths_.push_back(folder);
+    is_tree_.push_back(true);
 }
 
 std::unique_ptr<PointReader> CloudSources::open() const
@@ -90,6 +107,13 @@ Box3d CloudSources::bounds() const
         if (is_tree_[i]) box.extend(Tree::open(paths_[i])->info().bounds());
     }
     return box;
+}
+
+bool CloudSources::has(const fs::path& path) const
+{
+    std::error_code error;
+    return std::any_of(paths_.begin(), paths_.end(),
+                       [&](const fs::path& input) { return fs::equivalent(input, path, error); });
 }
 
 std::vector<std::string> CloudSources::names() const

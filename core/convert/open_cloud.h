@@ -17,18 +17,24 @@ public:
 
     // A new reader at the beginning of the cloud.
     std::unique_ptr<PointReader> open() const;
-    // Files and trees: folders of files are expanded.
-    const std::vector<std::filesystem::path>& paths() const { return paths_; }
+    // Of files and trees: folders of files are expanded.
     std::vector<std::string> names() const;
     // Around all points of the trees, and around those of the files that a reader of open() has passed without
     // selecting one: complete once a reader has come to the end without a point. Source coordinates.
     Box3d bounds() const;
+    // Whether `path` is one of them, however it is spelled.
+    bool has(const std::filesystem::path& path) const;
+    // What a user should know: inputs that stand for a whole tree, and trees that were named twice.
+    const std::vector<std::string>& notes() const { return notes_; }
 
 private:
+    void add_tree(const std::filesystem::path& input);
+
     CloudOptions options_;
     std::vector<std::filesystem::path> paths_;
     std::vector<bool> is_tree_;
     std::shared_ptr<Box3d> passed_ = std::make_shared<Box3d>();
+    std::vector<std::string> notes_;
 };
 
 }  // namespace pcm

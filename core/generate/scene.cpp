@@ -4,9 +4,10 @@
 #include "pcm/generate/ray_cast.h"
 #include "pcm/generate/site.h"
 #include "pcm/generate/surface.h"
-#include "pcm/io/las/las_writer.h"
+#include "pcm/io/writer.h"
 #include "pcm/system/error.h"
-#include "pcm/system/file.h"
+#include "pcm/system/output_file.h"
+#include "pcm/system/output_path.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -208,18 +209,28 @@ Grid checked_grid(const SceneOptions& options, double side)
     return grid;
 }
 
+void check_output(const std::filesystem::path& file, bool overwrite)
+{
+    std::error_code error;
+    if (std::filesystem::exists(output_file(file), error) && !overwrite)
+        throw Error(ErrorCode::exists, file, "the output exists already", "choose another name, or overwrite it");
+}
+
 }  // namespace
 
-SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth)
+SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions& options, bool write_truth)
 {
     Watch watch(options.progress);
     const double side = side_of(options);
     const Grid grid = checked_grid(options, side);
+    const std::filesystem::path truth = std::filesystem::path(file).replace_extension(".truth.json");
+    check_output(file, options.overwrite);
+    if (write_truth) check_output(truth, options.overwrite);
     BatchMaker batches(grid);
     WriteOptions writing;
     writing.threads = options.threads;
     const auto writer =
-        create_las(las, batches.info(), writing);  // first, so that an unwritable folder is reported at once
+        create_writer(file, batches.info(), writing);  // first, so that an unwritable folder is reported at once
     watch.report(stage, 0, true);
     Site site = make_site(side, options.seed);
     const Scanner scanner(site, grid, options);
@@ -241,16 +252,16 @@ SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions&
     writer->finish();
 
     SceneReport report;
+    report.notes = writer->notes();
     report.primitives = std::move(site.primitives);
     for (ScenePrimitive& primitive : report.primitives) {
         primitive.point = options.origin + primitive.point;
         primitive.points = counts[primitive.id];
     }
     if (write_truth) {
-        std::filesystem::path truth = std::filesystem::absolute(las);
-        truth.replace_extension(".truth.json");
-        const std::string text = truth_json(options, side, report.primitives);
-        replace_file(truth, text.data(), text.size());
+        OutputFile out(truth);
+        out.append(truth_json(options, side, report.primitives));
+        out.finish();
     }
     watch.finish(stage);
     report.outcome.points_in = report.outcome.points_out = options.points;

@@ -19,7 +19,8 @@ struct SceneOptions {
     double noise = 0.003;                      // standard deviation of the range, metres
     double scale = 0.001;                      // of the LAS grid, metres
     std::uint64_t seed = 1;
-    unsigned threads = 0;  // that cast rays; 0: one per processor
+    unsigned threads = 0;    // that cast rays; 0: one per processor
+    bool overwrite = false;  // replace existing files
     ProgressFunction progress;
 };
 
@@ -36,12 +37,14 @@ struct ScenePrimitive {
 struct SceneReport {
     Outcome outcome;
     std::vector<ScenePrimitive> primitives;
+    std::vector<std::string> notes;  // of the writer
 };
 
-// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and, when write_truth, the primitives as
-// JSON next to it (`las` with the extension .truth.json). The same options give the same bytes on every machine and for
-// any number of threads. Throws what create_las() throws, and Error(invalid_argument) for options out of range and for
-// a scene that does not fit its grid. Progress is reported on the calling thread.
-SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
+// Writes the scene to `file` in the format of its extension (LAS 1.4, point format 2, for las and laz), and, when
+// write_truth, the primitives as JSON next to it (`file` with the extension .truth.json). The same options give the
+// same bytes on every machine and for any number of threads. Throws what create_writer() throws, Error(exists) when one
+// of the files exists and is not to be overwritten, and Error(invalid_argument) for options out of range and for a
+// scene that does not fit its grid. Progress is reported on the calling thread.
+SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm

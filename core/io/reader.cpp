@@ -2,6 +2,7 @@
 
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
+#include "pcm/system/tree_folder.h"
 
 #include <algorithm>
 #include <string_view>
@@ -47,6 +48,17 @@ std::filesystem::file_status status_of(const std::filesystem::path& path)
         throw Error(ErrorCode::not_found, path, "no such file or folder");
     if (error) throw Error::from_errno(error.value(), path, "looking at it");
     return status;
+}
+
+void refuse_tree(const std::filesystem::path& input)
+{
+    const std::filesystem::path folder = tree_folder_of(input);
+    if (is_tree_folder(folder))
+        throw Error(ErrorCode::unsupported, input,
+                    folder == input ? "this is a point cloud tree; files were expected"
+                                    : "this is a file of the point cloud tree " + folder.string() +
+                                          ", and holds only a part of the cloud",
+                    "'pcmlab convert' copies trees, also into a tree, and 'pcmlab append' adds them to one");
 }
 
 }  // namespace
@@ -95,6 +107,7 @@ std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesyst
 {
     std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& input : inputs) {
+        refuse_tree(input);
         if (!std::filesystem::is_directory(status_of(input))) {
             files.push_back(input);
             continue;

@@ -76,7 +76,8 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 std::vector<std::string> readable_extensions();
 
 // Files stay as they are. A folder is replaced by the readable files directly in it, in name order; a .txt, .csv or
-// .asc only if it holds points. Throws Error(not_found) for a missing path and for a folder without any readable file.
+// .asc only if it holds points. Throws Error(not_found) for a missing path and for a folder without any readable file,
+// and Error(unsupported) for the folder or a file of a point cloud tree, of which single files are only a part.
 std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
 
 }  // namespace pcm

@@ -57,10 +57,14 @@ public:
 
 // `cloud` is the info() of the reader that the batches will come from: schema, position type, grid (batches are gridded
 // exactly when it is present) and metadata. Its number of points and its box are only hints.
-// Throws Error(unsupported) for an extension that no writer has, Error(invalid_argument) for a cloud that the format
+// Throws what check_writable_name() throws, Error(invalid_argument) for a cloud that the format
 // cannot hold, and what opening a file can throw.
 std::unique_ptr<PointWriter> create_writer(const std::filesystem::path& path, const FileInfo& cloud,
                                            const WriteOptions& options = {});
+
+// Throws Error(unsupported) for a name that promises what no writer makes: for create_writer()'s callers that have work
+// to do before they have a cloud.
+void check_writable_name(const std::filesystem::path& path);
 
 // Extensions of the formats that create_writer() knows, lower case, without the dot.
 std::vector<std::string> writable_extensions();

@@ -1,6 +1,7 @@
 #include "pcm/offscreen/scene.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/tree_folder.h"
 
 #include <set>
 #include <string>
@@ -15,7 +16,7 @@ OffscreenScene::OffscreenScene(const std::vector<std::filesystem::path>& trees, 
     std::set<std::filesystem::path> named;
     for (const std::filesystem::path& tree : trees) {
         std::error_code error;
-        const std::filesystem::path canonical = std::filesystem::canonical(tree, error);
+        const std::filesystem::path canonical = std::filesystem::canonical(tree_folder_of(tree), error);
         if (!error && !named.insert(canonical).second)
             throw Error(ErrorCode::invalid_argument, tree, "this tree is named twice");
         clouds_.push_back(PointCloud::open(tree, l2));

@@ -13,15 +13,82 @@
 
 namespace pcm {
 
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* name_of(mode_t mode)
+{
+    return S_ISDIR(mode)                    ? "a folder"
+           : S_ISFIFO(mode)                 ? "a FIFO"
+           : S_ISSOCK(mode)                 ? "a socket"
+           : S_ISLNK(mode)                  ? "a symbolic link"
+           : S_ISCHR(mode) || S_ISBLK(mode) ? "a device"
+                                            : "not a regular file";
+}
+
+[[noreturn]] void refuse(const fs::path& path, mode_t mode)
+{
+    if (S_ISLNK(mode))
+        throw Error(ErrorCode::unsupported, path,
+                    "this is a symbolic link, and files are not written through links here", "remove the link");
+    throw Error(ErrorCode::unsupported, path,
+                std::string("this is ") + name_of(mode) + "; a regular file was expected");
+}
+
+// Before opening: to open a device can have effects, and a socket cannot be opened.
+void refuse_what_is_no_file(const fs::path& path, bool follow)
+{
+    struct stat status {};
+    if ((follow ? ::stat(path.c_str(), &status) : ::lstat(path.c_str(), &status)) == 0 && !S_ISREG(status.st_mode))
+        refuse(path, status.st_mode);
+}
+
+int flags_of(File::Mode mode)
+{
+    switch (mode) {
+        case File::Mode::read:
+            return O_RDONLY;
+        case File::Mode::change:
+            return O_RDWR | O_NOFOLLOW;
+        case File::Mode::change_or_create:
+            return O_RDWR | O_NOFOLLOW | O_CREAT;
+        default:
+            return O_RDWR | O_NOFOLLOW | O_CREAT | O_EXCL;
+    }
+}
+
+// O_NONBLOCK: should a FIFO have got the name meanwhile, opening it must not wait for its other end. A file that
+// another program has leased (F_SETLEASE) can only be opened by waiting.
+int open_descriptor(const fs::path& path, int flags)
+{
+    constexpr int always = O_CLOEXEC | O_NOCTTY;
+    const int descriptor = ::open(path.c_str(), flags | always | O_NONBLOCK, 0666);
+    if (descriptor >= 0 || errno != EWOULDBLOCK) return descriptor;
+    refuse_what_is_no_file(path, true);
+    return ::open(path.c_str(), flags | always, 0666);
+}
+
+}  // namespace
+
 File::File(const std::filesystem::path& path, Mode mode) : path_(path)
 {
-    const int flags = mode == Mode::read         ? O_RDONLY
-                      : mode == Mode::change     ? O_RDWR
-                      : mode == Mode::create_new ? O_RDWR | O_CREAT | O_EXCL
-                                                 : O_RDWR | O_CREAT | O_TRUNC;
-    descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
-    if (descriptor_ < 0)
-        throw Error::from_errno(errno, path, mode == Mode::read || mode == Mode::change ? "opening" : "creating");
+    const bool existing = mode == Mode::read || mode == Mode::change;
+    if (existing || mode == Mode::change_or_create) refuse_what_is_no_file(path, mode == Mode::read);
+    descriptor_ = open_descriptor(path, flags_of(mode));
+    if (descriptor_ < 0 && errno == EEXIST && mode == Mode::create_or_truncate) {
+        if (::unlink(path.c_str()) != 0 && errno != ENOENT)
+            throw Error::from_errno(errno, path, "removing the file that has the name");
+        descriptor_ = open_descriptor(path, flags_of(mode));
+    }
+    if (descriptor_ < 0) throw Error::from_errno(errno, path, existing ? "opening" : "creating");
+    struct stat status {};
+    const bool known = ::fstat(descriptor_, &status) == 0;
+    const int error = errno;
+    if (known && S_ISREG(status.st_mode)) return;
+    ::close(std::exchange(descriptor_, -1));
+    if (!known) throw Error::from_errno(error, path, "reading the properties of");
+    refuse(path, status.st_mode);
 }
 
 File::File(File&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
@@ -121,8 +188,7 @@ void replace_file(const std::filesystem::path& path, const void* bytes, std::siz
         if (std::rename(temporary.c_str(), path.c_str()) != 0)
             throw Error::from_errno(errno, path, "putting the new file in place");
     } catch (...) {
-        std::error_code ignored;
-        std::filesystem::remove(temporary, ignored);
+        ::unlink(temporary.c_str());
         throw;
     }
     sync_folder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));

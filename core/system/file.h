@@ -11,7 +11,16 @@ namespace pcm {
 
 class File {
 public:
-    enum class Mode { read, create_new, create_or_truncate, change };  // change: reads and writes an existing file
+    // Every mode refuses what is no regular file (a FIFO, a device, a folder) without waiting for it. Only `read`
+    // follows a symbolic link in the file's place: nothing is written through one.
+    enum class Mode {
+        read,
+        create_new,          // no file may have the name
+        create_or_truncate,  // a new file; one that has the name is removed, and keeps its bytes where it has other
+                             // names
+        change,              // reads and writes an existing file
+        change_or_create,    // the same, or a new file
+    };
 
     File() = default;
     File(const std::filesystem::path& path, Mode mode);

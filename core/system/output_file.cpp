@@ -1,6 +1,7 @@
 #include "pcm/system/output_file.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 
 #include <unistd.h>
 
@@ -27,7 +28,10 @@ std::filesystem::path temporary_beside(const std::filesystem::path& path)
 }  // namespace
 
 OutputFile::OutputFile(const std::filesystem::path& path)
-    : path_(path), part_(temporary_beside(path)), file_(part_, File::Mode::create_or_truncate)
+    : path_(path),
+      place_(output_file(path)),
+      part_(temporary_beside(place_)),
+      file_(part_, File::Mode::create_or_truncate)
 {
     buffer_.reserve(buffer_bytes);
 }
@@ -80,7 +84,7 @@ void OutputFile::finish()
     flush();
     file_.sync();
     file_.close();
-    if (std::rename(part_.c_str(), path_.c_str()) != 0)
+    if (std::rename(part_.c_str(), place_.c_str()) != 0)
         throw Error::from_errno(errno, path_, "putting the finished file in place");
     finished_ = true;
 }

@@ -12,7 +12,9 @@
 namespace pcm {
 
 // One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes. finish()
-// syncs it and atomically replaces whatever file has the name. Throws Error(no_space | permission | not_found | io).
+// syncs it and atomically replaces the file that has the name; where the name is a symbolic link, the file that it
+// leads to. Throws Error(no_space | permission | not_found | io), and what output_file() (output_path.h) throws for a
+// name that is not written to.
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& path);
@@ -35,7 +37,7 @@ public:
 private:
     void flush();
 
-    std::filesystem::path path_, part_;
+    std::filesystem::path path_, place_, part_;  // as given; where the file is put; where it is written
     File file_;
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;

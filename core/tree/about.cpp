@@ -4,6 +4,7 @@
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
+#include "pcm/tree/parse_beginning.h"
 
 #include <cmath>
 #include <cstring>
@@ -11,10 +12,23 @@
 namespace pcm {
 namespace {
 
-constexpr char magic[8] = {'P', 'C', 'M', 'A', 'B', 'O', 'U', 'T'};
 constexpr std::uint32_t version = 3;  // the index's: both hold the same block
-constexpr std::uint64_t most_bytes = std::uint64_t{1} << 30;
 constexpr std::uint8_t coverage_kept = 1;
+
+// Throws Error(corrupt) when the file is not as long as its contents need, before memory is taken for it.
+void check_size(const File& file)
+{
+    const std::uint64_t size = file.size();
+    if (size <= first_beginning_bytes) return;
+    const std::uint64_t needed = parse_beginning(file, [&](ByteReader& in) {
+        in.get_bytes(sizeof about_magic + sizeof version);
+        get_tree_info(in, file.path());
+        return in.position() + sizeof(std::uint64_t);
+    });
+    if (size != needed)
+        throw Error(ErrorCode::corrupt, file.path(),
+                    "the file has " + std::to_string(size) + " bytes, and its contents take " + std::to_string(needed));
+}
 
 }  // namespace
 
@@ -113,7 +127,7 @@ bool same_info(const TreeInfo& a, const TreeInfo& b)
 void write_about(const std::filesystem::path& folder, const TreeInfo& info)
 {
     ByteWriter out;
-    out.put_bytes(magic, sizeof magic);
+    out.put_bytes(about_magic, sizeof about_magic);
     out.put(version);
     put_tree_info(out, info);
     out.put(checksum(out.bytes().data(), out.size()));
@@ -125,18 +139,19 @@ TreeInfo read_about(const std::filesystem::path& folder)
     const File file(folder / about_file_name, File::Mode::read);
     const std::filesystem::path& path = file.path();
     const std::uint64_t size = file.size();
-    if (size < sizeof magic + 12 || size > most_bytes)
+    if (size < sizeof about_magic + 12)
         throw Error(ErrorCode::corrupt, path, "the file has " + std::to_string(size) + " bytes, which is impossible");
+    check_size(file);
     std::vector<std::byte> bytes(static_cast<std::size_t>(size));
     file.read_at(bytes.data(), bytes.size(), 0);
-    if (std::memcmp(bytes.data(), magic, sizeof magic) != 0)
+    if (std::memcmp(bytes.data(), about_magic, sizeof about_magic) != 0)
         throw Error(ErrorCode::corrupt, path, "this is not the about.pct of a tree");
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))
         throw Error(ErrorCode::corrupt, path, "the checksum does not match");
     ByteReader in(bytes.data(), bytes.size() - 8, path);
-    in.get_bytes(sizeof magic);
+    in.get_bytes(sizeof about_magic);
     const auto found = in.get<std::uint32_t>();
     if (found != version)
         throw Error(ErrorCode::unsupported, path,

@@ -3,13 +3,12 @@
 #pragma once
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree.h"
 
 #include <filesystem>
 
 namespace pcm {
-
-inline constexpr const char* about_file_name = "about.pct";
 
 inline void put_vec(ByteWriter& out, const Vec3i& v)
 {

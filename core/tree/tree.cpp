@@ -15,20 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The tree folder for a path that is the folder or the index file in it.
-fs::path folder_of(const fs::path& path)
-{
-    if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
-    return path;
-}
-
-TreeIndex read_whole_index(const File& file)
-{
-    std::vector<std::byte> bytes(file.size());
-    file.read_at(bytes.data(), bytes.size(), 0);
-    return decode_index(bytes, file.path());
-}
-
 // Whether the name still refers to the opened file.
 bool keeps_its_name(const File& file)
 {
@@ -43,9 +29,10 @@ bool keeps_its_name(const File& file)
     if (fs::exists(folder / build_marker_name))
         throw Error(ErrorCode::interrupted_build, folder, "the build of this tree was interrupted or is still running",
                     "build it again, or remove the folder");
-    throw Error(ErrorCode::not_a_tree, folder,
-                std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
-                "make one with 'pcmlab build'");
+    throw Error(
+        ErrorCode::not_a_tree, folder,
+        std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
+        is_tree_folder(folder) ? "rebuild it from the chunks with 'pcmlab repair'" : "make one with 'pcmlab build'");
 }
 
 }  // namespace
@@ -53,12 +40,12 @@ bool keeps_its_name(const File& file)
 bool is_tree(const fs::path& path)
 {
     std::error_code ignored;
-    return fs::is_regular_file(folder_of(path) / index_file_name, ignored);
+    return fs::is_regular_file(tree_folder_of(path) / index_file_name, ignored);
 }
 
 std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_open_files)
 {
-    const fs::path folder = folder_of(path);
+    const fs::path folder = tree_folder_of(path);
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
     if (status.type() == fs::file_type::not_found) {
@@ -83,7 +70,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
         const File index_file(folder / index_file_name, File::Mode::read);
-        TreeIndex index = read_whole_index(index_file);
+        TreeIndex index = decode_index(read_index(index_file), index_file.path());
         std::shared_ptr<Tree> tree(new Tree);
         tree->folder_ = folder;
         tree->info_ = std::move(index.info);

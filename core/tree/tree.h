@@ -22,6 +22,7 @@
 #include "pcm/cloud/geometry.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/file.h"
+#include "pcm/system/tree_folder.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -121,7 +122,6 @@ struct LevelSummary {
     double spacing = 0;                // 0: no point is missing
 };
 
-inline constexpr const char* index_file_name = "index.pct";
 inline constexpr const char* tree_extension = "pct";
 
 // Some segments of a chunk. A segment is a run of consecutive points of one level; the chunk's header has its box, and
@@ -135,9 +135,9 @@ struct ChunkPart {
 
 class Tree {
 public:
-    // `path` is the tree folder or the index file in it. A tree with more than `most_open_files` data files opens them
-    // on demand and keeps at most that many open, in addition to those being read. Throws Error(not_found | not_a_tree
-    // | interrupted_build | corrupt | unsupported | permission | io).
+    // `path` is the tree folder or any file of the tree in it (tree_folder_of()). A tree with more than
+    // `most_open_files` data files opens them on demand and keeps at most that many open, in addition to those being
+    // read. Throws Error(not_found | not_a_tree | interrupted_build | corrupt | unsupported | permission | io).
     static std::shared_ptr<const Tree> open(const std::filesystem::path& path, std::size_t most_open_files = 128);
 
     const std::filesystem::path& folder() const { return folder_; }
@@ -189,7 +189,7 @@ private:
     std::shared_ptr<DataFilePool> files_;
 };
 
-// Whether `path` looks like a tree folder or its index file (a cheap test of names and magic, not a validation).
+// Whether `path` is a folder with an index file, or a file of such a tree (a cheap test of names, not a validation).
 bool is_tree(const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -4,6 +4,7 @@
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
+#include "pcm/tree/parse_beginning.h"
 
 #include <cmath>
 #include <cstdio>
@@ -12,9 +13,8 @@
 namespace pcm {
 namespace {
 
-constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
 constexpr std::uint32_t version = 3;
-constexpr std::size_t node_bytes = 112;
+constexpr std::size_t node_bytes = 112, data_file_bytes = 12;
 
 // Checks every invariant that tree.h states for nodes: a tree that passes can be walked without further checks.
 void check(const TreeIndex& index, const std::filesystem::path& path)
@@ -71,6 +71,32 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
         for (const std::uint32_t points : node.level_points) of_levels += points;
         if (of_levels != node.points) throw refuse(id, "does not state of which levels its points are");
     }
+}
+
+// Throws unless these are the first bytes of an index of this version.
+void check_beginning(ByteReader& in, const std::filesystem::path& path)
+{
+    if (in.left() < sizeof index_magic + 12 || std::memcmp(in.get_bytes(sizeof index_magic), index_magic, 8) != 0)
+        throw Error(ErrorCode::not_a_tree, path, "this is not the index of a point cloud tree");
+    const auto found = in.get<std::uint32_t>();
+    if (found != version)
+        throw Error(
+            ErrorCode::unsupported, path,
+            "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
+            found < version ? "build the tree again from its files" : "");
+}
+
+// The largest size that the counts at the beginning of an index allow.
+std::uint64_t most_bytes_of(const File& file)
+{
+    return parse_beginning(file, [&](ByteReader& in) {
+        check_beginning(in, file.path());
+        const std::uint64_t levels = get_tree_info(in, file.path()).levels;
+        in.get_bytes(in.get<std::uint32_t>() * data_file_bytes);
+        in.get_bytes(in.get<std::uint32_t>() * sizeof(NodeId));
+        const std::uint64_t nodes = in.get<std::uint32_t>();
+        return in.position() + nodes * (node_bytes + levels * sizeof(std::uint32_t)) + sizeof(std::uint64_t);
+    });
 }
 
 }  // namespace
@@ -135,7 +161,7 @@ std::string data_file_name(std::uint32_t number)
 std::vector<std::byte> encode_index(const TreeIndex& index)
 {
     ByteWriter out;
-    out.put_bytes(magic, sizeof magic);
+    out.put_bytes(index_magic, sizeof index_magic);
     out.put(version);
     put_tree_info(out, index.info);
     out.put(static_cast<std::uint32_t>(index.data_files.size()));
@@ -170,18 +196,25 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
     return std::move(out.bytes());
 }
 
+std::vector<std::byte> read_index(const File& file)
+{
+    const std::uint64_t size = file.size();
+    if (size > first_beginning_bytes) {
+        const std::uint64_t most = most_bytes_of(file);
+        if (size > most)
+            throw Error(ErrorCode::corrupt, file.path(),
+                        "the index has " + std::to_string(size) +
+                            " bytes; with the nodes that it states it has at most " + std::to_string(most));
+    }
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+    file.read_at(bytes.data(), bytes.size(), 0);
+    return bytes;
+}
+
 TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesystem::path& path)
 {
-    if (bytes.size() < sizeof magic + 12 || std::memcmp(bytes.data(), magic, sizeof magic) != 0)
-        throw Error(ErrorCode::not_a_tree, path, "this is not the index of a point cloud tree");
     ByteReader in(bytes.data(), bytes.size(), path);
-    in.get_bytes(sizeof magic);
-    const auto found = in.get<std::uint32_t>();
-    if (found != version)
-        throw Error(
-            ErrorCode::unsupported, path,
-            "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
-            found < version ? "build the tree again from its files" : "");
+    check_beginning(in, path);
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))

@@ -1,6 +1,7 @@
 // The index file of a tree folder, as bytes; the layout is in bpc/FORMAT.md.
 #pragma once
 
+#include "pcm/system/file.h"
 #include "pcm/tree/tree.h"
 
 #include <string>
@@ -26,6 +27,10 @@ std::vector<std::byte> encode_index(const TreeIndex& index);
 // Sets the part of each node, given the roots of the parts. Throws Error(corrupt) when a node with points belongs to no
 // part or to two.
 void find_parts(TreeIndex& index, const std::filesystem::path& path);
+
+// The bytes of an index file. Throws Error(not_a_tree | unsupported | corrupt) for a file that is no index or is longer
+// than its own counts allow, before memory is taken for it, and Error(io).
+std::vector<std::byte> read_index(const File& file);
 
 // Checks magic, version, checksum and every invariant that tree.h states for nodes. Throws Error(not_a_tree | corrupt |
 // unsupported).

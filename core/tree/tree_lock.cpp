@@ -13,7 +13,7 @@ TreeLock::TreeLock(const std::filesystem::path& folder)
 {
     const std::filesystem::path path = folder / lock_file_name;
     for (;;) {
-        file_ = File(path, File::Mode::create_or_truncate);
+        file_ = File(path, File::Mode::change_or_create);
         while (::flock(file_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
             if (errno == EINTR) continue;
             if (errno != EWOULDBLOCK) throw Error::from_errno(errno, path, "locking");

@@ -17,13 +17,17 @@ bool name_exists(const fs::path& path)
 
 fs::path build_folder_of(fs::path tree)
 {
+    if (tree.filename().empty()) tree = tree.parent_path();  // "name.pct/" means name.pct
     tree += ".part";
     return tree;
 }
 
 bool was_being_replaced(const fs::path& tree)
 {
-    return !name_exists(tree) && name_exists(build_folder_of(tree) / replaced_tree_name);
+    // Links are not followed: the folder and the tree in it were made by a build.
+    std::error_code error;
+    return !name_exists(tree) && fs::is_directory(fs::symlink_status(build_folder_of(tree), error)) &&
+           fs::is_directory(fs::symlink_status(build_folder_of(tree) / replaced_tree_name, error));
 }
 
 }  // namespace pcm

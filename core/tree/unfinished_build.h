@@ -2,12 +2,13 @@
 // NAME that it will become, belongs to the build (build/build_folder.h).
 #pragma once
 
+#include "pcm/system/tree_folder.h"
+
 #include <filesystem>
 
 namespace pcm {
 
-inline constexpr const char* build_marker_name = "building";  // in the folder of a build while it is unfinished
-inline constexpr const char* replaced_tree_name = "old";      // there: the tree that the build was about to replace
+inline constexpr const char* replaced_tree_name = "old";  // in the folder of a build: the tree to be replaced
 
 // NAME.part for the tree NAME.
 std::filesystem::path build_folder_of(std::filesystem::path tree);

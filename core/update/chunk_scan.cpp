@@ -105,11 +105,12 @@ FoundChunk chunk_of(const BpcHeader& header, std::uint32_t file, std::uint64_t a
 std::vector<FoundFile> list_data_files(const fs::path& folder)
 {
     std::vector<FoundFile> files;
+    std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
         FoundFile file;
         if (std::sscanf(name.c_str(), "chunks-%u.bpc", &file.number) != 1 || name != data_file_name(file.number) ||
-            file.number >= most_data_files)
+            file.number >= most_data_files || !entry.is_regular_file(error))
             continue;
         file.path = entry.path();
         files.push_back(std::move(file));

@@ -28,7 +28,7 @@ struct FoundFile {
     std::vector<std::string> faults;     // ranges of bytes that are neither chunks nor commit records
 };
 
-// The data files in a tree's folder, by number.
+// The data files in a tree's folder, by number; what is no regular file is left out.
 std::vector<FoundFile> list_data_files(const std::filesystem::path& folder);
 
 // Reads the headers from chunk to chunk; where none begins it searches for the next header whose checksum matches.

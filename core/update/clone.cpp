@@ -14,14 +14,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<std::byte> read_file(const fs::path& path)
-{
-    const File file(path, File::Mode::read);
-    std::vector<std::byte> bytes(file.size());
-    file.read_at(bytes.data(), bytes.size(), 0);
-    return bytes;
-}
-
 void copy_synced(const fs::path& from, const fs::path& to)
 {
     const File source(from, File::Mode::read);
@@ -42,7 +34,7 @@ void copy_synced(const fs::path& from, const fs::path& to)
 void clone_tree(const fs::path& tree, const fs::path& output)
 {
     const fs::path folder = Tree::open(tree)->folder();  // throws unless the index is valid
-    const std::vector<std::byte> index = read_file(folder / index_file_name);
+    const std::vector<std::byte> index = read_index(File(folder / index_file_name, File::Mode::read));
     const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
     BuildFolder made(output, false);
     if (made.left_over()) made.clear();
@@ -50,7 +42,9 @@ void clone_tree(const fs::path& tree, const fs::path& output)
         if (data_files[number].bytes == 0) continue;
         const std::string name = data_file_name(static_cast<std::uint32_t>(number));
         std::error_code no_links;
-        fs::create_hard_link(folder / name, made.tree() / name, no_links);
+        // Where the data file is a symbolic link, what it leads to: a copy of the link could lead elsewhere.
+        const fs::path real = fs::canonical(folder / name, no_links);
+        if (!no_links) fs::create_hard_link(real, made.tree() / name, no_links);
         if (no_links) copy_synced(folder / name, made.tree() / name);
     }
     if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, made.tree() / about_file_name);

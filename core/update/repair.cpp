@@ -29,16 +29,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<TreeIndex> read_index(const fs::path& folder, std::string& fault)
+// Something else of this name, such as a folder or a FIFO, is damage.
+bool is_file_or_missing(const fs::path& path)
+{
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    return fs::is_regular_file(status) || !fs::exists(status);
+}
+
+std::optional<TreeIndex> read_old_index(const fs::path& folder, std::string& fault)
 {
     try {
         const File file(folder / index_file_name, File::Mode::read);
-        std::vector<std::byte> bytes(file.size());
-        file.read_at(bytes.data(), bytes.size(), 0);
-        return decode_index(bytes, file.path());
+        return decode_index(read_index(file), file.path());
     } catch (const Error& error) {
         if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt &&
-            error.code() != ErrorCode::not_a_tree && error.code() != ErrorCode::truncated)
+            error.code() != ErrorCode::not_a_tree && error.code() != ErrorCode::truncated &&
+            is_file_or_missing(folder / index_file_name))
             throw;
         fault = error.what();
         return std::nullopt;
@@ -51,7 +58,7 @@ std::optional<TreeInfo> read_about_if_whole(const fs::path& folder, std::string&
         return read_about(folder);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::not_found && error.code() != ErrorCode::corrupt &&
-            error.code() != ErrorCode::truncated)
+            error.code() != ErrorCode::truncated && is_file_or_missing(folder / about_file_name))
             throw;
         fault = error.what();
         return std::nullopt;
@@ -76,7 +83,7 @@ public:
 
     RepairReport run()
     {
-        old_ = read_index(folder_, index_fault_);
+        old_ = read_old_index(folder_, index_fault_);
         about_ = read_about_if_whole(folder_, about_fault_);
         if (old_ && tree_is_whole()) {
             heal_around(old_->info, old_->data_files.size());
@@ -301,7 +308,7 @@ private:
         for (const FoundFile& file : files_) present.insert(file.number);
         for (std::uint32_t number = 0; number < data_files_; ++number)
             if (!present.count(number) && index.data_files[number].bytes) {
-                report_.faults.push_back(data_file_name(number) + " is missing");
+                report_.faults.push_back(data_file_name(number) + " is missing or no regular file");
                 index.data_files[number].bytes = 0;
             }
         return index;
@@ -351,13 +358,21 @@ private:
         decode_index(bytes, folder_ / index_file_name);  // checks the invariants before the old index is replaced
         write_about(folder_, index.info);
         const fs::path path = folder_ / index_file_name, damaged = folder_ / damaged_index_name;
-        if (fs::exists(path)) {
-            fs::remove(damaged);
-            std::error_code no_links;
-            fs::create_hard_link(path, damaged, no_links);
-            if (no_links) fs::copy_file(path, damaged);
-        }
+        if (fs::exists(fs::symlink_status(path))) keep_damaged(path, damaged);
         replace_file(path, bytes.data(), bytes.size());
+    }
+
+    void keep_damaged(const fs::path& path, const fs::path& damaged) const
+    {
+        if (fs::is_directory(fs::symlink_status(damaged)))
+            throw Error(ErrorCode::exists, damaged, "a folder has the name that the damaged index is to get",
+                        "move it out of the tree's folder");
+        fs::remove(damaged);
+        // What is no regular file cannot be copied, and a folder cannot be replaced by a file.
+        if (!fs::is_regular_file(fs::symlink_status(path))) return fs::rename(path, damaged);
+        std::error_code no_links;
+        fs::create_hard_link(path, damaged, no_links);
+        if (no_links) fs::copy_file(path, damaged);
     }
 
     fs::path folder_;
@@ -383,8 +398,7 @@ private:
 
 RepairReport repair_tree(const fs::path& path, const RepairOptions& options)
 {
-    fs::path folder = path.filename() == index_file_name ? path.parent_path() : path;
-    if (folder.empty()) folder = ".";
+    const fs::path folder = tree_folder_of(path);
     try {
         return Repair(folder, options).run();
     } catch (const fs::filesystem_error& error) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/system/progress.h"
+#include "pcm/system/tree_folder.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -9,8 +10,6 @@
 #include <vector>
 
 namespace pcm {
-
-inline constexpr const char* damaged_index_name = "index.pct.damaged";
 
 struct RepairOptions {
     bool check_only = false;  // changes nothing; the report describes what would be done

@@ -17,12 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a larger one is ended and another begun
 
-fs::path folder_of(const fs::path& path)
-{
-    if (path.filename() == index_file_name) return path.has_parent_path() ? path.parent_path() : fs::path(".");
-    return path;
-}
-
 // Keeps a lock file from being made in a folder that is no tree: opening it throws.
 const fs::path& checked(const fs::path& folder)
 {
@@ -68,7 +62,7 @@ ChunkIdentity identity_of(const PartNode& node, std::uint32_t generation)
     return identity;
 }
 
-TreeUpdate::TreeUpdate(const fs::path& path) : lock_(checked(folder_of(path))), tree_(Tree::open(path))
+TreeUpdate::TreeUpdate(const fs::path& path) : lock_(checked(tree_folder_of(path))), tree_(Tree::open(path))
 {
     generation_ = tree_->info().generation + 1;
     // about.pct first, then the data files: if this is interrupted and the index is then rebuilt, it is of this
@@ -95,8 +89,11 @@ fs::path TreeUpdate::scratch()
 {
     const fs::path path = folder() / update_scratch_name;
     std::error_code error;
-    if (!fs::create_directory(path, error) && error)
-        throw Error::from_errno(error.value(), path, "creating the folder");
+    if (fs::create_directory(path, error)) return path;
+    if (error) throw Error::from_errno(error.value(), path, "creating the folder");
+    if (!fs::is_directory(fs::symlink_status(path, error)))
+        throw Error(ErrorCode::exists, path, "this is a symbolic link where the scratch files of the update belong",
+                    "remove the link");
     return path;
 }
 

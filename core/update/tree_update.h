@@ -1,6 +1,7 @@
 // One change of a tree, from taking the lock to the new index.
 #pragma once
 
+#include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/tree_lock.h"
 #include "pcm/update/part_nodes.h"
@@ -12,8 +13,6 @@
 #include <vector>
 
 namespace pcm {
-
-inline constexpr const char* update_scratch_name = "update.tmp";  // in the tree's folder: scratch files of an update
 
 // Files in a tree's folder that an interrupted update has left: the index does not name them.
 std::vector<std::filesystem::path> leftovers(const std::filesystem::path& folder, std::size_t data_files);

@@ -2,6 +2,7 @@
 #include "pcm/update/append.h"
 
 #include "pcm/convert/open_cloud.h"
+#include "pcm/system/error.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
@@ -31,6 +32,9 @@ void run(const FilterRun& run)
     CloudOptions reading;
     reading.read.threads = options.threads;
     const CloudSources sources(inputs_of(run.parameters), reading);
+    if (sources.has(tree_folder_of(tree)))
+        throw Error(ErrorCode::invalid_argument, tree, "this tree is among the inputs: its points would be there twice",
+                    "name other inputs");
     const std::unique_ptr<PointReader> cloud = sources.open();
 
     Operation operation(run.callback);
@@ -43,6 +47,7 @@ void run(const FilterRun& run)
             " points in " + std::to_string(report.parts) + (report.parts == 1 ? " part." : " parts."));
     run.log("Largest position error: " + exact(report.outcome.error) + " source units.");
     log_skipped(run, report.points_skipped);
+    log_notes(run, sources.notes());
     log_notes(run, report.notes);
     show_result(run, target);
 }

@@ -25,8 +25,7 @@ std::shared_ptr<PointCloud> Registry::open(const std::filesystem::path& path)
 
     for (auto it = clouds_.begin(); it != clouds_.end();) it = it->second.expired() ? clouds_.erase(it) : std::next(it);
     std::error_code ignored;
-    const std::filesystem::path folder = path.filename() == index_file_name ? path.parent_path() : path;
-    const std::string canonical = std::filesystem::canonical(folder.empty() ? "." : folder, ignored).string();
+    const std::string canonical = std::filesystem::canonical(tree_folder_of(path), ignored).string();
     struct stat index {};
     if (canonical.empty() || stat((canonical + "/" + index_file_name).c_str(), &index) != 0)
         return PointCloud::open(path, cache);  // throws the error that fits

@@ -25,7 +25,7 @@ bool is_specified(const TextLayout& layout)
 std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshModel& layer,
                                       const ImportSettings& settings, const ProgressFunction& progress)
 {
-    if (extension_of(path) == tree_extension) return open_tree(path, layer);
+    if (extension_of(path) == tree_extension || is_file_of_tree(path)) return open_tree(path, layer);
 
     ReadOptions options;
     options.threads = 0;

@@ -10,8 +10,8 @@
 
 namespace pcm::host {
 
-// `path` is absolute: a tree folder, an index file, or a file of any readable format. Returns lines for the log. Throws
-// what readers, trees and the builder throw, and Error(cancelled).
+// `path` is absolute: a tree folder, any file of a tree, or a file of any readable format. Returns lines for the log.
+// Throws what readers, trees and the builder throw, and Error(cancelled).
 std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshModel& layer,
                                       const ImportSettings& settings, const ProgressFunction& progress);
 

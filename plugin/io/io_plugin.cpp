@@ -1,6 +1,8 @@
 #include "plugin/io/io_plugin.h"
 
 #include "pcm/io/formats.h"
+#include "pcm/system/output_path.h"
+#include "pcm/system/tree_folder.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/shading.h"
@@ -56,7 +58,7 @@ void PointCloudIo::initGlobalParameterSet(QAction*, RichParameterList& parameter
 void PointCloudIo::initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters)
 {
     const std::filesystem::path path = absolute_path(file_name);
-    if (format.compare(tree_extension, Qt::CaseInsensitive) == 0) return;
+    if (format.compare(tree_extension, Qt::CaseInsensitive) == 0 || is_file_of_tree(path)) return;
     if (is_point_cloud(path))
         add_file_settings(parameters, path);
     else if (auto* stock = stock_importer(format, this))
@@ -153,6 +155,7 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
     const std::filesystem::path path = absolute_path(file_name);
     try {
         Operation::refuse_second();
+        output_file(path);  // MeshLab's exporters would write into a tree
         if (auto* stock = exporter_instead(format, layer))
             return hand_over_save(*stock, format, file_name, layer, mask, parameters, callback, parent);
         // meshlabserver without -m passes an empty mask; then all members are written.

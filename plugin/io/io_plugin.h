@@ -1,4 +1,4 @@
-// Opens point clouds in MeshLab: trees (NAME.pct, or the index.pct in it) and files of every format that the core
+// Opens point clouds in MeshLab: trees (NAME.pct, or any file in it) and files of every format that the core
 // reads.
 #pragma once
 

@@ -181,6 +181,35 @@ class Formats(MeshLabTest):
         # All digits are kept, although MeshLab's positions are float.
         self.assertIn("5000000.125 4800000.001 1 7", back.read_text())
 
+    def test_any_file_of_a_tree_opens_it(self):
+        """A data file holds a part of the cloud: picked in the tree's folder it opens the tree, on its own it is a cloud."""
+        las = self.generate_file("cloud", 200000, "--origin", "500000,4800000,100")
+        tree, loose = self.folder / "cloud.pct", self.folder / "loose.bpc"
+        pcmlab("build", las, "-o", tree, "--chunk-points", 1000)
+        shutil.copy(tree / "chunks-000.bpc", loose)
+        part = pcmlab("info", loose, "--scan")["scanned"]["points"]
+        self.assertLess(part, 150000)
+        run = self.gui(f"""
+            wait-view
+            open {tree / "chunks-000.bpc"}
+            wait-layers 1
+            wait-log 200,000 points in {tree}
+            open {tree / "about.pct"}
+            wait-layers 2
+            open {tree / "chunks-001.bpc"}
+            wait-layers 3
+            expect-no-dialog
+            open {loose}
+            wait-layers 4
+            wait-log {part:,} points, BPC
+            expect-no-dialog
+            print-layers
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual([layer["label"] for layer in run.layers()][:3], ["cloud.pct"] * 3)
+        self.assertEqual(run.layers()[3]["vertices"], part)
+
     def test_bad_files_leave_meshlab_usable(self):
         good = self.folder / "good.las"
         pcmlab("generate", "--points", 1000, "--no-truth", good)

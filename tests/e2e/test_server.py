@@ -53,10 +53,24 @@ class Server(MeshLabTest):
 
     def test_opens_trees_and_las(self):
         pcmlab("build", self.las, "-o", self.folder / "t.pct")
-        for name in ("t.pct", "t.pct/index.pct", "a b.las"):
+        for name in ("t.pct", "t.pct/index.pct", "t.pct/chunks-000.bpc", "t.pct/about.pct", "a b.las"):
             with self.subTest(name):
                 run = self.server([information(self.folder / "t.pct")], "-i", self.folder / name)
                 self.assertEqual(run.code, 0, run.text)
+                if name.startswith("t.pct"):
+                    self.assertIn(f"120,000 points in {self.folder / 't.pct'}", run.text)
+
+    def test_writes_nothing_into_a_tree(self):
+        tree = self.folder / "t.pct"
+        pcmlab("build", self.las, "-o", tree)
+        before = {file.name: file.read_bytes() for file in tree.iterdir()}
+        self.assertRefused([build(self.las, tree / "index.pct", overwrite=True)], "did you mean the tree")
+        self.assertRefused([build(self.las, tree / "new.pct")], "inside the folder")
+        for name in ("chunks-000.bpc", "new.ply"):
+            run = self.server([], "-i", tree, "-o", tree / name)
+            self.assertIn("point cloud tree", run.text)
+            self.assertIn("outside the tree", run.text)
+        self.assertEqual({file.name: file.read_bytes() for file in tree.iterdir()}, before)
 
     def assertRefused(self, filters, *words):
         run = self.server(filters)

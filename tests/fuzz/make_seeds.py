@@ -180,7 +180,7 @@ def main():
             (folder / name / file).write_bytes(content)
     write_e57(folder / "e57")
     scene = folder / "las" / "scene.las"
-    subprocess.run([pcm, "generate", scene, "--points", "200", "--no-truth", "-q"], check=True)
+    subprocess.run([pcm, "generate", "--overwrite", scene, "--points", "200", "--no-truth", "-q"], check=True)
     write_trees(pcm, scene, folder)
     for extension in CONVERTED:
         (folder / extension).mkdir(exist_ok=True)

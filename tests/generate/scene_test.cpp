@@ -4,6 +4,7 @@
 #include "pcm/generate/determinism.h"
 #include "pcm/generate/site.h"
 #include "pcm/io/reader.h"
+#include "pcm/system/error.h"
 #include "tests/support.h"
 
 #include <cmath>
@@ -72,6 +73,7 @@ SceneOptions small_scene(std::uint64_t points, double extent = 90)
     SceneOptions options;
     options.points = points;
     options.extent = extent;
+    options.overwrite = true;
     return options;
 }
 
@@ -83,6 +85,59 @@ TEST(Scene, HasExactlyTheRequestedNumberOfPoints)
         EXPECT_EQ(open_reader(folder / "a.las")->info().points, count);
         EXPECT_EQ(report.outcome.points_out, count);
         EXPECT_EQ(points_of(folder / "a.las").size(), count);
+    }
+}
+
+TEST(Scene, ExistingFilesAreReplacedOnlyOnRequest)
+{
+    TemporaryFolder folder;
+    SceneOptions options = small_scene(100);
+    options.overwrite = false;
+    for (const char* name : {"a.las", "a.truth.json"}) {
+        std::filesystem::remove(folder / "a.las");
+        std::filesystem::remove(folder / "a.truth.json");
+        std::ofstream(folder / name) << "mine";
+        try {
+            generate_scene(folder / "a.las", options);
+            ADD_FAILURE() << name << " was replaced";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::exists);
+            EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+        }
+        EXPECT_EQ(read_bytes(folder / name), "mine");
+    }
+    generate_scene(folder / "a.las", options, false);  // the truth is not to be written
+    EXPECT_EQ(read_bytes(folder / "a.truth.json"), "mine");
+    options.overwrite = true;
+    generate_scene(folder / "a.las", options);
+    EXPECT_NE(read_bytes(folder / "a.truth.json"), "mine");
+}
+
+TEST(Scene, TheExtensionChoosesTheFormat)
+{
+    TemporaryFolder folder;
+    generate_scene(folder / "a.las", small_scene(3000));
+    const auto expected = points_of(folder / "a.las");
+    for (const char* name : {"a.ply", "a.bpc", "a.laz"}) {
+        try {
+            generate_scene(folder / name, small_scene(3000));
+        } catch (const Error& error) {  // a build without LAZ
+            EXPECT_NE(std::string(error.what()).find("without"), std::string::npos) << error.what();
+            continue;
+        }
+        const auto reader = open_reader(folder / name);
+        EXPECT_EQ(reader->info().points, 3000u) << name;
+        EXPECT_EQ(read_bytes(folder / name).substr(0, 3), name == std::string("a.ply")   ? "ply"
+                                                          : name == std::string("a.bpc") ? "BPC"
+                                                                                         : "LAS");
+        PointBatch batch;
+        reader->read(batch, 3000);
+        const auto* id = batch.attributes[*reader->info().schema.find("point_source_id")].as<std::uint16_t>();
+        for (std::size_t i = 0; i < 3000; ++i) ASSERT_EQ(id[i], expected[i].id) << name;
+    }
+    for (const char* name : {"a", "a.pct", "a.stl", "a.copc.laz"}) {
+        EXPECT_THROW(generate_scene(folder / name, small_scene(100)), Error) << name;
+        EXPECT_FALSE(std::filesystem::exists(folder / name));
     }
 }
 

@@ -23,6 +23,7 @@ inline fs::path scene(const test::TemporaryFolder& folder, const std::string& na
     SceneOptions options;
     options.points = points;
     options.origin = origin;
+    options.overwrite = true;
     const fs::path las = folder / name;
     generate_scene(las, options, false);
     return las;

@@ -3,6 +3,8 @@
 #include "pcm/system/error.h"
 #include "tests/support.h"
 
+#include <sys/stat.h>
+
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -97,6 +99,78 @@ TEST(File, EachModeOpensAsItsNameSays)
     EXPECT_EQ(code_of([&] { File(path, File::Mode::read).write_at("x", 1, 0); }), ErrorCode::io);
     File file(path, File::Mode::create_or_truncate);
     EXPECT_EQ(file.size(), 0u);
+}
+
+constexpr File::Mode all_modes[] = {File::Mode::read, File::Mode::create_new, File::Mode::create_or_truncate,
+                                    File::Mode::change, File::Mode::change_or_create};
+
+TEST(File, NothingIsWrittenThroughALink)
+{
+    const test::TemporaryFolder folder;
+    for (const File::Mode mode : all_modes) {
+        if (mode == File::Mode::read) continue;
+        std::ofstream(folder / "other") << "precious";
+        std::filesystem::remove(folder / "link");
+        std::filesystem::create_symlink("other", folder / "link");
+        try {
+            File(folder / "link", mode).write_at("xyz", 3, 0);
+            EXPECT_EQ(mode, File::Mode::create_or_truncate);  // it has replaced the link
+            EXPECT_FALSE(std::filesystem::is_symlink(folder / "link"));
+        } catch (const Error& error) {
+            EXPECT_NE(error.code(), ErrorCode::not_found) << error.what();
+        }
+        EXPECT_EQ(contents(folder / "other"), "precious");
+        // A link to nothing makes no file elsewhere.
+        std::filesystem::remove(folder / "link");
+        std::filesystem::create_symlink("made", folder / "link");
+        try {
+            File(folder / "link", mode);
+        } catch (const Error&) {
+        }
+        EXPECT_FALSE(std::filesystem::exists(folder / "made"));
+    }
+    std::filesystem::remove(folder / "link");
+    std::filesystem::create_symlink("other", folder / "link");
+    EXPECT_EQ(File(folder / "link", File::Mode::read).size(), 8u);
+}
+
+TEST(File, ANewFileLeavesTheOtherNamesOfTheOldOneAlone)
+{
+    const test::TemporaryFolder folder;
+    std::ofstream(folder / "other") << "precious";
+    std::filesystem::create_hard_link(folder / "other", folder / "same");
+    File(folder / "same", File::Mode::create_or_truncate).write_at("xyz", 3, 0);
+    EXPECT_EQ(contents(folder / "other"), "precious");
+    EXPECT_EQ(contents(folder / "same"), "xyz");
+    {
+        File(folder / "other", File::Mode::change_or_create);
+    }
+    EXPECT_EQ(contents(folder / "other"), "precious");
+}
+
+TEST(File, WhatIsNoRegularFileIsRefusedAtOnce)
+{
+    const test::TemporaryFolder folder;
+    ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0666), 0);
+    std::filesystem::create_directory(folder / "folder");
+    std::filesystem::create_symlink("fifo", folder / "link");
+    std::filesystem::create_symlink("/dev/zero", folder / "zeros");
+    for (const char* name : {"folder", "link", "zeros", "fifo"})
+        for (const File::Mode mode : all_modes) {
+            if (mode == File::Mode::create_or_truncate) continue;  // replaces what has the name
+            try {
+                File(folder / name, mode);
+                ADD_FAILURE() << name << " was opened";
+            } catch (const Error& error) {
+                EXPECT_EQ(error.code(), mode == File::Mode::create_new ? ErrorCode::exists : ErrorCode::unsupported)
+                    << error.what();
+            }
+        }
+    EXPECT_THROW(File(folder / "folder", File::Mode::create_or_truncate), Error);
+    {
+        File(folder / "fifo", File::Mode::create_or_truncate);
+    }
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder / "fifo"));
 }
 
 TEST(File, AMoveLeavesTheSourceClosed)

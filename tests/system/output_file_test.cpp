@@ -58,13 +58,14 @@ TEST(OutputFile, LeavesNothingWhenItIsNotFinished)
 TEST(OutputFile, LeavesWhatStandsInTheWay)
 {
     const test::TemporaryFolder folder;
-    std::filesystem::create_directory(folder / "f");
-    std::ofstream(folder / "f" / "inside") << "kept";
     {
         OutputFile file(folder / "f");
         file.append("text");
+        std::filesystem::create_directory(folder / "f");
+        std::ofstream(folder / "f" / "inside") << "kept";
         EXPECT_THROW(file.finish(), Error);
     }
+    EXPECT_THROW(OutputFile(folder / "f"), Error);
     EXPECT_EQ(contents(folder / "f" / "inside"), "kept");
     EXPECT_EQ(files_in(folder.path()), 1u);
     EXPECT_THROW(OutputFile(folder / "no/such/folder/f"), Error);

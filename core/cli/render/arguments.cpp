@@ -1,6 +1,7 @@
 #include "pcm/cli/render/arguments.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 
 #include <algorithm>
 #include <cctype>
@@ -291,15 +292,10 @@ std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pic
         const int digits = std::max(4, static_cast<int>(std::to_string(pictures).size()));
         for (std::size_t i = 1; i <= pictures; ++i) files.push_back(as_path / (numbered(i, digits) + ".png"));
     }
-    for (const fs::path& file : files) {
-        const fs::file_status status = fs::status(file, ignored);
-        if (!fs::exists(status)) continue;
-        if (!arguments.overwrite)
+    for (const fs::path& file : files)
+        if (fs::exists(output_file(file), ignored) && !arguments.overwrite)
             throw Error(ErrorCode::exists, file, "the output already exists",
                         "choose another name, or give --overwrite");
-        if (!fs::is_regular_file(status))
-            throw Error(ErrorCode::exists, file, "the output exists and is not a file", "choose another name");
-    }
     return files;
 }
 
