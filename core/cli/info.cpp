@@ -189,6 +189,7 @@ Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
             {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
         json["peak_rss_bytes"] = peak_rss_bytes();
     }
+    put_skipped(json, info.skipped);
     json["position_type"] = name_of(info.position_type);
     if (info.grid) {
         json["scale"] = info.grid->scale;
@@ -275,8 +276,9 @@ Run add_info(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options
-        .positional("input", arguments->inputs,
-                    "A tree folder, or its index file; or files and folders of files, merged into one cloud")
+        .positional(
+            "input", arguments->inputs,
+            "A tree folder, or its index file; or files, and folders with their sub-folders, merged into one cloud")
         .required();
     options.flag("--scan", arguments->scan, "Files: read all points, for the exact count and box");
     options.option("-t,--threads", arguments->threads, "Reading threads (default: one per processor)");

@@ -86,7 +86,7 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more)
         if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
-ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+ConvertReport convert_to_tree(CloudSources& sources, const fs::path& output, const ConvertOptions& options)
 {
     const auto cloud = sources.open();
     BuildOptions build;
@@ -99,6 +99,7 @@ ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& outpu
     ConvertReport report;
     report.outcome = built.outcome;
     report.points_skipped = built.points_skipped;
+    report.skipped = built.skipped;
     report.bytes = built.bytes;
     report.notes = built.notes;
     return report;
@@ -143,6 +144,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     writer->finish();
     // Complete only now: readers count dropped points while they read.
     report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
+    report.skipped = cloud->info().skipped;
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
         report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");
@@ -164,7 +166,7 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const std::string extension = extension_of(output);
     refuse_idle_options(options, output, extension);
     refuse_bad_selection(options.cloud.selection);
-    const CloudSources sources(inputs, options.cloud);
+    CloudSources sources(inputs, options.cloud);
     refuse_output(sources.paths(), output, options.overwrite);
     const bool to_tree = extension == tree_extension;
     const Format* const format = format_of_extension(extension);

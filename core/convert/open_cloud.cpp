@@ -38,22 +38,27 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
 
 CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptions& options) : options_(options)
 {
+    Selection box;  // trees are read only where they touch the box and the region
+    box.box = options.selection.box;
+    box.region = options.selection.region;
+    std::size_t trees = 0;
     for (const fs::path& input : inputs) {
         if (is_tree(input)) {
-            paths_.push_back(folder_of_tree(input));
-            is_tree_.push_back(true);
+            const fs::path folder = folder_of_tree(input);
+            inputs_.sources.push_back({folder, [folder, options, box] { return open_tree(folder, options, box); }});
+            ++trees;
             continue;
         }
         if (options.level || options.max_points)
             throw Error(ErrorCode::invalid_argument, input,
                         "only point cloud trees have levels, and this is not a tree",
                         "build a tree of it first with 'pcmlab build'");
-        for (fs::path& file : expand_inputs({input})) {
-            paths_.push_back(std::move(file));
-            is_tree_.push_back(false);
-        }
+        inputs_.add(input, options.read);
     }
-    if (paths_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
+    inputs_.skip_bad_files = options.read.skip_bad_files;
+    if (inputs.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
+    for (const MergedReader::Source& source : inputs_.sources) paths_.push_back(source.path);
+    is_one_tree_ = trees == 1 && inputs.size() == 1;
     if (options.level && options.max_points)
         throw Error(ErrorCode::invalid_argument, {},
                     "a level and a number of points were given; only one of them can choose the level");
@@ -62,32 +67,18 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
                     "a number of points chooses the level of a single tree; several inputs were given");
 }
 
-std::unique_ptr<PointReader> CloudSources::open() const
+std::unique_ptr<PointReader> CloudSources::open()
 {
     const Selection& selection = options_.selection;
-    if (paths_.size() == 1 && is_tree_[0]) return open_tree(paths_[0], options_, selection);
-    Selection box;  // trees are read only where they touch the box and the region
-    box.box = selection.box;
-    box.region = selection.region;
-    std::vector<MergedReader::Source> sources;
-    for (std::size_t i = 0; i < paths_.size(); ++i) {
-        if (is_tree_[i])
-            sources.push_back(
-                {paths_[i], [path = paths_[i], options = options_, box] { return open_tree(path, options, box); }});
-        else
-            sources.push_back(
-                {paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
+    names_.clear();
+    if (is_one_tree_) {
+        names_.push_back(paths_[0].filename().string());
+        return open_tree(paths_[0], options_, selection);
     }
-    auto merged = std::make_unique<MergedReader>(std::move(sources));
+    auto merged = std::make_unique<MergedReader>(inputs_);
+    for (const MergedReader::Source& source : merged->sources()) names_.push_back(source.path.filename().string());
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
     return std::make_unique<SelectedReader>(std::move(merged), selection);
-}
-
-std::vector<std::string> CloudSources::names() const
-{
-    std::vector<std::string> names;
-    for (const fs::path& path : paths_) names.push_back(path.filename().string());
-    return names;
 }
 
 }  // namespace pcm

@@ -16,15 +16,18 @@ public:
     CloudSources(const std::vector<std::filesystem::path>& inputs, const CloudOptions& options);
 
     // A new reader at the beginning of the cloud.
-    std::unique_ptr<PointReader> open() const;
+    std::unique_ptr<PointReader> open();
     // Files and trees: folders of files are expanded.
     const std::vector<std::filesystem::path>& paths() const { return paths_; }
-    std::vector<std::string> names() const;
+    // The names of those that the last open() reads: all but the bad files of ReadOptions::skip_bad_files.
+    const std::vector<std::string>& names() const { return names_; }
 
 private:
     CloudOptions options_;
     std::vector<std::filesystem::path> paths_;
-    std::vector<bool> is_tree_;
+    MergedReader::Inputs inputs_;
+    bool is_one_tree_ = false;
+    std::vector<std::string> names_;
 };
 
 }  // namespace pcm

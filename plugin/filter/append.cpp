@@ -29,8 +29,8 @@ void run(const FilterRun& run)
     options.memory_bytes = memory_of(run.parameters);
     options.threads = threads_of(run.parameters);
     CloudOptions reading;
-    reading.read.threads = options.threads;
-    const CloudSources sources(inputs_of(run.parameters), reading);
+    reading.read = reading_of(run.parameters);
+    CloudSources sources(inputs_of(run.parameters), reading);
     const std::unique_ptr<PointReader> cloud = sources.open();
 
     Operation operation(run.callback);
