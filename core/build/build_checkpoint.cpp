@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Incremented whenever the same files and options would make another tree, or the layout of scratch files changes.
-constexpr std::uint32_t build_version = 2;
+constexpr std::uint32_t build_version = 3;
 
 template <class T>
 void put_all(ByteWriter& out, const T& values)
@@ -77,6 +77,9 @@ void save_bins(const Ingested& cloud, const AnyBins& any, ByteWriter& out)
     for (const Vec3i& p : cloud.observed.extremes) put_all(out, p);
     out.put(cloud.points_in);
     out.put(cloud.points_skipped);
+    out.put(cloud.skipped.lines);
+    out.put(cloud.skipped.files);
+    out.put(cloud.skipped.incomplete_files);
     out.put(static_cast<std::uint64_t>(cloud.notes.size()));
     for (const std::string& note : cloud.notes) out.put_string(note);
     out.put(static_cast<std::uint64_t>(cloud.metadata.size()));
@@ -112,6 +115,9 @@ AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteRe
     for (Vec3i& p : cloud.observed.extremes) get_all(in, p);
     cloud.points_in = in.get<std::uint64_t>();
     cloud.points_skipped = in.get<std::uint64_t>();
+    cloud.skipped.lines = in.get<std::uint64_t>();
+    cloud.skipped.files = in.get<std::uint64_t>();
+    cloud.skipped.incomplete_files = in.get<std::uint64_t>();
     const auto notes = in.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < notes; ++i) cloud.notes.push_back(in.get_string());
     const auto items = in.get<std::uint64_t>();
@@ -140,6 +146,8 @@ std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, con
     out.put(static_cast<std::uint64_t>(text.columns.size()));
     for (const std::string& column : text.columns) out.put_string(column);
     out.put(text.colour_range.value_or(-1));
+    out.put(static_cast<std::uint8_t>(options.read.skip_bad_lines));
+    out.put(static_cast<std::uint8_t>(options.read.skip_bad_files));
     out.put(static_cast<std::uint64_t>(files.size()));
     for (const fs::path& file : files) {
         struct stat status {};

@@ -81,6 +81,7 @@ public:
         folder_.publish();
         report_.scratch_bytes = work().space.peak();
         report_.notes = cloud_found().notes;
+        report_.skipped = cloud_found().skipped;
         if (std::string note = describe(remains, resumed_); !note.empty()) report_.notes.push_back(std::move(note));
         report_.outcome.seconds = work().watch.seconds();
         return report_;
@@ -140,6 +141,7 @@ private:
         const FileInfo& info = cloud_.info();
         cloud_found().notes.insert(cloud_found().notes.begin(), info.notes.begin(), info.notes.end());
         cloud_found().metadata = info.metadata;
+        cloud_found().skipped = info.skipped;
         checkpoint_bins(bins);
         make_tree(bins, {});
     }

@@ -32,6 +32,7 @@ struct BuildOptions {
 struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
     std::uint64_t points_skipped = 0;  // without a finite position
+    Skipped skipped;                   // bad lines and files
     std::uint64_t bytes = 0;           // of the tree folder
     std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
     std::uint64_t nodes = 0;
@@ -39,7 +40,7 @@ struct BuildReport {
     std::vector<std::string> notes;  // from the readers, and about merged schemas
 };
 
-// Reads `inputs` (files, or folders of files) as one cloud and writes the tree folder `output`.
+// Reads `inputs` (files, and folders as expand_inputs() expands them) as one cloud and writes the tree folder `output`.
 //
 // The same input, chunk_points and memory give the same bytes whatever the number of threads; the memory decides how
 // the cloud is partitioned and so may change the tree's shape, never its points. The tree is built in the folder

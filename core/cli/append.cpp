@@ -24,7 +24,7 @@ int append(Arguments& arguments)
 {
     CloudOptions cloud_options;
     cloud_options.read = arguments.reading.get(arguments.options.threads);
-    const CloudSources sources({arguments.inputs.begin(), arguments.inputs.end()}, cloud_options);
+    CloudSources sources({arguments.inputs.begin(), arguments.inputs.end()}, cloud_options);
     if (sources.has(tree_folder_of(arguments.tree)))
         throw Error(ErrorCode::invalid_argument, arguments.tree,
                     "this tree is among the inputs: its points would be there twice", "name other inputs");
@@ -41,6 +41,7 @@ int append(Arguments& arguments)
         put_outcome(json, report.outcome);
         json["points_added"] = report.points_added;
         json["points_skipped"] = report.points_skipped;
+        put_skipped(json, report.skipped);
         json["nodes_added"] = report.nodes_added;
         json["bytes_written"] = report.bytes_written;
         json["parts"] = report.parts;
@@ -67,7 +68,7 @@ Run add_append(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
-    options.positional("input", arguments->inputs, "Files, folders of files or trees to add").required();
+    options.positional("input", arguments->inputs, "Files, folders with their sub-folders, or trees to add").required();
     options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();
     options.option("-t,--threads", arguments->options.threads, "Threads (default: one per processor)");
     options.option("--chunk-points", arguments->options.chunk_points,

@@ -39,6 +39,7 @@ int build(Arguments& arguments)
         json["tree"] = output.string();
         put_outcome(json, report.outcome);
         json["points_skipped"] = report.points_skipped;
+        put_skipped(json, report.skipped);
         json["bytes"] = report.bytes;
         json["scratch_bytes"] = report.scratch_bytes;
         json["position_error"] = report.outcome.error;
@@ -67,7 +68,8 @@ int build(Arguments& arguments)
 Run add_build(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
-    options.positional("input", arguments->inputs, "Files or folders of files, merged into one cloud").required();
+    options.positional("input", arguments->inputs, "Files, and folders with their sub-folders, merged into one cloud")
+        .required();
     options.option("-o,--output", arguments->output,
                    "Tree folder to write (default: the first input's name with .pct)");
     options.option("-m,--memory", arguments->memory, "Memory limit of the build, e.g. 512M or 2G (default 1G)").bytes();

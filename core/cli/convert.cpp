@@ -78,6 +78,7 @@ int convert(Arguments& arguments)
         put_outcome(json, report.outcome);
         json["points_selected"] = report.outcome.points_in;
         json["points_skipped"] = report.points_skipped;
+        put_skipped(json, report.skipped);
         json["bytes"] = report.bytes;
         json["position_error"] = report.outcome.error;
         if (report.grid) json["grid"] = {{"scale", report.grid->scale}, {"offset", report.grid->offset}};
@@ -160,7 +161,8 @@ Run add_convert(Options& options)
     for (const std::string& extension : writable_extensions()) writable += ", " + extension;
     options
         .positional("paths", arguments->paths,
-                    "Files, folders of files or trees, merged into one cloud; then the output, whose extension sets "
+                    "Files, folders with their sub-folders, or trees, merged into one cloud; then the output, whose "
+                    "extension sets "
                     "the format: " +
                         writable)
         .required();

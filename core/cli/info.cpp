@@ -208,6 +208,7 @@ Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
         json["peak_rss_bytes"] = peak_rss_bytes();
         if (scanned->statistics) json["statistics"] = json_of_statistics(*scanned->statistics, info.schema);
     }
+    put_skipped(json, info.skipped);
     json["position_type"] = name_of(info.position_type);
     if (info.grid) {
         json["scale"] = info.grid->scale;
@@ -310,8 +311,9 @@ Run add_info(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options
-        .positional("input", arguments->inputs,
-                    "A tree folder, or any file of it; or files and folders of files, merged into one cloud")
+        .positional(
+            "input", arguments->inputs,
+            "A tree folder, or any file of it; or files, and folders with their sub-folders, merged into one cloud")
         .required();
     options.flag("--scan", arguments->scan, "Files: read all points, for the exact count and box");
     options.flag("--statistics", arguments->statistics,

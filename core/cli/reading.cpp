@@ -6,6 +6,15 @@ namespace pcm::cli {
 
 void ReadingOptions::add_to(Options& options)
 {
+    const char* const faults = "Bad input (an error by default)";
+    options
+        .flag("--skip-bad-lines", skip_bad_lines_,
+              "Text, PTS, PTX: skip and count lines that are not points instead of refusing the file")
+        .group(faults);
+    options
+        .flag("--skip-bad-files", skip_bad_files_,
+              "Skip and count files that cannot be opened; of those that fail later keep what was read")
+        .group(faults);
     const char* const group = "Text files (detected by default)";
     options.option("--columns", columns_, "Names of the columns, such as \"x y z intensity r g b\"; - skips a column")
         .group(group);
@@ -29,6 +38,8 @@ ReadOptions ReadingOptions::get(unsigned threads) const
     ReadOptions options;
     options.threads = threads;
     options.ignore_crs = ignore_crs_;
+    options.skip_bad_lines = skip_bad_lines_;
+    options.skip_bad_files = skip_bad_files_;
     if (!columns_.empty()) options.text.columns = parse_columns(columns_);
     if (!separator_.empty()) {
         const std::string& s = separator_;
@@ -48,6 +59,13 @@ ReadOptions ReadingOptions::get(unsigned threads) const
         throw Error(ErrorCode::invalid_argument, {}, "--colour-range must be 1, 255 or 65535");
     options.text.colour_range = colour_range_;
     return options;
+}
+
+void put_skipped(Json& json, const Skipped& skipped)
+{
+    json["lines_skipped"] = skipped.lines;
+    json["files_skipped"] = skipped.files;
+    json["files_incomplete"] = skipped.incomplete_files;
 }
 
 }  // namespace pcm::cli

@@ -1,4 +1,4 @@
-// Options of several commands: how text files are read.
+// Options of several commands: how files are read.
 #pragma once
 
 #include "pcm/cli/common.h"
@@ -11,7 +11,7 @@ namespace pcm::cli {
 
 class ReadingOptions {
 public:
-    // --columns, --separator, --skip-lines, --colour-range.
+    // --skip-bad-lines, --skip-bad-files, --columns, --separator, --skip-lines, --colour-range.
     void add_to(Options& options);
     // --ignore-crs, of commands that make one cloud out of several.
     void add_ignore_crs(Options& options);
@@ -23,6 +23,10 @@ private:
     std::optional<std::size_t> skip_lines_;
     std::optional<double> colour_range_;
     bool ignore_crs_ = false;
+    bool skip_bad_lines_ = false, skip_bad_files_ = false;
 };
+
+// lines_skipped, files_skipped and files_incomplete.
+void put_skipped(Json& json, const Skipped& skipped);
 
 }  // namespace pcm::cli

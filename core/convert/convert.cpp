@@ -83,14 +83,14 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more)
         if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
-std::unique_ptr<PointReader> open_selected(const CloudSources& sources, const Selection& selection)
+std::unique_ptr<PointReader> open_selected(CloudSources& sources, const Selection& selection)
 {
     auto points = sources.open();
     if (!selection.chooses_points()) return points;
     return require_points(std::move(points), [&sources] { return sources.bounds(); });
 }
 
-ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+ConvertReport convert_to_tree(CloudSources& sources, const fs::path& output, const ConvertOptions& options)
 {
     const auto cloud = open_selected(sources, options.cloud.selection);
     BuildOptions build;
@@ -103,6 +103,7 @@ ConvertReport convert_to_tree(const CloudSources& sources, const fs::path& outpu
     ConvertReport report;
     report.outcome = built.outcome;
     report.points_skipped = built.points_skipped;
+    report.skipped = built.skipped;
     report.bytes = built.bytes;
     report.notes = built.notes;
     return report;
@@ -187,6 +188,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     writer->finish();
     // Complete only now: readers count dropped points while they read.
     report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
+    report.skipped = cloud->info().skipped;
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
         report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");
@@ -208,7 +210,7 @@ ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& outpu
     const std::string extension = extension_of(output);
     refuse_idle_options(options, output, extension);
     refuse_impossible_box(options.cloud.selection);
-    const CloudSources sources(inputs, options.cloud);
+    CloudSources sources(inputs, options.cloud);
     refuse_output(sources, output, options.overwrite);
     const bool to_tree = extension == tree_extension;
     if (!to_tree) check_writable_name(output);

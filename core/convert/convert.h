@@ -24,9 +24,9 @@ struct CloudOptions {
     ReadOptions read{0, {}};
 };
 
-// The selected points of files, trees and folders of files, as one cloud. Trees are read only where the box is. A file
-// of a tree (index.pct, chunks-000.bpc) stands for the tree; a tree that is named twice is read once. Throws what
-// readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no tree.
+// The selected points of files, trees and folders (expand_inputs()), as one cloud. Trees are read only where the box
+// is. A file of a tree (index.pct, chunks-000.bpc) stands for the tree; a tree that is named twice is read once. Throws
+// what readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no tree.
 std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
                                         const CloudOptions& options = {});
 
@@ -54,6 +54,7 @@ struct ConvertOptions {
 struct ConvertReport {
     Outcome outcome;                   // points selected and written; error: largest position error, source units
     std::uint64_t points_skipped = 0;  // selected, but dropped: the format needs finite positions
+    Skipped skipped;                   // bad lines and files
     std::uint64_t bytes = 0;           // of the output
     std::optional<Grid> grid;          // chosen for a cloud of doubles
     std::vector<std::string> notes;    // of the readers and the writer

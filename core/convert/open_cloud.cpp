@@ -48,12 +48,12 @@ CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptio
             throw Error(ErrorCode::invalid_argument, input,
                         "only point cloud trees have levels, and this is not a tree",
                         "build a tree of it first with 'pcmlab build'");
-        for (fs::path& file : expand_inputs({input})) {
-            paths_.push_back(std::move(file));
-            is_tree_.push_back(false);
-        }
+        inputs_.add(input, options.read);
     }
-    if (paths_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
+    inputs_.skip_bad_files = options.read.skip_bad_files;
+    inputs_.ignore_crs = options.read.ignore_crs;
+    if (inputs.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input was given");
+    for (const MergedReader::Source& source : inputs_.sources) paths_.push_back(source.path);
     if (options.level && options.max_points)
         throw Error(ErrorCode::invalid_argument, {},
                     "a level and a number of points were given; only one of them can choose the level");
@@ -70,32 +70,28 @@ void CloudSources::add_tree(const fs::path& input)
         notes_.push_back(input.string() + " is a file of the point cloud tree " + folder.string() +
                          ": the whole tree is read");
     std::error_code error;
-    for (std::size_t i = 0; i < paths_.size(); ++i)
-        if (is_tree_[i] && fs::equivalent(paths_[i], folder, error)) {
+    for (const fs::path& tree : trees_)
+        if (fs::equivalent(tree, folder, error)) {
             notes_.push_back("the tree " + folder.string() + " is named more than once; it is read once");
             return;
         }
-    paths_.push_back(folder);
-    is_tree_.push_back(true);
+    Selection box;  // trees are read only where they touch the box and the region
+    box.box = options_.selection.box;
+    box.region = options_.selection.region;
+    inputs_.sources.push_back({folder, [folder, options = options_, box] { return open_tree(folder, options, box); }});
+    trees_.push_back(folder);
 }
 
-std::unique_ptr<PointReader> CloudSources::open() const
+std::unique_ptr<PointReader> CloudSources::open()
 {
     const Selection& selection = options_.selection;
-    if (paths_.size() == 1 && is_tree_[0]) return open_tree(paths_[0], options_, selection);
-    Selection box;  // trees are read only where they touch the box and the region
-    box.box = selection.box;
-    box.region = selection.region;
-    std::vector<MergedReader::Source> sources;
-    for (std::size_t i = 0; i < paths_.size(); ++i) {
-        if (is_tree_[i])
-            sources.push_back(
-                {paths_[i], [path = paths_[i], options = options_, box] { return open_tree(path, options, box); }});
-        else
-            sources.push_back(
-                {paths_[i], [path = paths_[i], read = options_.read] { return open_reader(path, read); }});
+    names_.clear();
+    if (trees_.size() == 1 && paths_.size() == 1 && inputs_.left_out.empty()) {
+        names_.push_back(paths_[0].filename().string());
+        return open_tree(paths_[0], options_, selection);
     }
-    auto merged = std::make_unique<MergedReader>(std::move(sources), options_.read.ignore_crs);
+    auto merged = std::make_unique<MergedReader>(inputs_);
+    for (const MergedReader::Source& source : merged->sources()) names_.push_back(source.path.filename().string());
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
     return std::make_unique<SelectedReader>(std::move(merged), selection, passed_);
 }
@@ -103,9 +99,7 @@ std::unique_ptr<PointReader> CloudSources::open() const
 Box3d CloudSources::bounds() const
 {
     Box3d box = *passed_;
-    for (std::size_t i = 0; i < paths_.size(); ++i) {
-        if (is_tree_[i]) box.extend(Tree::open(paths_[i])->info().bounds());
-    }
+    for (const fs::path& tree : trees_) box.extend(Tree::open(tree)->info().bounds());
     return box;
 }
 
@@ -114,13 +108,6 @@ bool CloudSources::has(const fs::path& path) const
     std::error_code error;
     return std::any_of(paths_.begin(), paths_.end(),
                        [&](const fs::path& input) { return fs::equivalent(input, path, error); });
-}
-
-std::vector<std::string> CloudSources::names() const
-{
-    std::vector<std::string> names;
-    for (const fs::path& path : paths_) names.push_back(path.filename().string());
-    return names;
 }
 
 }  // namespace pcm

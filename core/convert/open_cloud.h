@@ -16,13 +16,13 @@ public:
     CloudSources(const std::vector<std::filesystem::path>& inputs, const CloudOptions& options);
 
     // A new reader at the beginning of the cloud.
-    std::unique_ptr<PointReader> open() const;
-    // Of files and trees: folders of files are expanded.
-    std::vector<std::string> names() const;
+    std::unique_ptr<PointReader> open();
+    // The names of those that the last open() reads: all but the bad files of ReadOptions::skip_bad_files.
+    const std::vector<std::string>& names() const { return names_; }
     // Around all points of the trees, and around those of the files that a reader of open() has passed without
     // selecting one: complete once a reader has come to the end without a point. Source coordinates.
     Box3d bounds() const;
-    // Whether `path` is one of them, however it is spelled.
+    // Whether `path` is one of them, however it is spelled. Folders of files are expanded.
     bool has(const std::filesystem::path& path) const;
     // What a user should know: inputs that stand for a whole tree, and trees that were named twice.
     const std::vector<std::string>& notes() const { return notes_; }
@@ -32,7 +32,9 @@ private:
 
     CloudOptions options_;
     std::vector<std::filesystem::path> paths_;
-    std::vector<bool> is_tree_;
+    std::vector<std::filesystem::path> trees_;
+    MergedReader::Inputs inputs_;
+    std::vector<std::string> names_;
     std::shared_ptr<Box3d> passed_ = std::make_shared<Box3d>();
     std::vector<std::string> notes_;
 };

@@ -112,6 +112,13 @@ const ForeignFormat* foreign_format_of_extension(std::string_view extension)
     return find(foreign, [&](const ForeignFormat& f) { return f.magic.empty() && f.extension == extension; });
 }
 
+std::string readable_hint()
+{
+    std::string text;
+    for (const std::string& extension : readable_extensions()) text += (text.empty() ? "." : ", .") + extension;
+    return "readable are " + text;
+}
+
 std::string first_bytes_of(const std::filesystem::path& path)
 {
     std::string bytes(16, '\0');

@@ -75,6 +75,9 @@ struct ForeignFormat {
 const ForeignFormat* foreign_format_of_magic(std::string_view first_bytes);    // null when unknown
 const ForeignFormat* foreign_format_of_extension(std::string_view extension);  // of those without magic
 
+// "readable are .bpc, .las, ...", the hint of messages about files that are not.
+std::string readable_hint();
+
 // First bytes that suffice for all magic; fewer when the file is shorter. Throws Error(not_found | permission | io).
 std::string first_bytes_of(const std::filesystem::path& path);
 

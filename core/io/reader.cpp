@@ -2,20 +2,11 @@
 
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
-#include "pcm/system/tree_folder.h"
 
-#include <algorithm>
 #include <string_view>
 
 namespace pcm {
 namespace {
-
-std::string readable_hint()
-{
-    std::string text;
-    for (const std::string& extension : readable_extensions()) text += (text.empty() ? "." : ", .") + extension;
-    return "readable are " + text;
-}
 
 // The format of a file without magic: by the structure of its lines, else by its extension. Null when it is neither.
 // Lines of points alone prove little: where the extension is a format's, that format is taken.
@@ -31,15 +22,6 @@ const Format* format_of_text(const std::filesystem::path& path, const Format* na
     return nullptr;
 }
 
-bool is_cloud_of_folder(const std::filesystem::path& path)
-{
-    const Format* const named = format_of_extension(extension_of(path));
-    if (!named || !named->has(common_extension)) return named != nullptr;
-    const auto& all = formats();
-    return std::any_of(all.begin(), all.end(),
-                       [&](const Format& format) { return format.looks_like && format.looks_like(path); });
-}
-
 std::filesystem::file_status status_of(const std::filesystem::path& path)
 {
     std::error_code error;
@@ -48,17 +30,6 @@ std::filesystem::file_status status_of(const std::filesystem::path& path)
         throw Error(ErrorCode::not_found, path, "no such file or folder");
     if (error) throw Error::from_errno(error.value(), path, "looking at it");
     return status;
-}
-
-void refuse_tree(const std::filesystem::path& input)
-{
-    const std::filesystem::path folder = tree_folder_of(input);
-    if (is_tree_folder(folder))
-        throw Error(ErrorCode::unsupported, input,
-                    folder == input ? "this is a point cloud tree; files were expected"
-                                    : "this is a file of the point cloud tree " + folder.string() +
-                                          ", and holds only a part of the cloud",
-                    "'pcmlab convert' copies trees, also into a tree, and 'pcmlab append' adds them to one");
 }
 
 }  // namespace
@@ -101,32 +72,6 @@ std::vector<std::string> readable_extensions()
         for (const std::string_view extension : format.extensions)
             if (!extension.empty()) all.emplace_back(extension);
     return all;
-}
-
-std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs)
-{
-    std::vector<std::filesystem::path> files;
-    for (const std::filesystem::path& input : inputs) {
-        refuse_tree(input);
-        if (!std::filesystem::is_directory(status_of(input))) {
-            files.push_back(input);
-            continue;
-        }
-        std::vector<std::filesystem::path> inside;
-        std::error_code error;
-        std::filesystem::directory_iterator entry(input, error);
-        for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-            std::error_code unknown;
-            if (entry->is_regular_file(unknown) && is_cloud_of_folder(entry->path())) inside.push_back(entry->path());
-        }
-        if (error) throw Error::from_errno(error.value(), input, "listing the folder");
-        if (inside.empty())
-            throw Error(ErrorCode::not_found, input, "the folder holds no file with a readable extension",
-                        readable_hint());
-        std::sort(inside.begin(), inside.end());
-        files.insert(files.end(), inside.begin(), inside.end());
-    }
-    return files;
 }
 
 }  // namespace pcm

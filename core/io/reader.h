@@ -22,6 +22,13 @@
 
 namespace pcm {
 
+// What was left out because of ReadOptions::skip_bad_lines and skip_bad_files, up to now.
+struct Skipped {
+    std::uint64_t lines = 0;
+    std::uint64_t files = 0;             // that could not be opened: none of their points
+    std::uint64_t incomplete_files = 0;  // whose points could be read up to a fault only
+};
+
 struct FileInfo {
     std::string format;                          // "LAS 1.2, point format 3", "PLY binary little endian"
     std::uint64_t points = 0;                    // as the file states; the reader checks it
@@ -34,6 +41,7 @@ struct FileInfo {
     std::vector<Metadata> metadata;
     // What a user should know: "12 faces ignored", "VLR count is wrong". For people: no code depends on the words.
     std::vector<std::string> notes;
+    Skipped skipped;
     // Of a text file of columns: the layout that it is read with, detected or as the user stated it.
     std::optional<TextLayout> text_layout;
 };
@@ -42,8 +50,8 @@ class PointReader {
 public:
     virtual ~PointReader() = default;
 
-    // Notes and metadata may grow while points are read: they then include what only reading finds, and how many points
-    // were dropped.
+    // Notes, metadata and `skipped` may grow while points are read: they then include what only reading finds, and how
+    // many points were dropped.
     virtual const FileInfo& info() const = 0;
 
     // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
@@ -67,6 +75,12 @@ struct ReadOptions {
     TextLayout text;       // of text files; unset members are detected
     // Of several files as one cloud: coordinate systems and GPS times that differ are noted instead of refused.
     bool ignore_crs = false;
+    // Text, PTS and PTX: lines that are not points are counted and noted, not refused. Values that do not fit the type
+    // found for their column are refused all the same.
+    bool skip_bad_lines = false;
+    // Of several files (MergedReader): those that cannot be opened are left out, and of one that fails while it is read
+    // the batches before the fault are kept; both are counted and noted. It is an error when no file is left.
+    bool skip_bad_files = false;
 };
 
 // Throws Error(not_found | permission | bad_format | truncated | unsupported).
@@ -75,9 +89,15 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();
 
-// Files stay as they are. A folder is replaced by the readable files directly in it, in name order; a .txt, .csv or
-// .asc only if it holds points. Throws Error(not_found) for a missing path and for a folder without any readable file,
-// and Error(unsupported) for the folder or a file of a point cloud tree, of which single files are only a part.
-std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs);
+// Files stay as they are. A folder is replaced by the readable files in it, in name order, and then by those of its
+// sub-folders, in name order too. Left out, and counted with examples in one of `notes` for each folder: hidden files
+// and folders (.NAME), files of other formats, a .txt, .csv or .asc that does not hold points, point cloud trees (they
+// may be of the same points), and links to folders. Throws Error(not_found) for a missing path and for a folder without
+// any readable file, Error(unsupported) for the folder or a file of a point cloud tree, of which single files are only
+// a part, and Error(permission) for a folder that cannot be listed, unless it is a sub-folder and `skip_unreadable`
+// counts it too.
+std::vector<std::filesystem::path> expand_inputs(const std::vector<std::filesystem::path>& inputs,
+                                                 std::vector<std::string>* notes = nullptr,
+                                                 bool skip_unreadable = false);
 
 }  // namespace pcm

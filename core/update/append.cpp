@@ -57,6 +57,7 @@ public:
         // Points without a finite position are left out by the reader for integers, and by the partition for doubles.
         report_.outcome.points_in = found_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
         // Only now: readers add notes while they read.
+        report_.skipped = cloud_.info().skipped;
         report_.notes = cloud_.info().notes;
         report_.notes.insert(report_.notes.end(), system_notes_.begin(), system_notes_.end());
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());

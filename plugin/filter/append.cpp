@@ -30,8 +30,8 @@ void run(const FilterRun& run)
     options.memory_bytes = memory_of(run.parameters);
     options.threads = threads_of(run.parameters);
     CloudOptions reading;
-    reading.read.threads = options.threads;
-    const CloudSources sources(inputs_of(run.parameters), reading);
+    reading.read = reading_of(run.parameters);
+    CloudSources sources(inputs_of(run.parameters), reading);
     if (sources.has(tree_folder_of(tree)))
         throw Error(ErrorCode::invalid_argument, tree, "this tree is among the inputs: its points would be there twice",
                     "name other inputs");

@@ -63,6 +63,7 @@ void run(const FilterRun& run)
     options.chunk_points = chunk_points_of(run.parameters);
     options.sampling = run.parameters.getBool("Fast") ? Sampling::grid : Sampling::poisson;
     options.overwrite = run.parameters.getBool("Overwrite");
+    options.read = reading_of(run.parameters);
 
     Operation operation(run.callback);
     options.progress = operation.progress();

@@ -90,8 +90,15 @@ std::uint32_t chunk_points_of(const RichParameterList& parameters)
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning)
 {
     parameters.addParam(RichString("Inputs", "", "Input files",
-                                   "Paths of files or of folders of files, separated by semicolons; " + meaning +
-                                       " Formats: " + readable_formats() + ". No default."));
+                                   "Paths of files or of folders, whose files and sub-folders are read, separated by "
+                                   "semicolons; " +
+                                       meaning + " Formats: " + readable_formats() + ". No default."));
+    parameters.addParam(RichBool("SkipBadLines", false, "Skip bad lines",
+                                 "In text, PTS and PTX, skip lines that are not points instead of refusing the file. "
+                                 "Their number and the first of them are logged. Default off."));
+    parameters.addParam(RichBool("SkipBadFiles", false, "Skip bad files",
+                                 "Skip files that cannot be opened, and keep the points that could be read of files "
+                                 "that fail later. Their number and names are logged. Default off."));
 }
 
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters)
@@ -99,6 +106,17 @@ std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters
     auto inputs = split_paths(parameters.getString("Inputs"));
     if (inputs.empty()) throw bad_parameter("no input file is given");
     return inputs;
+}
+
+ReadOptions reading_of(const RichParameterList& parameters)
+{
+    // Scripts of earlier versions do not have the parameters.
+    const auto is_on = [&](const char* name) { return parameters.hasParameter(name) && parameters.getBool(name); };
+    ReadOptions options;
+    options.threads = threads_of(parameters);
+    options.skip_bad_lines = is_on("SkipBadLines");
+    options.skip_bad_files = is_on("SkipBadFiles");
+    return options;
 }
 
 void add_tree_parameter(RichParameterList& parameters)

@@ -1,6 +1,7 @@
 // Parameters that several filters have, and lines of the log that several filters write.
 #pragma once
 
+#include "pcm/io/reader.h"
 #include "pcm/point_cloud.h"
 #include "plugin/filter/filter.h"
 
@@ -28,9 +29,11 @@ unsigned threads_of(const RichParameterList& parameters);
 void add_chunk_points_parameter(RichParameterList& parameters);
 std::uint32_t chunk_points_of(const RichParameterList& parameters);
 
-// "Inputs": files, or folders of files. `meaning` ends the sentence about what is done with them.
+// "Inputs": files, or folders of files. `meaning` ends the sentence about what is done with them. "SkipBadLines" and
+// "SkipBadFiles": whether faults in them are skipped.
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning);
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters);  // at least one
+ReadOptions reading_of(const RichParameterList& parameters);                        // threads included
 
 // "Tree": a tree folder. If it is empty, the tree of the current layer is meant; Error(invalid_argument) is thrown if
 // there is none.

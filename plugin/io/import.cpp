@@ -30,7 +30,9 @@ std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshMod
     ReadOptions options;
     options.threads = 0;
     options.text = settings.text;
-    TreeBeside tree{path, tree_path(path, settings.tree_folder), options, is_specified(settings.text)};
+    options.skip_bad_lines = settings.skip_bad_lines;
+    TreeBeside tree{path, tree_path(path, settings.tree_folder), options,
+                    is_specified(settings.text) || settings.skip_bad_lines};
     const auto reader = open_reader(path, options);
     const FileInfo info = reader->info();
     const bool surely_large = info.points_known && info.points > settings.largest_layer;

@@ -23,6 +23,7 @@ const QString columns = "Columns";
 const QString separator = "Separator";
 const QString skip_lines = "SkipLines";
 const QString colour_range = "ColourRange";
+const QString skip_bad_lines = "SkipBadLines";
 
 enum Ask { never, text_files, always };
 constexpr std::array<char, 4> separators{' ', ',', ';', '\t'};  // of the choices after "Detect"
@@ -86,26 +87,33 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
     if (when == never || (when == text_files && !is_text)) return;
 
     if (is_text) {
-        QString found;
+        QString found, reason;
         try {
             const auto reader = open_reader(file);
             if (const auto& layout = reader->info().text_layout)
                 found = " [found: " + QString::fromStdString(describe(*layout)).toHtmlEscaped() + "]";
-        } catch (const Error&) {
-            // Opening the file reports the error, unless the user specifies the layout.
+        } catch (const Error& error) {
+            // Opening the file fails, unless the user specifies the layout.
+            found = " [not detected]";
+            reason = " They are not detected: " + QString::fromStdString(error.what()).toHtmlEscaped();
         }
         parameters.addParam(
             RichString(columns, "", "Columns" + found,
                        "Names of the columns from the left, separated by blanks: x y z, each once; r g b for "
                        "a colour, nx ny nz for a normal, - for a column to skip, any other name for "
                        "an attribute, such as intensity. Example: x y z intensity r g b. Empty, the "
-                       "default: as detected, shown in brackets."));
+                       "default: as detected, shown in brackets." +
+                           reason));
         parameters.addParam(RichEnum(separator, 0, {"Detect", "Blanks", "Comma", "Semicolon", "Tab"}, "Separator",
                                      "Separator between columns. Default: as detected."));
         parameters.addParam(RichInt(skip_lines, -1, "Lines to skip",
                                     "Number of lines before the first point. -1, the default: as detected."));
         parameters.addParam(RichEnum(colour_range, 0, {"Detect", "0 to 1", "0 to 255", "0 to 65535"}, "Colour range",
                                      "Range of the colour components. Default: as detected."));
+        parameters.addParam(
+            RichBool(skip_bad_lines, false, "Skip bad lines",
+                     "Skip lines that are not points instead of refusing the file. Their number and the "
+                     "first of them are logged. Default off."));
     }
     const RichParameter* points = find(*globals, largest_layer);
     const RichParameter* folder = find(*globals, tree_folder);
@@ -129,6 +137,7 @@ ImportSettings read_import_settings(const RichParameterList& parameters)
     if (const int n = parameters.getInt(skip_lines); n >= 0) settings.text.skip_lines = static_cast<std::size_t>(n);
     if (const int i = parameters.getEnum(colour_range); i > 0)
         settings.text.colour_range = colour_ranges[static_cast<std::size_t>(i) - 1];
+    settings.skip_bad_lines = parameters.hasParameter(skip_bad_lines) && parameters.getBool(skip_bad_lines);
     return settings;
 }
 

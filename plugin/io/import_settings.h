@@ -18,6 +18,7 @@ struct ImportSettings {
     std::uint64_t largest_layer = 1'000'000;  // a cloud of more points becomes a tree
     std::filesystem::path tree_folder;        // where these trees are written; empty: next to the file
     TextLayout text;                          // as far as the user has specified it
+    bool skip_bad_lines = false;              // of text
 };
 
 // The persistent ones, for Tools > Options.

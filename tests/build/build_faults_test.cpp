@@ -244,6 +244,27 @@ TEST_F(BuildFaults, AnotherBuildStartsFromTheBeginning)
     EXPECT_TRUE(contents(out()) == reference_);
 }
 
+TEST_F(BuildFaults, AResumedBuildReportsTheLinesThatWereSkippedBefore)
+{
+    std::ofstream text(folder_ / "in.xyz");
+    for (const LasRecord& p : records(Shape::surface, 20000, 34)) text << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    text << "1 oops 3\n" << std::flush;
+    const auto words = command("--skip-bad-lines", "in.xyz");
+    const long calls = count_calls(words, work());
+    clean();
+    ASSERT_TRUE(run_with_fault(words, work(), "kill", calls * 9 / 10).killed);
+    BuildOptions skipping = options();
+    skipping.read.skip_bad_lines = true;
+    const BuildReport report = build_tree({folder_ / "in.xyz"}, out(), skipping);
+    EXPECT_TRUE(has_note(report, "was resumed"));
+    EXPECT_TRUE(has_note(report, "1 bad line was skipped, the first is line 20001"));
+    EXPECT_EQ(report.skipped.lines, 1u);
+    // Whether lines are skipped belongs to what is built.
+    clean();
+    ASSERT_TRUE(run_with_fault(words, work(), "kill", calls * 9 / 10).killed);
+    EXPECT_THROW(build_tree({folder_ / "in.xyz"}, out(), options()), Error);
+}
+
 TEST_F(BuildFaults, ProgressSaysThatItResumes)
 {
     interrupt(0.9);

@@ -150,6 +150,30 @@ class Formats(MeshLabTest):
         layer = run.layers()[0]
         self.assertEqual((layer["min"], layer["max"]), ([100, 200, 0], [599, 204, 2]))
 
+    def test_columns_that_are_not_understood(self):
+        """The dialog names the columns of a file that is refused without it, and skips a bad line."""
+        text = self.folder / "names.csv"
+        text.write_text("foo,bar,baz\n10,20,3\n11,oops,4\n12,22,5\n")
+        run = self.gui(f"""
+            wait-view
+            open {text}
+            press OK
+            press OK
+            expect-message not understood
+            open {text}
+            set Columns = y x z
+            set Skip bad lines = on
+            press OK
+            wait-layers 1
+            wait-log 2 points
+            wait-log 1 bad line was skipped
+            print-layers
+            quit
+            """)
+        self.assertDriven(run)
+        layer = run.layers()[0]
+        self.assertEqual((layer["min"], layer["max"]), ([20, 10, 3], [22, 12, 5]))
+
     def test_meshes_stay_meshlabs(self):
         """A PLY with faces is opened and saved as a mesh; one with only vertices is a cloud."""
         mesh = self.folder / "mesh.ply"

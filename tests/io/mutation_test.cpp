@@ -178,7 +178,8 @@ TEST(Mutations, Pcd) { survive(pcd_seeds(), "pcd", 3, 20000); }
 TEST(Mutations, Text) { survive(text_seeds(), "xyz", 3, 8000); }
 TEST(Mutations, Pts)
 {
-    survive({"3\n1 2 3 4\n5 6 7 8\n9 1 2 3\n", "1\n1 2 3 4 5 6 7\n2\n1 2 3 4 5 6 7\n7 6 5 4 3 2 1\n"}, "pts", 4, 8000);
+    survive({"3\n1 2 3 4\n5 6 7 8\n9 1 2 3\n", "1\n1 2 3 4 5 6 7\n2\n1 2 3 4 5 6 7\n7 6 5 4 3 2 1\n"}, "pts", 4, 8000,
+            30);
 }
 TEST(Mutations, Ptx) { survive(ptx_seeds(), "ptx", 5, 8000, 50); }
 TEST(Mutations, Ply) { survive(ply_seeds(), "ply", 2, 20000); }

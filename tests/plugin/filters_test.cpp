@@ -8,6 +8,7 @@
 
 #include <QPluginLoader>
 
+#include <fstream>
 #include <memory>
 #include <set>
 
@@ -174,6 +175,35 @@ TEST(Filters, AnUpdateGoesIntoACopyOrInPlaceButNotIntoNeither)
     EXPECT_EQ(points(tree), left);
     EXPECT_FALSE(fs::exists(folder / "ignored.pct"));
     EXPECT_TRUE(in_place->document.meshList.empty());
+}
+
+TEST(Filters, BadLinesAndFilesAreSkippedWhereTheParametersSaySo)
+{
+    const test::TemporaryFolder folder;
+    fs::create_directories(folder / "tiles" / "inner");
+    std::ofstream(folder / "tiles" / "a.xyz") << "1 2 3\n4 oops 6\n7 8 9\n";
+    std::ofstream(folder / "tiles" / "inner" / "b.xyz") << "10 20 30\n";
+    std::ofstream(folder / "tiles" / "c.las") << "no LAS";
+    const fs::path tree = folder / "tiles.pct";
+    const auto points = [&] { return Tree::open(tree)->info().points; };
+
+    FilterCall strict(build_name);
+    EXPECT_FALSE(strict.set("Inputs", folder / "tiles").set("Open", false).apply());
+    FilterCall build(build_name);
+    build.set("Inputs", folder / "tiles").set("Open", false).set("SkipBadLines", true).set("SkipBadFiles", true);
+    ASSERT_TRUE(build.apply()) << build.log();
+    EXPECT_EQ(points(), 3u);
+    for (const char* part : {"1 bad line was skipped", "line 2: found 'oops'", "left out: c.las"})
+        EXPECT_NE(build.log().find(part), std::string::npos) << part << " is not in\n" << build.log();
+
+    const char* const append_name = "Append to Point Cloud Tree";
+    FilterCall refused(append_name);
+    EXPECT_FALSE(refused.set("Tree", tree).set("Inputs", folder / "tiles").set("InPlace", true).apply());
+    FilterCall append(append_name);
+    append.set("Tree", tree).set("Inputs", folder / "tiles").set("InPlace", true);
+    ASSERT_TRUE(append.set("SkipBadLines", true).set("SkipBadFiles", true).apply()) << append.log();
+    EXPECT_EQ(points(), 6u);
+    EXPECT_NE(append.log().find("1 bad line was skipped"), std::string::npos) << append.log();
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "pcm/cloud/attribute.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
+#include "pcm/io/reader.h"
 
 #include <cstdint>
 #include <memory>
@@ -34,6 +35,7 @@ struct Ingested {
     ScalarType position_type = ScalarType::f64;  // of the source
     Observed observed;
     std::uint64_t points_in = 0, points_skipped = 0;  // skipped: without a finite position
+    Skipped skipped;                                  // bad lines and files
     std::vector<Metadata> metadata;
     std::vector<std::string> notes;
 };

@@ -108,6 +108,7 @@ private:
     }
     void read_records(PointBatch& batch, std::size_t count);
     void read_columns(PointBatch& batch, std::size_t count);
+    void note_rest();
     void read_line(std::byte* record);
     std::uint32_t colour_of(LineWords& words, const PcdField& field, std::string_view& word) const;
 
@@ -303,23 +304,27 @@ void PcdReader::read_columns(PointBatch& batch, std::size_t count)
     next_ += count;
 }
 
+// Ascii: lines after the promised points.
+void PcdReader::note_rest()
+{
+    if (const auto rest = describe_rest(*lines_))
+        info_.notes.push_back(*rest + "; the header promises " + std::to_string(info_.points) + " points");
+}
+
 bool PcdReader::read(PointBatch& batch, std::size_t max_points)
 {
     if (!started_) start();
     const auto count = static_cast<std::size_t>(
         std::min<std::uint64_t>(info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
     shape_batch(batch, info_.schema, false, count);
+    if (count == 0 && lines_) note_rest();  // of a file that promises no points
     if (count == 0) return false;
     if (header_.encoding == PcdHeader::Encoding::compressed)
         read_columns(batch, count);
     else
         read_records(batch, count);
     if (next_ == info_.points) note_values_beyond(info_.schema, beyond_, info_.notes);
-    std::string_view line;
-    if (lines_ && next_ == info_.points && lines_->next(line))
-        info_.notes.push_back("line " + std::to_string(lines_->line_number()) +
-                              " and what follows are ignored: the header promises " + std::to_string(info_.points) +
-                              " points");
+    if (lines_ && next_ == info_.points) note_rest();
     return true;
 }
 

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t max_notes = 40;
 constexpr std::size_t named_files = 3;  // per note; further files are only counted
+constexpr std::size_t named_faults = 10;
 constexpr std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
 
 std::string file_name(const fs::path& path)
@@ -31,6 +32,13 @@ std::string file_name(const fs::path& path)
 bool same_kind(const Attribute& a, const Attribute& b)
 {
     return a.type == b.type && a.components == b.components && a.scale == b.scale && a.offset == b.offset;
+}
+
+// Whether an error is about one file, so that others can be read without it.
+bool is_of_a_file(const Error& error)
+{
+    return error.code() != ErrorCode::cancelled && error.code() != ErrorCode::invalid_argument &&
+           error.code() != ErrorCode::no_space;
 }
 
 double size_in_bytes(const fs::path& path)
@@ -109,69 +117,113 @@ private:
     std::vector<std::string> general_;
 };
 
-MergedReader::MergedReader(std::vector<Source> sources, bool ignore_crs) : sources_(std::move(sources))
+void MergedReader::Inputs::add(const fs::path& input, const ReadOptions& options)
 {
-    look_at_headers(ignore_crs);
-}
-
-MergedReader::MergedReader(const std::vector<fs::path>& inputs, const ReadOptions& options)
-{
-    for (const fs::path& path : expand_inputs(inputs))
-        sources_.push_back({path, [path, options] { return open_reader(path, options); }});
-    look_at_headers(options.ignore_crs);
-}
-
-void MergedReader::look_at_headers(bool ignore_crs)
-{
-    if (sources_.empty()) throw Error(ErrorCode::invalid_argument, {}, "no input files were given");
-    Notes notes(sources_.size());
-    std::vector<ScalarType> types;
-    std::map<std::string, std::size_t> formats;
-    Box3d box;
-    bool boxes_known = true;
-    SystemCheck systems(ignore_crs);
-    std::vector<fs::path> without_system;
-    for (const Source& source : sources_) {
-        const auto reader = source.open();
-        const FileInfo& info = reader->info();
-        seekable_ = seekable_ && reader->seekable();
-        for (const std::string& note : info.notes) notes.add(note, source.path);
-        Part part;
-        part.points = info.points;
-        part.weight = size_in_bytes(source.path);
-        part.shape = shape_of(info, source.path, notes);
-        part.grid = info.grid;
-        part.notes = info.notes.size();
-        total_weight_ += part.weight;
-        parts_.push_back(part);
-        types.push_back(info.position_type);
-        info_.points += info.points;
-        info_.points_known = info_.points_known && info.points_known;
-        if (info.promised_box)
-            box.extend(*info.promised_box);
-        else if (info.points || !info.points_known)
-            boxes_known = false;
-        for (const std::string& note : systems.add(info, source.path)) notes.add(note, source.path);
-        if (systems.is_without_system()) without_system.push_back(source.path);
-        take_metadata(info, systems.gives_the_system(), notes);
-        ++formats[info.format];
-        if (sources_.size() == 1) info_.near_grid = info.near_grid;
+    skip_bad_files = options.skip_bad_files;
+    ignore_crs = options.ignore_crs;
+    std::vector<fs::path> files;
+    try {
+        files = expand_inputs({input}, &notes, skip_bad_files);
+    } catch (const Error& error) {
+        if (!skip_bad_files || !is_of_a_file(error)) throw;
+        left_out.push_back(error);
     }
-    if (boxes_known && !box.empty()) info_.promised_box = box;
+    for (const fs::path& path : files)
+        sources.push_back({path, [path, options] { return open_reader(path, options); }});
+}
+
+MergedReader::MergedReader(Inputs inputs) : skip_bad_files_(inputs.skip_bad_files) { look_at_headers(inputs); }
+
+MergedReader::MergedReader(const std::vector<fs::path>& paths, const ReadOptions& options)
+{
+    Inputs inputs;
+    for (const fs::path& path : paths) inputs.add(path, options);
+    skip_bad_files_ = options.skip_bad_files;
+    inputs.ignore_crs = options.ignore_crs;
+    look_at_headers(inputs);
+}
+
+void MergedReader::look_at_headers(Inputs& inputs)
+{
+    if (inputs.sources.empty() && inputs.left_out.empty())
+        throw Error(ErrorCode::invalid_argument, {}, "no input files were given");
+    Notes notes(inputs.sources.size());
+    std::vector<Error> errors = std::move(inputs.left_out);
+    SystemCheck systems(inputs.ignore_crs);
+    std::vector<fs::path> without_system;
+    for (Source& source : inputs.sources) {
+        std::unique_ptr<PointReader> reader;
+        try {
+            reader = source.open();
+        } catch (const Error& error) {
+            if (!skip_bad_files_ || !is_of_a_file(error)) throw;
+            errors.push_back(error);
+            continue;
+        }
+        for (const std::string& note : systems.add(reader->info(), source.path)) notes.add(note, source.path);
+        if (systems.is_without_system()) without_system.push_back(source.path);
+        look_at_header(source, reader->info(), reader->seekable(), notes);
+        take_metadata(reader->info(), systems.gives_the_system(), notes);
+        sources_.push_back(std::move(source));
+    }
+    if (sources_.empty()) throw errors[0];
+    info_.skipped.files = errors.size();
+    if (!boxes_known_ || (info_.promised_box && info_.promised_box->empty())) info_.promised_box.reset();
     if (systems.system())
         for (const fs::path& path : without_system)
             notes.add("no coordinate system is stated; it is taken to be that of the other files, " +
                           describe(*systems.system()),
                       path);
-    settle_positions(types);
+    settle_positions();
     describe_missing(notes);
-    info_.notes = notes.take();
+    info_.notes = std::move(inputs.notes);
+    note_left_out(errors);
+    for (std::string& note : notes.take()) info_.notes.push_back(std::move(note));
+    std::map<std::string, std::size_t> formats;
+    for (const Part& part : parts_) ++formats[part.format];
     if (formats.size() == 1) {
         info_.format = formats.begin()->first;
     } else {
         for (const auto& [format, count] : formats)
             info_.format += (info_.format.empty() ? "" : "; ") + format + " (" + grouped(count) + ")";
     }
+}
+
+void MergedReader::look_at_header(const Source& source, const FileInfo& info, bool seekable, Notes& notes)
+{
+    seekable_ = seekable_ && seekable;
+    for (const std::string& note : info.notes) notes.add(note, source.path);
+    Part part;
+    part.points = info.points;
+    part.weight = size_in_bytes(source.path);
+    part.shape = shape_of(info, source.path, notes);
+    part.grid = info.grid;
+    part.notes = info.notes.size();
+    part.format = info.format;
+    part.points_known = info.points_known;
+    part.position_type = info.position_type;
+    total_weight_ += part.weight;
+    info_.near_grid = parts_.empty() ? info.near_grid : std::nullopt;
+    parts_.push_back(part);
+    info_.points += info.points;
+    info_.points_known = info_.points_known && info.points_known;
+    if (info.promised_box) {
+        Box3d box = info_.promised_box.value_or(Box3d());
+        box.extend(*info.promised_box);
+        info_.promised_box = box;
+    } else if (info.points || !info.points_known) {
+        boxes_known_ = false;
+    }
+}
+
+void MergedReader::note_left_out(const std::vector<Error>& errors)
+{
+    if (errors.empty()) return;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < std::min(errors.size(), named_files); ++i) names.push_back(file_name(errors[i].path()));
+    const std::string count = grouped(errors.size()) + (errors.size() == 1 ? " input" : " inputs");
+    info_.notes.push_back(count + " cannot be read and" + (errors.size() == 1 ? " is" : " are") + " left out: " +
+                          Notes::list_of(names, errors.size()) + "; the first because " + errors[0].what());
 }
 
 std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, Notes& notes)
@@ -225,7 +277,7 @@ void MergedReader::take_metadata(const FileInfo& info, bool with_system, Notes& 
     }
 }
 
-void MergedReader::settle_positions(const std::vector<ScalarType>& types)
+void MergedReader::settle_positions()
 {
     bool one_grid = true, near = true;
     for (const Part& part : parts_) {
@@ -238,7 +290,8 @@ void MergedReader::settle_positions(const std::vector<ScalarType>& types)
         return;
     }
     if (near) info_.near_grid = parts_[0].grid;
-    const bool all_f32 = std::all_of(types.begin(), types.end(), [](ScalarType t) { return t == ScalarType::f32; });
+    const bool all_f32 = std::all_of(parts_.begin(), parts_.end(),
+                                     [](const Part& part) { return part.position_type == ScalarType::f32; });
     info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
 }
 
@@ -307,36 +360,87 @@ PointReader& MergedReader::open(std::size_t part)
 
 bool MergedReader::read(PointBatch& batch, std::size_t max_points)
 {
-    const bool gridded = info_.grid.has_value();
-    for (; current_ < parts_.size(); ++current_) {
-        const Part& part = parts_[current_];
-        const Shape& shape = shapes_[part.shape];
-        PointReader& reader = open(current_);
-        if (shape.same && part.grid.has_value() == gridded) {
-            if (reader.read(batch, max_points)) return true;
-        } else if (reader.read(part_batch_, max_points)) {
-            shape_batch(batch, info_.schema, gridded, part_batch_.size);
-            for (std::size_t a = 0; a < 3; ++a) {
-                if (part_batch_.gridded && !gridded)
-                    for (std::size_t i = 0; i < batch.size; ++i)
-                        batch.xyz[a][i] = part.grid->to_source(part_batch_.grid_xyz[a][i], a);
-                else if (gridded)
-                    std::swap(batch.grid_xyz[a], part_batch_.grid_xyz[a]);
-                else
-                    std::swap(batch.xyz[a], part_batch_.xyz[a]);
+    while (current_ < parts_.size()) {
+        try {
+            if (read_part(batch, max_points)) {
+                part_points_ += batch.size;
+                return true;
             }
-            for (std::size_t k = 0; k < shape.places.size(); ++k)
-                std::swap(batch.attributes[shape.places[k]], part_batch_.attributes[k]);
-            for (const std::size_t k : shape.missing)
-                if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
-            return true;
+        } catch (const Error& error) {
+            if (!skip_bad_files_ || !is_of_a_file(error)) throw;
+            give_up(error);
         }
-        take_late(reader.info(), part, sources_[current_].path);
-        weight_before_ += part.weight;
-        open_.reset();
+        end_part();
     }
-    shape_batch(batch, info_.schema, gridded, 0);
+    if (!finished_) finish();
+    shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
     return false;
+}
+
+// The next points of the current part.
+bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
+{
+    const bool gridded = info_.grid.has_value();
+    const Part& part = parts_[current_];
+    const Shape& shape = shapes_[part.shape];
+    PointReader& reader = open(current_);
+    if (shape.same && part.grid.has_value() == gridded) return reader.read(batch, max_points);
+    if (!reader.read(part_batch_, max_points)) return false;
+    shape_batch(batch, info_.schema, gridded, part_batch_.size);
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (part_batch_.gridded && !gridded)
+            for (std::size_t i = 0; i < batch.size; ++i)
+                batch.xyz[a][i] = part.grid->to_source(part_batch_.grid_xyz[a][i], a);
+        else if (gridded)
+            std::swap(batch.grid_xyz[a], part_batch_.grid_xyz[a]);
+        else
+            std::swap(batch.xyz[a], part_batch_.xyz[a]);
+    }
+    for (std::size_t k = 0; k < shape.places.size(); ++k)
+        std::swap(batch.attributes[shape.places[k]], part_batch_.attributes[k]);
+    for (const std::size_t k : shape.missing)
+        if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
+    return true;
+}
+
+// The rest of the current part cannot be read.
+void MergedReader::give_up(const Error& error)
+{
+    ++info_.skipped.incomplete_files;
+    if (faults_.size() == named_faults) return;
+    const Part& part = parts_[current_];
+    faults_.push_back(file_name(sources_[current_].path) + " could be read in part: " + grouped(part_points_) +
+                      " of its " + (part.points_known ? "" : "about ") + grouped(part.points) + " points were taken; " +
+                      error.what());
+}
+
+void MergedReader::end_part()
+{
+    const Part& part = parts_[current_];
+    if (open_ && open_part_ == current_) {
+        const FileInfo& info = open_->info();
+        lines_before_ += info.skipped.lines;
+        parts_with_bad_lines_ += info.skipped.lines > 0;
+        info_.skipped.lines = lines_before_;
+        take_late(info, part, sources_[current_].path);
+    }
+    weight_before_ += part.weight;
+    open_.reset();
+    part_points_ = 0;
+    ++current_;
+}
+
+void MergedReader::finish()
+{
+    const std::uint64_t more = info_.skipped.incomplete_files - faults_.size();
+    if (more) faults_.push_back(grouped(more) + " more files could be read in part only");
+    if (parts_with_bad_lines_ > 1)
+        faults_.push_back(grouped(info_.skipped.lines) + " bad lines were skipped in all files together");
+    for (std::string& fault : faults_)
+        if (std::find(info_.notes.begin(), info_.notes.end(), fault) == info_.notes.end())
+            info_.notes.push_back(std::move(fault));
+    faults_.clear();
+    finished_ = true;
 }
 
 void MergedReader::seek(std::uint64_t index)
@@ -346,9 +450,15 @@ void MergedReader::seek(std::uint64_t index)
         throw Error(ErrorCode::invalid_argument, sources_[0].path,
                     "point " + std::to_string(index) + " was requested, the cloud has " + std::to_string(info_.points));
     weight_before_ = 0;
+    lines_before_ = 0;
+    parts_with_bad_lines_ = 0;
+    info_.skipped.lines = info_.skipped.incomplete_files = 0;
+    faults_.clear();
+    finished_ = false;
     for (current_ = 0; current_ < parts_.size(); ++current_) {
         if (index < parts_[current_].points) {
             open(current_).seek(index);
+            part_points_ = index;
             return;
         }
         index -= parts_[current_].points;

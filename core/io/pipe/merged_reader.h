@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -25,6 +27,10 @@ namespace pcm {
 // be ignored. Metadata are the union without duplicates, but the records of the coordinate system are those of the
 // first file that states one.
 //
+// ReadOptions::skip_bad_files: inputs that cannot be listed or opened are left out before anything is read. Of a file
+// that fails while it is read the batches before the fault are kept. Notes name the first of both, info().skipped
+// counts them; those that failed while they were read are complete at the end of the cloud.
+//
 // One file is open at a time: a survey may have more tiles than a process may open. The constructor opens each file
 // once, for its header. One thread.
 class MergedReader final : public PointReader {
@@ -35,9 +41,25 @@ public:
         std::function<std::unique_ptr<PointReader>()> open;
     };
 
+    // What is known of inputs before they are opened.
+    struct Inputs {
+        std::vector<Source> sources;
+        std::vector<std::string> notes;  // of folders
+        bool skip_bad_files = false;
+        bool ignore_crs = false;
+        std::vector<Error> left_out;  // with skip_bad_files: inputs that are not there
+
+        // Adds a file, or the files of a folder (expand_inputs()).
+        void add(const std::filesystem::path& input, const ReadOptions& options);
+    };
+
     // Throws what opening throws, Error(invalid_argument) without sources and for systems that differ, and
     // Error(unsupported) when all sources together have more than max_attributes.
-    explicit MergedReader(std::vector<Source> sources, bool ignore_crs = false);
+    explicit MergedReader(std::vector<Source> sources, bool ignore_crs = false)
+        : MergedReader(Inputs{std::move(sources), {}, false, ignore_crs, {}})
+    {
+    }
+    explicit MergedReader(Inputs inputs);
     // Files, and folders as expand_inputs() expands them.
     MergedReader(const std::vector<std::filesystem::path>& inputs, const ReadOptions& options);
 
@@ -47,6 +69,7 @@ public:
     void seek(std::uint64_t index) override;
     double fraction_read() const override;
 
+    // Without those that were left out.
     const std::vector<Source>& sources() const { return sources_; }
 
 private:
@@ -57,6 +80,9 @@ private:
         std::size_t shape = 0;  // in shapes_
         std::optional<Grid> grid;
         std::size_t notes = 0;  // of its header
+        std::string format;
+        ScalarType position_type = ScalarType::f64;
+        bool points_known = true;
     };
     // A schema of one or many files, and the place of each of its attributes in the merged schema.
     struct Shape {
@@ -67,17 +93,24 @@ private:
     };
     class Notes;
 
-    void look_at_headers(bool ignore_crs);
+    void look_at_headers(Inputs& inputs);
+    void look_at_header(const Source& source, const FileInfo& info, bool seekable, Notes& notes);
+    void note_left_out(const std::vector<Error>& errors);
+    bool read_part(PointBatch& batch, std::size_t max_points);
+    void give_up(const Error& error);
+    void end_part();
+    void finish();
     std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, Notes& notes);
     void take_metadata(const FileInfo& info, bool with_system, Notes& notes);
     void take_late(const FileInfo& info, const Part& part, const std::filesystem::path& path);
-    void settle_positions(const std::vector<ScalarType>& types);
+    void settle_positions();
     void describe_missing(Notes& notes);
     PointReader& open(std::size_t part);
 
     std::vector<Source> sources_;
+    bool skip_bad_files_ = false;
     FileInfo info_;
-    bool seekable_ = true;
+    bool seekable_ = true, boxes_known_ = true;
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
     double total_weight_ = 0;
@@ -87,7 +120,12 @@ private:
     std::size_t current_ = 0;
     std::unique_ptr<PointReader> open_;
     std::size_t open_part_ = 0;
+    std::uint64_t part_points_ = 0;   // read of the current part
+    std::uint64_t lines_before_ = 0;  // skipped in the parts that have been read completely
+    std::size_t parts_with_bad_lines_ = 0;
     PointBatch part_batch_;
+    std::vector<std::string> faults_;  // of the files that failed while they were read
+    bool finished_ = false;
 };
 
 }  // namespace pcm

@@ -50,6 +50,7 @@ bool SelectedReader::read(PointBatch& batch, std::size_t max_points)
         for (std::size_t k = 0; k < kept.size(); ++k) std::swap(batch.attributes[k], whole.attributes[kept[k]]);
         return true;
     }
+    info_.skipped = cloud_->info().skipped;
     info_.notes = cloud_->info().notes;  // readers count on the way what they drop
     shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
     return false;

@@ -4,6 +4,7 @@
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/ply/byte_stream.h"
 #include "pcm/io/ply/ply_header.h"
+#include "pcm/io/ply/ply_notes.h"
 #include "pcm/io/ply/ply_plan.h"
 #include "pcm/io/records/line_stream.h"
 #include "pcm/io/records/line_words.h"
@@ -30,7 +31,9 @@ public:
         targets_ = std::move(plan.targets);
         record_bytes_ = plan.record_bytes;
         check_bytes_hold_the_points();
-        describe();
+        info_.format = format_name(header_);
+        for (std::string& note : other_elements(header_, vertex_element_)) info_.notes.push_back(std::move(note));
+        if (addressable_) note_surplus(file_size_ - vertex_offset_ - vertices().count * vertices().least_bytes());
         beyond_.resize(info_.schema.size());
         batch_points_ = points_that_fit_a_batch(info_.schema);
     }
@@ -51,7 +54,7 @@ private:
     const PlyElement& vertices() const { return header_.elements[vertex_element_]; }
 
     void check_bytes_hold_the_points();
-    void describe();
+    void note_surplus(std::uint64_t bytes);
 
     void start();
     std::uint64_t take_list_length(const PlyProperty& list, const std::string& owner);
@@ -74,7 +77,7 @@ private:
     std::vector<std::uint64_t> beyond_;  // values that are not in the range of the attribute's type
 
     std::uint64_t next_ = 0;
-    bool started_ = false;
+    bool started_ = false, surplus_noted_ = false;
     std::optional<ByteStream> bytes_;  // binary, not addressable
     std::optional<LineStream> lines_;  // ascii
     std::vector<std::byte> buffer_;
@@ -101,19 +104,12 @@ void PlyReader::check_bytes_hold_the_points()
     }
 }
 
-void PlyReader::describe()
+void PlyReader::note_surplus(std::uint64_t bytes)
 {
-    info_.format = ascii()                                                  ? "PLY ascii"
-                   : header_.encoding == PlyHeader::Encoding::little_endian ? "PLY binary little endian"
-                                                                            : "PLY binary big endian";
-    for (const PlyElement& element : header_.elements) {
-        if (&element == &vertices() || element.count == 0) continue;
-        if (info_.notes.size() >= 100) break;
-        const std::string count = std::to_string(element.count);
-        const std::string what = element.name == "face" ? (element.count == 1 ? count + " face" : count + " faces")
-                                                        : count + " of element '" + printable_name(element.name) + "'";
-        info_.notes.push_back(what + " ignored: only the points are read");
-    }
+    if (std::exchange(surplus_noted_, true)) return;
+    const auto note =
+        ascii() ? surplus_lines(header_, vertex_element_, *lines_) : surplus_bytes(header_, vertex_element_, bytes);
+    if (note) info_.notes.push_back(*note);
 }
 
 // Skips the elements before the vertices.
@@ -252,7 +248,10 @@ bool PlyReader::read(PointBatch& batch, std::size_t max_points)
     const auto count = static_cast<std::size_t>(
         std::min<std::uint64_t>(info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
     shape_batch(batch, info_.schema, false, count);
-    if (count == 0) return false;
+    if (count == 0) {
+        note_surplus(bytes_ ? bytes_->left() : 0);
+        return false;
+    }
 
     // Small enough to stay in the cache while its fields are decoded, unless it must be read from the file.
     const std::size_t buffer_bytes = std::size_t{1} << (addressable_ ? 18 : 14);

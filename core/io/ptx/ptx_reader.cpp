@@ -28,6 +28,8 @@ constexpr std::array<const char*, header_lines> header_names = {
     "the scanner's y axis",    "the scanner's z axis",   "line 1 of the transform", "line 2 of the transform",
     "line 3 of the transform", "line 4 of the transform"};
 constexpr std::size_t most_noted_metadata = 10000;
+// The last column of a transform is 0 0 0 1 up to this: less than a double keeps of the other columns.
+constexpr double most_projective = 1e-12;
 
 struct Scan {
     std::uint64_t points = 0;  // columns x rows
@@ -69,6 +71,12 @@ std::optional<Scan> read_scan_header(TextSource& source, std::optional<HeaderFau
                          : text::parse_number(words[w], value) && std::isfinite(value);
             if (good && i >= 6) scan.transform[i - 6][w] = value;
         }
+        if (good && i >= 6 && !(std::fabs(scan.transform[i - 6][3] - (i == 9 ? 1 : 0)) <= most_projective)) {
+            fault = {false, source.lines_read(),
+                     "found " + quote_bytes(line) + ", whose last number is not " + (i == 9 ? "1" : "0") + ": " +
+                         header_names[i] + " is projective, or stands in columns instead of lines"};
+            return std::nullopt;
+        }
         if (!good) {
             fault = {false, source.lines_read(),
                      "found " + quote_bytes(line) + ", expected " + header_names[i] + ", " +
@@ -90,8 +98,8 @@ std::optional<Scan> read_scan_header(TextSource& source, std::optional<HeaderFau
 
 class PtxReader final : public PointReader {
 public:
-    explicit PtxReader(const std::filesystem::path& path)
-        : file_(path, File::Mode::read), file_size_(file_.size()), source_(file_)
+    PtxReader(const std::filesystem::path& path, bool skip_bad_lines)
+        : file_(path, File::Mode::read), file_size_(file_.size()), skip_bad_lines_(skip_bad_lines), source_(file_)
     {
         look_through();
         plan();
@@ -126,6 +134,7 @@ private:
 
     File file_;
     std::uint64_t file_size_;
+    bool skip_bad_lines_;
     TextSource source_;
     FileInfo info_;
     std::vector<ColumnLook> looks_;  // for the columns of the first rows
@@ -141,6 +150,7 @@ private:
     std::optional<TextRows> rows_;
     std::vector<std::size_t> absent_;  // attributes that lines of this scan do not have
     std::uint64_t missing_returns_ = 0, lines_ = 0;
+    TextCounts counts_;  // of the scans that have been read completely
     bool finished_ = false;
 };
 
@@ -261,9 +271,12 @@ bool PtxReader::begin_scan()
     absent_.clear();
     for (std::size_t i = 0; i < present.size(); ++i)
         if (!present[i]) absent_.push_back(i);
+    form.skip_bad_lines = skip_bad_lines_;
+    if (rows_) counts_.add(rows_->counts());
     rows_.emplace(file_.path(), std::move(form), [this](std::uint64_t line, const auto& words) {
-        if (words.size() == 1) {
-            lines_ = rows_->counts().rows;
+        std::uint64_t number = 0;
+        if (words.size() == 1 && (!skip_bad_lines_ || text::parse_number(words[0], number))) {
+            lines_ = rows_->counts().rows + rows_->counts().bad_lines;
             end_early(line, "found " + quote_bytes(words[0]) + ", as another scan begins");
         }
         return false;
@@ -316,6 +329,8 @@ void PtxReader::finish()
     if (missing_returns_)
         info_.notes.push_back(grouped(missing_returns_) +
                               (missing_returns_ == 1 ? " missing return" : " missing returns") + " (0 0 0) dropped");
+    if (rows_) counts_.add(rows_->counts());
+    for (std::string& note : counts_.notes()) info_.notes.push_back(std::move(note));
 }
 
 bool PtxReader::read(PointBatch& batch, std::size_t max_points)
@@ -333,9 +348,11 @@ bool PtxReader::read(PointBatch& batch, std::size_t max_points)
         }
         const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(most - count, left_));
         const std::size_t got = rows_->read(source_, batch, count, wanted);
-        lines_ = rows_->counts().rows;
-        if (got < wanted) end_early(source_.lines_read() + 1, "the file ends");
-        left_ -= got;
+        const std::uint64_t bad = counts_.bad_lines + rows_->counts().bad_lines - info_.skipped.lines;
+        info_.skipped.lines += bad;
+        lines_ = rows_->counts().rows + rows_->counts().bad_lines;
+        if (got + bad < wanted) end_early(source_.lines_read() + 1, "the file ends");
+        left_ -= wanted;
         count += into_world(batch, count, got);
     }
     if (count == 0 && most) finish();
@@ -345,9 +362,9 @@ bool PtxReader::read(PointBatch& batch, std::size_t max_points)
 
 }  // namespace
 
-std::unique_ptr<PointReader> open_ptx(const std::filesystem::path& path, const ReadOptions&)
+std::unique_ptr<PointReader> open_ptx(const std::filesystem::path& path, const ReadOptions& options)
 {
-    return std::make_unique<PtxReader>(path);
+    return std::make_unique<PtxReader>(path, options.skip_bad_lines);
 }
 
 bool looks_like_ptx(const std::filesystem::path& path)

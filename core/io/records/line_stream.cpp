@@ -1,6 +1,8 @@
 #include "pcm/io/records/line_stream.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cstring>
@@ -59,6 +61,28 @@ void LineStream::refill()
     next_byte_ += got;
     begin_ = 0;
     end_ = kept + got;
+}
+
+std::optional<std::string> describe_rest(LineStream& lines)
+{
+    std::string_view line;
+    std::uint64_t count = 0, first_number = 0;
+    std::string first, more;
+    try {
+        while (lines.next(line)) {
+            if (count++) continue;
+            first = quote_bytes(line);
+            first_number = lines.line_number();
+        }
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::bad_format) throw;
+        if (count == 0) return "bytes after the last point, which are no lines of text, are ignored";
+        more = " and more";
+    }
+    if (count == 0) return std::nullopt;
+    return grouped(count) + (count == 1 ? " line" : " lines") + more + " after the last point" +
+           (count == 1 && more.empty() ? " is" : " are") + " ignored, the first is line " +
+           std::to_string(first_number) + ": " + first;
 }
 
 }  // namespace pcm

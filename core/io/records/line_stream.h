@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,5 +38,8 @@ private:
     std::vector<char> buffer_;
     std::size_t begin_ = 0, end_ = 0;  // of the unread part of the buffer
 };
+
+// The lines that are left, which are read: "3 lines are ignored, the first is line 12: 'x'"; null when there are none.
+std::optional<std::string> describe_rest(LineStream& lines);
 
 }  // namespace pcm

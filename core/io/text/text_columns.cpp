@@ -1,186 +1,14 @@
 #include "pcm/io/text/text_columns.h"
 
-#include "pcm/io/file_text.h"
 #include "pcm/io/unique_name.h"
-#include "pcm/system/error.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
 #include <utility>
 
 namespace pcm {
 namespace {
-
-// The letters and digits of a name, in lower case: "GPS Time [s]" -> "gpstime".
-std::string skeleton(std::string_view name)
-{
-    name = name.substr(0, name.find_first_of("[("));
-    std::string bare;
-    for (const char c : name) {
-        if (c >= 'A' && c <= 'Z') bare += static_cast<char>(c - 'A' + 'a');
-        if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) bare += c;
-    }
-    if (bare.size() > 6 && bare.substr(0, 6) == "scalar") bare.erase(0, 6);  // CloudCompare's scalar fields
-    return bare;
-}
-
-struct Synonym {
-    std::string_view name, meaning;
-};
-constexpr Synonym synonyms[] = {
-    {"easting", "x"},
-    {"east", "x"},
-    {"coordx", "x"},
-    {"xcoord", "x"},
-    {"xcoordinate", "x"},
-    {"pointx", "x"},
-    {"longitude", "x"},
-    {"lon", "x"},
-    {"northing", "y"},
-    {"north", "y"},
-    {"coordy", "y"},
-    {"ycoord", "y"},
-    {"ycoordinate", "y"},
-    {"pointy", "y"},
-    {"latitude", "y"},
-    {"lat", "y"},
-    {"elevation", "z"},
-    {"elev", "z"},
-    {"height", "z"},
-    {"altitude", "z"},
-    {"alt", "z"},
-    {"coordz", "z"},
-    {"zcoord", "z"},
-    {"zcoordinate", "z"},
-    {"pointz", "z"},
-    {"red", "r"},
-    {"colorred", "r"},
-    {"colourred", "r"},
-    {"diffusered", "r"},
-    {"rf", "r"},
-    {"green", "g"},
-    {"colorgreen", "g"},
-    {"colourgreen", "g"},
-    {"diffusegreen", "g"},
-    {"gf", "g"},
-    {"blue", "b"},
-    {"colorblue", "b"},
-    {"colourblue", "b"},
-    {"diffuseblue", "b"},
-    {"bf", "b"},
-    {"normalx", "nx"},
-    {"xnormal", "nx"},
-    {"normx", "nx"},
-    {"normaly", "ny"},
-    {"ynormal", "ny"},
-    {"normy", "ny"},
-    {"normalz", "nz"},
-    {"znormal", "nz"},
-    {"normz", "nz"},
-    {"i", "intensity"},
-    {"class", "classification"},
-    {"returnno", "return_number"},
-    {"numreturns", "number_of_returns"},
-    {"returncount", "number_of_returns"},
-    {"infrared", "nir"},
-    {"nearinfrared", "nir"},
-};
-
-// Attributes that LAS defines, and the types it gives them.
-struct Known {
-    std::string_view name;
-    ScalarType type;
-};
-constexpr Known known_attributes[] = {
-    {"classification", ScalarType::u8},
-    {"return_number", ScalarType::u8},
-    {"number_of_returns", ScalarType::u8},
-    {"scan_direction_flag", ScalarType::u8},
-    {"edge_of_flight_line", ScalarType::u8},
-    {"synthetic", ScalarType::u8},
-    {"key_point", ScalarType::u8},
-    {"withheld", ScalarType::u8},
-    {"overlap", ScalarType::u8},
-    {"scanner_channel", ScalarType::u8},
-    {"scan_angle_rank", ScalarType::i8},
-    {"user_data", ScalarType::u8},
-    {"point_source_id", ScalarType::u16},
-    {"gps_time", ScalarType::f64},
-    {"nir", ScalarType::u16},
-};
-
-constexpr std::string_view meanings_apart[] = {"x",  "y",  "z",  "r",         "g",         "b",
-                                               "nx", "ny", "nz", "intensity", "scan_angle"};
-
-// The meaning whose own name this is, whatever its case and signs; empty when no meaning has it.
-std::string_view own_meaning(std::string_view bare)
-{
-    for (const std::string_view meaning : meanings_apart)
-        if (bare == skeleton(meaning)) return meaning;
-    for (const Known& known : known_attributes)
-        if (bare == skeleton(known.name)) return known.name;
-    return {};
-}
-
-std::string_view other_meaning(std::string_view bare)
-{
-    for (const Synonym& synonym : synonyms)
-        if (bare == synonym.name) return synonym.meaning;
-    return {};
-}
-
-std::string unquoted(std::string_view word)
-{
-    std::string text;
-    for (std::size_t i = 0; i < word.size(); ++i) {
-        text += word[i];
-        if (word[i] == '"' && i + 1 < word.size() && word[i + 1] == '"') ++i;
-    }
-    return printable_name(text);
-}
-
-// Without the comment marks before it.
-std::string_view behind_marks(std::string_view line)
-{
-    const std::size_t at = line.find_first_not_of(" \t#/%");
-    return at == std::string_view::npos ? std::string_view() : line.substr(at);
-}
-
-bool is_number(std::string_view word)
-{
-    double value = 0;
-    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc() && stop == word.data() + word.size() && word.find_first_of("0123456789") != word.npos;
-}
-
-// The names in a line, split by the separator that finds the most of x, y and z.
-std::vector<std::string> names_of(std::string_view line, const TextDialect& dialect)
-{
-    std::vector<std::string> best;
-    std::size_t best_axes = 0;
-    std::vector<std::string_view> words;
-    for (const char separator : {dialect.separator, ',', ';', '\t', ' '}) {
-        split_fields(behind_marks(line), {separator, '.'}, words);
-        if (!words.empty() && words.back().empty()) words.pop_back();
-        std::size_t axes = 0;
-        std::vector<std::string> names;
-        for (const std::string_view word : words) {
-            names.push_back(unquoted(word));
-            if (is_number(names.back())) axes = 0, names.clear();  // a number is not a name
-            if (names.empty()) break;
-            const std::string bare = skeleton(names.back());
-            const std::string_view meaning = own_meaning(bare).empty() ? other_meaning(bare) : own_meaning(bare);
-            axes += meaning == "x" || meaning == "y" || meaning == "z";
-        }
-        if (axes > best_axes) {
-            best_axes = axes;
-            best = names;
-        }
-    }
-    return best;
-}
 
 ColumnLook merged(const std::vector<const ColumnLook*>& looks)
 {
@@ -233,7 +61,7 @@ ScalarType type_of(std::string_view name, const ColumnLook& look, bool signed_in
         if (fits(look, ScalarType::u16)) return ScalarType::u16;
         if (fits(look, ScalarType::i16)) return ScalarType::i16;
     }
-    for (const Known& known : known_attributes)
+    for (const KnownAttribute& known : known_attributes)
         if (name == known.name && fits(look, known.type)) return known.type;
     if (look.whole && look.beyond_double && look.fits_i64) return ScalarType::i64;
     if (look.whole && look.beyond_double && look.fits_u64) return ScalarType::u64;
@@ -321,46 +149,6 @@ std::optional<ScalarType> group_type(const Group& group, const std::vector<TextC
 }
 
 }  // namespace
-
-std::optional<std::vector<TextColumn>> header_columns(const std::string& line, const TextDialect& dialect)
-{
-    const std::vector<std::string> names = names_of(line, dialect);
-    std::vector<TextColumn> columns(names.size());
-    const auto taken = [&](std::string_view name) {
-        return std::any_of(columns.begin(), columns.end(), [&](const TextColumn& c) { return c.name == name; });
-    };
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        const std::string_view meaning = own_meaning(skeleton(names[i]));
-        if (!meaning.empty() && !taken(meaning)) columns[i].name = meaning;
-    }
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        if (!columns[i].name.empty()) continue;
-        const std::string bare = skeleton(names[i]);
-        const std::string_view meaning = other_meaning(bare);
-        if (meaning.empty() || taken(meaning)) continue;
-        columns[i].name = meaning;
-        columns[i].float_colour = bare == "rf" || bare == "gf" || bare == "bf";
-    }
-    for (const char* axis : {"x", "y", "z"})
-        if (!taken(axis)) return std::nullopt;
-    for (std::size_t i = 0; i < names.size(); ++i)
-        if (columns[i].name.empty()) {
-            std::string name = names[i].empty() || names[i] == "-" ? "column_" + std::to_string(i + 1) : names[i];
-            for (int number = 2; taken(name); ++number) name = names[i] + "_" + std::to_string(number);
-            columns[i].name = name;
-        }
-    return columns;
-}
-
-bool is_half_a_header(const std::string& line, const TextDialect& dialect)
-{
-    std::size_t axes = 0;
-    for (const std::string& name : names_of(line, dialect)) {
-        const std::string_view meaning = own_meaning(skeleton(name));
-        axes += meaning == "x" || meaning == "y" || meaning == "z";
-    }
-    return axes >= 2;
-}
 
 std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std::uint64_t rows)
 {

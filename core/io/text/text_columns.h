@@ -1,4 +1,5 @@
-// The meaning of the columns of a text file: from a header, from the user, or guessed from the numbers.
+// Attributes and types for the columns of a text file, whose names are from a header (text_header.h), from the user, or
+// guessed from the numbers.
 #pragma once
 
 #include "pcm/cloud/attribute.h"
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pcm {
@@ -19,13 +21,28 @@ struct TextColumn {
     bool float_colour = false;       // the header says that colours are 0..1
 };
 
-// The columns that a header line names; null when it does not name x, y and z. Names may be in any case, separated as
-// in the dialect or otherwise, quoted, after # or //, and in the words of common programs (Easting, Red,
-// scalar_Intensity, NormalX, GpsTime, ...). Other names are kept.
-std::optional<std::vector<TextColumn>> header_columns(const std::string& line, const TextDialect& dialect);
-
-// Whether a line seems to be an incomplete header: it names an axis, but not all three once. For a clear error message.
-bool is_half_a_header(const std::string& line, const TextDialect& dialect);
+// Attributes that LAS defines, and the types it gives them.
+struct KnownAttribute {
+    std::string_view name;
+    ScalarType type;
+};
+inline constexpr KnownAttribute known_attributes[] = {
+    {"classification", ScalarType::u8},
+    {"return_number", ScalarType::u8},
+    {"number_of_returns", ScalarType::u8},
+    {"scan_direction_flag", ScalarType::u8},
+    {"edge_of_flight_line", ScalarType::u8},
+    {"synthetic", ScalarType::u8},
+    {"key_point", ScalarType::u8},
+    {"withheld", ScalarType::u8},
+    {"overlap", ScalarType::u8},
+    {"scanner_channel", ScalarType::u8},
+    {"scan_angle_rank", ScalarType::i8},
+    {"user_data", ScalarType::u8},
+    {"point_source_id", ScalarType::u16},
+    {"gps_time", ScalarType::f64},
+    {"nir", ScalarType::u16},
+};
 
 // Columns of a file without names. The first are x y z. Of the others, three that are unit vectors are normals; three
 // with whole numbers up to 255 are colours (also up to 65535, or fractions up to 1, when at most one other column

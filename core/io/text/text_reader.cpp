@@ -5,6 +5,8 @@
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/text/parse_number.h"
 #include "pcm/io/text/text_columns.h"
+#include "pcm/io/text/text_header.h"
+#include "pcm/io/text/text_names.h"
 #include "pcm/io/text/text_rows.h"
 #include "pcm/io/text/text_sample.h"
 #include "pcm/io/text/text_source.h"
@@ -18,8 +20,12 @@ namespace pcm {
 namespace {
 
 constexpr const char* override_hint =
-    "if these are not the columns, name them, for example \"x y z intensity r g b\" or with types \"x y z id:u64 "
-    "intensity:f64\"; a column - is skipped";
+    "if these are not the columns, name them (--columns), for example \"x y z intensity r g b\" or with types \"x y z "
+    "id:u64 intensity:f64\"; a column - is skipped. Lines that are not points can be left out (--skip-bad-lines)";
+constexpr const char* naming_hint =
+    "name the columns from the left (--columns), for example \"x y z intensity\", or \"- y x z -\" for number, "
+    "northing, "
+    "easting, height and code; a column - is skipped. Titles can be skipped (--skip-lines)";
 
 std::optional<std::uint64_t> count_in(std::string_view line)
 {
@@ -54,6 +60,7 @@ public:
         : file_(path, File::Mode::read), file_size_(file_.size()), conventions_(conventions)
     {
         const TextLayout& layout = options.text;
+        skip_bad_lines_ = options.skip_bad_lines;
         check_layout(layout);
         const auto sample = sample_text(file_, {layout.separator, layout.skip_lines});
         if (sample)
@@ -77,11 +84,14 @@ private:
     }
     void plan(const TextLayout& layout, const TextSample& sample);
     void plan_without_rows(const TextLayout& layout);
-    void start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
-               std::uint64_t line);
+    void start(TextPlan plan, const TextDialect& dialect, std::uint64_t byte, std::uint64_t line);
     void find_count(const std::vector<std::string>& head, std::size_t skipped);
     std::vector<TextColumn> columns_of(const TextLayout& layout, const TextSample& sample);
-    std::optional<std::vector<TextColumn>> find_header(const TextSample& sample);
+    std::vector<TextColumn> named_by(const TextLayout& layout, const TextSample& sample) const;
+    std::optional<TextHeader> find_header(const TextSample& sample);
+    void refuse_half_headers(const TextSample& sample, std::size_t skipped) const;
+    std::vector<std::string> set_text_apart(std::vector<TextColumn>& columns, const TextSample& sample) const;
+    void note_titles(const TextSample& sample, std::size_t skipped);
     void refuse_grids(const std::vector<std::string>& head) const;
     bool begins_list(std::uint64_t line, const std::vector<std::string_view>& fields);
     void end_list(const std::string& where);
@@ -94,11 +104,14 @@ private:
     std::optional<TextSource> source_;
     std::optional<TextRows> rows_;
     std::size_t batch_points_ = 1;
+    bool skip_bad_lines_ = false;
     std::size_t header_line_ = 0;  // counted from 1; 0 without
+    std::optional<TextHeader> header_;
+    std::vector<std::string> label_names_;  // of columns of text, by their place; empty for others
     // The current list of points, as its first line states it.
     std::optional<std::uint64_t> promised_;
     std::uint64_t promise_line_ = 0;
-    std::uint64_t rows_before_list_ = 0;
+    std::uint64_t lines_before_list_ = 0;
     bool finished_ = false;
 };
 
@@ -113,41 +126,73 @@ void TextReader::refuse_grids(const std::vector<std::string>& head) const
     }
 }
 
-std::optional<std::vector<TextColumn>> TextReader::find_header(const TextSample& sample)
+std::optional<TextHeader> TextReader::find_header(const TextSample& sample)
 {
-    for (std::size_t i = sample.head.size(); i-- > 0;)
-        if (auto columns = header_columns(sample.head[i], sample.dialect)) {
-            header_line_ = i + 1;
-            return columns;
-        }
-    for (std::size_t i = 0; i < sample.head.size(); ++i)
-        if (!is_blank_or_comment(sample.head[i]) && is_half_a_header(sample.head[i], sample.dialect))
-            fail(ErrorCode::bad_format, "line " + std::to_string(i + 1) + " is " + quote_bytes(sample.head[i]) +
-                                            ", expected the names of the columns with x, y and z once each");
+    for (std::size_t i = sample.head.size(); i-- > 0;) {
+        auto header = read_header(sample.head[i], sample.dialect);
+        if (!header) continue;
+        const std::size_t names = header->columns.size();
+        header_line_ = i + 1;
+        if (names == sample.columns) return header;
+        if (is_blank_or_comment(sample.head[i], sample.dialect.separator)) continue;  // a sentence
+        fail(ErrorCode::bad_format, "line " + std::to_string(header_line_) + " names " + std::to_string(names) +
+                                        " columns, most lines from line " + std::to_string(sample.first_row + 1) +
+                                        " on have " + std::to_string(sample.columns));
+    }
+    header_line_ = 0;
     return std::nullopt;
+}
+
+// Names that are not understood are no reason to take the columns in their order: that would mirror many clouds.
+void TextReader::refuse_half_headers(const TextSample& sample, std::size_t skipped) const
+{
+    for (std::size_t i = 0; i < sample.head.size(); ++i) {
+        const std::string& line = sample.head[i];
+        const bool comment = is_blank_or_comment(line, sample.dialect.separator);
+        if (!comment && axes_named(line, sample.dialect) == 2)
+            fail(ErrorCode::bad_format,
+                 "line " + std::to_string(i + 1) + " is " + quote_bytes(line) +
+                     ", expected the names of the columns with x, y and z once each",
+                 naming_hint);
+        if (comment || i < skipped || count_in(line)) continue;
+        std::string text;
+        for (const std::string& name : unknown_names(line, sample.dialect, sample.columns))
+            text += (text.empty() ? "" : ", ") + name;
+        if (!text.empty())
+            fail(ErrorCode::bad_format,
+                 "line " + std::to_string(i + 1) + " seems to name the columns: " + text +
+                     "; which of them are x, y and z is not understood",
+                 naming_hint);
+    }
+}
+
+std::vector<TextColumn> TextReader::named_by(const TextLayout& layout, const TextSample& sample) const
+{
+    std::vector<TextColumn> columns;
+    for (const std::string& column : layout.columns) {
+        const NamedColumn named = named_column(column);
+        columns.push_back({named.name, named.type, false});
+    }
+    if (columns.size() != sample.columns)
+        fail(ErrorCode::bad_format, std::to_string(columns.size()) + " columns were named, most lines from line " +
+                                        std::to_string(sample.first_row + 1) + " on have " +
+                                        std::to_string(sample.columns));
+    return columns;
 }
 
 std::vector<TextColumn> TextReader::columns_of(const TextLayout& layout, const TextSample& sample)
 {
+    if (!layout.columns.empty()) return named_by(layout, sample);
+    if ((header_ = find_header(sample))) return header_->columns;
+    refuse_half_headers(sample, layout.skip_lines.value_or(0));
     const std::string first = "line " + std::to_string(sample.first_row + 1);
+    for (std::size_t c = 0; c < sample.columns; ++c)
+        if (sample.looks[c].words > sample.looks[c].values)
+            fail(ErrorCode::bad_format,
+                 "column " + std::to_string(c + 1) + " of the lines from " + first +
+                     " on holds words, and no line names the columns",
+                 naming_hint);
     std::vector<TextColumn> columns;
-    if (!layout.columns.empty()) {
-        for (const std::string& column : layout.columns) {
-            const NamedColumn named = named_column(column);
-            columns.push_back({named.name, named.type, false});
-        }
-        if (columns.size() != sample.columns)
-            fail(ErrorCode::bad_format, std::to_string(columns.size()) + " columns were named, most lines from " +
-                                            first + " on have " + std::to_string(sample.columns));
-        return columns;
-    }
-    if (auto header = find_header(sample)) {
-        if (header->size() != sample.columns)
-            fail(ErrorCode::bad_format, "line " + std::to_string(header_line_) + " names " +
-                                            std::to_string(header->size()) + " columns, most lines from " + first +
-                                            " on have " + std::to_string(sample.columns));
-        return *header;
-    }
     std::string usual;
     for (const std::string& text : conventions_.columns) {
         const std::vector<std::string> names = parse_columns(text);
@@ -164,6 +209,39 @@ std::vector<TextColumn> TextReader::columns_of(const TextLayout& layout, const T
     return guess_columns(sample.looks, sample.rows);
 }
 
+// Columns that hold words are not read: descriptions, and numbers of points with letters. Others in which words are
+// rare are columns of numbers with bad values. Returns the names of the former.
+std::vector<std::string> TextReader::set_text_apart(std::vector<TextColumn>& columns, const TextSample& sample) const
+{
+    std::vector<std::string> names(columns.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        const std::string& name = columns[c].name;
+        const bool axis = name == "x" || name == "y" || name == "z";
+        if (axis || name == "-" || columns[c].type || !sample.looks[c].words) continue;
+        const std::string given = header_ ? header_->names[c] : name;
+        if (sample.looks[c].words <= sample.looks[c].values && !names_a_label(given)) continue;
+        names[c] = printable_name(given);
+        if (names[c].empty()) names[c] = "column_" + std::to_string(c + 1);
+        columns[c].name = "-";
+    }
+    return names;
+}
+
+// Lines before the first row that are neither comments nor names nor counts.
+void TextReader::note_titles(const TextSample& sample, std::size_t skipped)
+{
+    std::size_t titles = 0, first = 0;
+    for (std::size_t i = skipped; i < sample.head.size(); ++i) {
+        const std::string& line = sample.head[i];
+        if (i + 1 == header_line_ || is_blank_or_comment(line, sample.dialect.separator) || count_in(line)) continue;
+        if (titles++ == 0) first = i;
+    }
+    if (titles)
+        info_.notes.push_back(grouped(titles) + (titles == 1 ? " line" : " lines") + " before the first point" +
+                              (titles == 1 ? " is" : " are") + " not read, the first is line " +
+                              std::to_string(first + 1) + ": " + quote_bytes(sample.head[first]));
+}
+
 // Looks for a number of points in the lines before the first row, except those that the user wants skipped.
 void TextReader::find_count(const std::vector<std::string>& head, std::size_t skipped)
 {
@@ -177,7 +255,8 @@ void TextReader::find_count(const std::vector<std::string>& head, std::size_t sk
 void TextReader::plan(const TextLayout& layout, const TextSample& sample)
 {
     refuse_grids(sample.head);
-    const std::vector<TextColumn> columns = columns_of(layout, sample);
+    std::vector<TextColumn> columns = columns_of(layout, sample);
+    label_names_ = set_text_apart(columns, sample);
     TextPlan plan = plan_columns(columns, sample.looks, layout.colour_range, conventions_.signed_intensity);
     find_count(sample.head, layout.skip_lines.value_or(0));
     if (auto system = crs_block_of_lines(sample.head)) info_.metadata.push_back(std::move(*system));
@@ -188,12 +267,17 @@ void TextReader::plan(const TextLayout& layout, const TextSample& sample)
     if (header_line_) note += ", named in line " + std::to_string(header_line_);
     if (layout.columns.empty()) note += "; the columns option overrides this";
     info_.notes.push_back(note);
+    if (const std::string renamed = header_ ? header_->renamed() : std::string(); !renamed.empty())
+        info_.notes.push_back("names of columns understood: " + renamed);
+    if (header_ && header_->geographic)
+        info_.notes.push_back("x and y are longitude and latitude, in degrees as they are in the file");
+    note_titles(sample, layout.skip_lines.value_or(0));
     info_.notes.insert(info_.notes.end(), plan.notes.begin(), plan.notes.end());
 
     info_.points = sample.estimated_rows(file_size_);
     // A stated number is better than an estimate from some lines, unless it is impossible.
     if (promised_ && *promised_ <= file_size_ / (2 * columns.size()) + 1) info_.points = *promised_;
-    start(plan, sample.dialect, header_line_ != 0, sample.first_row_byte, sample.first_row);
+    start(std::move(plan), sample.dialect, sample.first_row_byte, sample.first_row);
 }
 
 // A header of columns, or a count of 0, and nothing after it: a cloud without points.
@@ -210,7 +294,7 @@ void TextReader::plan_without_rows(const TextLayout& layout)
         head.emplace_back(line);
         if (is_blank_or_comment(line) || count_in(line) == std::uint64_t(0)) continue;
         for (const char separator : {',', ';', '\t', ' '})
-            if (header_columns(head.back(), {separator, '.'})) line = {};
+            if (read_header(head.back(), {separator, '.'})) line = {};
         if (line.empty()) continue;
         odd = head.back();
         odd_line = lines.lines_read();
@@ -220,7 +304,7 @@ void TextReader::plan_without_rows(const TextLayout& layout)
     bool counted = false;
     for (const std::string& text : head) {
         counted = counted || count_in(text) == std::uint64_t(0);
-        if (auto header = header_columns(text, dialect)) columns = *header;
+        if (auto header = read_header(text, dialect)) columns = header->columns;
     }
     if (odd || lines.fill() || (columns.empty() && !counted)) {
         const std::string from = layout.skip_lines ? " after line " + std::to_string(*layout.skip_lines) : "";
@@ -231,14 +315,18 @@ void TextReader::plan_without_rows(const TextLayout& layout)
              "if detection fails, state the separator, the lines to skip and the columns");
     }
     if (columns.empty()) columns = {{"x", {}, false}, {"y", {}, false}, {"z", {}, false}};
-    const TextPlan plan = plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range,
-                                       conventions_.signed_intensity);
-    start(plan, dialect, false, file_size_, head.size());
+    start(plan_columns(columns, std::vector<ColumnLook>(columns.size()), layout.colour_range,
+                       conventions_.signed_intensity),
+          dialect, file_size_, head.size());
 }
 
-void TextReader::start(const TextPlan& plan, const TextDialect& dialect, bool has_header, std::uint64_t byte,
-                       std::uint64_t line)
+void TextReader::start(TextPlan plan, const TextDialect& dialect, std::uint64_t byte, std::uint64_t line)
 {
+    for (std::size_t c = 0; c < label_names_.size(); ++c) {
+        if (label_names_[c].empty()) continue;
+        plan.fields[c].role = TextField::Role::text;
+        plan.fields[c].name = label_names_[c];
+    }
     info_.format =
         conventions_.format.empty() ? "text separated by " + separator_text(dialect) : std::string(conventions_.format);
     info_.points_known = false;
@@ -246,7 +334,8 @@ void TextReader::start(const TextPlan& plan, const TextDialect& dialect, bool ha
     info_.position_type = ScalarType::f64;
     batch_points_ = std::min(points_that_fit_a_batch(info_.schema), default_batch_points);
     source_.emplace(file_, byte, line);
-    rows_.emplace(file_.path(), TextForm{dialect, plan.fields, has_header, override_hint},
+    rows_.emplace(file_.path(),
+                  TextForm{dialect, std::move(plan.fields), header_.has_value(), override_hint, skip_bad_lines_},
                   [this](std::uint64_t at, const auto& fields) { return begins_list(at, fields); });
 }
 
@@ -259,14 +348,15 @@ bool TextReader::begins_list(std::uint64_t line, const std::vector<std::string_v
     end_list("line " + std::to_string(line) + " begins another list");
     promised_ = count;
     promise_line_ = line;
-    rows_before_list_ = rows_->counts().rows;
+    lines_before_list_ = rows_->counts().rows + rows_->counts().bad_lines;
     return true;
 }
 
 void TextReader::end_list(const std::string& where)
 {
     if (!promised_) return;
-    const std::uint64_t found = rows_->counts().rows - rows_before_list_;
+    // Of the points that are promised, some may be on bad lines.
+    const std::uint64_t found = rows_->counts().rows + rows_->counts().bad_lines - lines_before_list_;
     const std::string promise =
         "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
     if (found < *promised_) fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
@@ -288,7 +378,12 @@ bool TextReader::read(PointBatch& batch, std::size_t max_points)
     const std::size_t most = finished_ ? 0 : rows_->most_rows(left, std::min(max_points, batch_points_));
     shape_batch(batch, info_.schema, false, most);
     if (most == 0) return false;
-    const std::size_t count = rows_->read(*source_, batch, 0, most);
+    std::size_t count = 0;
+    do {
+        info_.skipped.lines = rows_->counts().bad_lines;
+        count = rows_->read(*source_, batch, 0, most);
+    } while (count == 0 && rows_->counts().bad_lines > info_.skipped.lines);
+    info_.skipped.lines = rows_->counts().bad_lines;
     if (count < most) batch.resize(count);
     if (count == 0) finish();
     return count > 0;
@@ -307,10 +402,17 @@ bool looks_like_points(const std::filesystem::path& path)
     try {
         const File file(path, File::Mode::read);
         const auto sample = sample_text(file);
-        if (!sample || sample->odd_lines || sample->longer_rows) return false;
-        for (const std::string& line : sample->head)
-            if (!is_blank_or_comment(line) && !count_in(line) && !header_columns(line, sample->dialect)) return false;
-        return true;
+        // A few lines may have faults: they are for the reader to name.
+        if (!sample || (sample->odd_lines + sample->longer_rows) * 10 > sample->rows) return false;
+        bool named = false;
+        for (const std::string& line : sample->head) {
+            const bool header = read_header(line, sample->dialect).has_value();
+            if (!header && !is_blank_or_comment(line, sample->dialect.separator) && !count_in(line)) return false;
+            named = named || header;
+        }
+        // Words are in a table of anything, unless it names x, y and z.
+        const auto holds_words = [](const ColumnLook& look) { return look.words > look.values; };
+        return named || std::none_of(sample->looks.begin(), sample->looks.end(), holds_words);
     } catch (const Error& error) {
         if (error.code() == ErrorCode::bad_format || error.code() == ErrorCode::unsupported) return false;
         throw;

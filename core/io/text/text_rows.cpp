@@ -17,72 +17,22 @@ namespace {
 // A 32-bit float never needs more digits to be distinct from its neighbours.
 constexpr std::size_t most_float_digits = 9;
 
-bool is_padding(char c, char separator) { return text::is_blank(c) && c != separator; }
-
-std::string_view trimmed(std::string_view word, char separator)
-{
-    while (!word.empty() && is_padding(word.front(), separator)) word.remove_prefix(1);
-    while (!word.empty() && is_padding(word.back(), separator)) word.remove_suffix(1);
-    return word;
-}
-
-// The end of a quoted field that begins at `at`: its closing quote. Two quotes inside mean one.
-std::size_t closing_quote(std::string_view line, std::size_t at)
-{
-    const char quote = line[at];
-    for (std::size_t i = at + 1; i < line.size(); ++i) {
-        if (line[i] != quote) continue;
-        if (i + 1 < line.size() && line[i + 1] == quote)
-            ++i;
-        else
-            return i;
-    }
-    return std::string_view::npos;
-}
-
 std::string fields_text(std::size_t count) { return std::to_string(count) + (count == 1 ? " field" : " fields"); }
 
 }  // namespace
 
-void split_fields(std::string_view line, const TextDialect& dialect, std::vector<std::string_view>& fields)
+void TextCounts::add(const TextCounts& later)
 {
-    fields.clear();
-    const char separator = dialect.separator;
-    const bool blanks = separator == ' ';
-    bool behind_separator = false;
-    for (std::size_t at = 0;;) {
-        while (at < line.size() && (blanks ? text::is_blank(line[at]) : is_padding(line[at], separator))) ++at;
-        if (at == line.size()) {
-            if (behind_separator) fields.emplace_back();
-            return;
-        }
-        std::size_t stop = at;
-        const std::size_t close =
-            line[at] == '"' || line[at] == '\'' ? closing_quote(line, at) : std::string_view::npos;
-        if (close != std::string_view::npos) {
-            stop = close + 1;
-            if (!blanks)
-                while (stop < line.size() && is_padding(line[stop], separator)) ++stop;
-        }
-        const auto ends = [&] {
-            return stop == line.size() || (blanks ? text::is_blank(line[stop]) : line[stop] == separator);
-        };
-        if (close != std::string_view::npos && ends()) {
-            fields.push_back(line.substr(at + 1, close - at - 1));
-        } else {
-            for (stop = at; !ends();) ++stop;
-            fields.push_back(trimmed(line.substr(at, stop - at), separator));
-        }
-        behind_separator = !blanks && stop < line.size();
-        at = stop + behind_separator;
-    }
-}
-
-bool is_blank_or_comment(std::string_view line)
-{
-    while (!line.empty() && (text::is_blank(line.front()) || line.front() == '\v' || line.front() == '\f'))
-        line.remove_prefix(1);
-    return line.empty() || line.front() == '#' || line.front() == '%' || line.substr(0, 2) == "//";
+    if (!longer_lines) first_longer_line = later.first_longer_line;
+    if (!missing_values) first_missing = later.first_missing;
+    if (!bad_lines) first_bad_line = later.first_bad_line;
+    rows += later.rows;
+    longer_lines += later.longer_lines;
+    empty_fields += later.empty_fields;
+    missing_values += later.missing_values;
+    rounded_values += later.rounded_values;
+    bad_lines += later.bad_lines;
+    words.insert(words.end(), later.words.begin(), later.words.end());
 }
 
 std::vector<std::string> TextCounts::notes() const
@@ -94,10 +44,22 @@ std::vector<std::string> TextCounts::notes() const
                         ": the further fields are not read");
     if (empty_fields)
         notes.push_back(grouped(empty_fields) + (empty_fields == 1 ? " empty field is" : " empty fields are") + " NaN");
+    if (missing_values)
+        notes.push_back(grouped(missing_values) + (missing_values == 1 ? " missing value is" : " missing values are") +
+                        " NaN, the first is " + first_missing);
     if (rounded_values)
         notes.push_back(
             grouped(rounded_values) + (rounded_values == 1 ? " value has" : " values have") +
             " more digits than a 32-bit float keeps and were rounded; name the column NAME:f64 to keep them");
+    for (const Words& text : words)
+        if (text.count)
+            notes.push_back("column " + std::to_string(text.column) +
+                            (text.name.empty() ? "" : " (" + text.name + ")") +
+                            " holds text, which is not read: " + grouped(text.count) +
+                            (text.count == 1 ? " field" : " fields") + ", the first is " + text.first);
+    if (bad_lines)
+        notes.push_back(grouped(bad_lines) + (bad_lines == 1 ? " bad line was" : " bad lines were") +
+                        " skipped, the first is " + first_bad_line);
     return notes;
 }
 
@@ -110,14 +72,20 @@ TextRows::TextRows(std::filesystem::path path, TextForm form, OddLine odd_line)
         if (field.role == TextField::Role::axis) slots_[i].kind = Slot::Kind::f64;
         if (field.role == TextField::Role::attribute)
             slots_[i].kind = static_cast<Slot::Kind>(field.type);  // both enumerations start with i8 = 1
+        if (field.role != TextField::Role::text) continue;
+        slots_[i].words = counts_.words.size();
+        counts_.words.push_back({i + 1, field.name, {}, 0});
     }
+    pending_.resize(counts_.words.size());
     static_assert(static_cast<int>(Slot::Kind::i8) == static_cast<int>(ScalarType::i8) &&
                   static_cast<int>(Slot::Kind::f64) == static_cast<int>(ScalarType::f64));
 }
 
-void TextRows::fail(std::uint64_t line_number, const std::string& what) const
+void TextRows::count_word(std::size_t column, std::string_view word)
 {
-    throw Error(ErrorCode::bad_format, path_, "line " + std::to_string(line_number) + ": " + what, form_.hint);
+    if (word.empty()) return;
+    TextCounts::Words& words = counts_.words[column];
+    if (words.count++ == 0) words.first = quote_bytes(word);
 }
 
 void TextRows::bind(PointBatch& batch, std::size_t first)
@@ -213,6 +181,7 @@ const char* TextRows::plain_row(const char* at, const char* end, std::size_t row
                     while (!text::is_line_end(*at) && *at != separator && *at != '"' && *at != '\'') ++at;
                     if (*at == '"' || *at == '\'') return nullptr;
                 }
+                if (slot.words != Slot::none) pending_[slot.words] = {start, static_cast<std::size_t>(at - start)};
                 break;
             }
         }
@@ -225,58 +194,88 @@ const char* TextRows::plain_row(const char* at, const char* end, std::size_t row
     skip_padding();
     if (!text::is_line_end(*at)) return nullptr;
     counts_.rounded_values += rounded;
+    for (std::size_t i = 0; i < pending_.size(); ++i) count_word(i, pending_[i]);
     return at + (at[0] == '\r' && at[1] == '\n' ? 2 : 1);
 }
 
-void TextRows::careful_field(std::string_view word, std::size_t i, std::size_t row, std::string_view line,
-                             std::uint64_t line_number)
+std::optional<TextRows::Fault> TextRows::careful_field(std::string_view word, std::size_t i, std::size_t row,
+                                                       std::uint64_t line_number)
 {
     const TextField& field = form_.fields[i];
     const Slot& slot = slots_[i];
-    if (slot.kind == Slot::Kind::skipped) return;
+    if (slot.kind == Slot::Kind::skipped) return std::nullopt;
     const ScalarType type = field.role == TextField::Role::axis ? ScalarType::f64 : field.type;
-    const auto complain = [&](const std::string& expected) {
-        fail(line_number, "found " + quote_bytes(word) + " in column " + std::to_string(i + 1) + " (" + field.name +
-                              "), expected " + expected + "; the line is " + quote_bytes(line));
+    const std::string column = "column " + std::to_string(i + 1) + " (" + field.name + ")";
+    const auto fault = [&](const std::string& expected) {
+        double number = 0;
+        return Fault{"found " + quote_bytes(word) + " in " + column + ", expected " + expected,
+                     !text::parse_number(word, number, form_.dialect.point)};
     };
-    with_type(type, [&](auto value) {
+    return with_type(type, [&](auto value) -> std::optional<Fault> {
         using T = decltype(value);
-        if (std::is_floating_point_v<T> && word.empty() && field.role == TextField::Role::attribute) {
+        const bool missing = is_no_data(word);
+        if (std::is_floating_point_v<T> && (missing || word.empty()) && field.role == TextField::Role::attribute) {
             if constexpr (std::is_floating_point_v<T>) value = std::numeric_limits<T>::quiet_NaN();
-            ++counts_.empty_fields;
+            if (!missing)
+                ++counts_.empty_fields;
+            else if (counts_.missing_values++ == 0)
+                counts_.first_missing = quote_bytes(word) + " in line " + std::to_string(line_number) + ", " + column;
         } else if (!text::parse_number(word, value, form_.dialect.point)) {
-            complain(std::is_floating_point_v<T>
-                         ? std::string("a number")
-                         : "a whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
-                               std::to_string(std::numeric_limits<T>::max()));
+            return fault(std::is_floating_point_v<T>
+                             ? std::string("a number")
+                             : "a whole number from " + std::to_string(std::numeric_limits<T>::min()) + " to " +
+                                   std::to_string(std::numeric_limits<T>::max()));
         }
         if constexpr (std::is_same_v<T, float>) {
             double wide = 0;
             if (std::isinf(value) && text::parse_number(word, wide, form_.dialect.point) && !std::isinf(wide))
-                complain("a number that a 32-bit float can hold");
+                return fault("a number that a 32-bit float can hold");
             if (text::significant_digits(word) > most_float_digits) ++counts_.rounded_values;
         }
         std::memcpy(slot.to + row * slot.step, &value, sizeof value);
+        return std::nullopt;
     });
 }
 
-// False when the line was not a row and odd_line_ has handled it.
-bool TextRows::careful_row(std::string_view line, std::size_t row, std::uint64_t line_number)
+std::optional<TextRows::Fault> TextRows::careful_row(std::string_view line, std::size_t row, std::uint64_t line_number)
+{
+    const std::size_t expected = form_.fields.size();
+    const bool longer = words_.size() > expected;
+    if (words_.size() < expected || (longer && !form_.longer_lines)) {
+        std::string names;
+        for (const TextField& field : form_.fields) names += (names.empty() ? "" : " ") + field.name;
+        return Fault{"found " + fields_text(words_.size()) + ", expected " + std::to_string(expected) + " (" + names +
+                     "); the line is " + quote_bytes(line)};
+    }
+    const std::uint64_t empty = counts_.empty_fields, missing = counts_.missing_values,
+                        rounded = counts_.rounded_values;
+    for (std::size_t i = 0; i < expected; ++i)
+        if (auto fault = careful_field(words_[i], i, row, line_number)) {
+            counts_.empty_fields = empty;  // those of a line that is not read do not count
+            counts_.missing_values = missing;
+            counts_.rounded_values = rounded;
+            fault->what += "; the line is " + quote_bytes(line);
+            return fault;
+        }
+    for (std::size_t i = 0; i < expected; ++i)
+        if (slots_[i].words != Slot::none) count_word(slots_[i].words, words_[i]);
+    if (longer && counts_.longer_lines++ == 0) counts_.first_longer_line = line_number;
+    return std::nullopt;
+}
+
+TextRows::Line TextRows::careful_line(std::string_view line, std::size_t row, std::uint64_t line_number)
 {
     split_fields(line, form_.dialect, words_);
     const std::size_t expected = form_.fields.size();
     if (words_.size() == expected + 1 && words_.back().empty()) words_.pop_back();  // the line ends with a separator
-    const bool longer = words_.size() > expected;
-    if (words_.size() < expected || (longer && !form_.longer_lines)) {
-        if (odd_line_ && odd_line_(line_number, words_)) return false;
-        std::string names;
-        for (const TextField& field : form_.fields) names += (names.empty() ? "" : " ") + field.name;
-        fail(line_number, "found " + fields_text(words_.size()) + ", expected " + std::to_string(expected) + " (" +
-                              names + "); the line is " + quote_bytes(line));
-    }
-    for (std::size_t i = 0; i < expected; ++i) careful_field(words_[i], i, row, line, line_number);
-    if (longer && counts_.longer_lines++ == 0) counts_.first_longer_line = line_number;
-    return true;
+    const bool odd = words_.size() < expected || (words_.size() > expected && !form_.longer_lines);
+    if (odd && odd_line_ && odd_line_(line_number, words_)) return Line::handled;
+    const std::optional<Fault> fault = careful_row(line, row, line_number);
+    if (!fault) return Line::row;
+    const std::string what = "line " + std::to_string(line_number) + ": " + fault->what;
+    if (!form_.skip_bad_lines || !fault->bad_line) throw Error(ErrorCode::bad_format, path_, what, form_.hint);
+    if (counts_.bad_lines++ == 0) counts_.first_bad_line = what;
+    return Line::skipped;
 }
 
 std::size_t TextRows::read(TextSource& source, PointBatch& batch, std::size_t first, std::size_t most)
@@ -299,8 +298,13 @@ std::size_t TextRows::read(TextSource& source, PointBatch& batch, std::size_t fi
         if (row == most || at == end) continue;
         const std::string_view line = take_line(at);
         counts_.rows = rows_before + row;
-        if (!is_blank_or_comment(line) && careful_row(line, row, source.lines_read() + 1)) ++row;
+        const Line found = is_blank_or_comment(line, form_.dialect.separator)
+                               ? Line::handled
+                               : careful_line(line, row, source.lines_read() + 1);
         source.advance(at, 1);
+        row += found == Line::row;
+        // A skipped line takes the place of a row.
+        most -= found == Line::skipped;
     }
     counts_.rows = rows_before + row;
     return row;

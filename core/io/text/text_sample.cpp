@@ -53,18 +53,10 @@ private:
     char* end_;
 };
 
-// The number of numbers in a line; 0 unless all its fields are numbers. Empty fields count if separated.
-std::size_t numbers_of(std::string_view line, const TextDialect& dialect, std::vector<std::string_view>& words)
+// The number of fields of a row; 0 unless there are three numbers, and no words unless they are allowed.
+std::size_t fields_of_row(const FieldCounts& counts, bool words_allowed)
 {
-    split_fields(line, dialect, words);
-    std::size_t filled = 0;
-    for (const std::string_view word : words) {
-        double value;
-        if (word.empty()) continue;
-        if (!text::parse_number(word, value, dialect.point)) return 0;
-        ++filled;
-    }
-    return filled >= 3 ? words.size() : 0;
+    return counts.numbers >= 3 && (words_allowed || counts.words == 0) ? counts.fields : 0;
 }
 
 // Whether reading the number as a float loses nothing: it is the float as printed.
@@ -82,12 +74,16 @@ bool is_single(std::string_view word, double value, char point)
 void look_at(std::string_view word, char point, ColumnLook& look, double& value)
 {
     value = 0;
-    if (word.empty()) {
+    if (word.empty() || is_no_data(word)) {
         ++look.empty;
+        look.marks += !word.empty();
         look.whole = false;
         return;
     }
-    text::parse_number(word, value, point);
+    if (!text::parse_number(word, value, point)) {
+        ++look.words;
+        return;
+    }
     ++look.values;
     look.least = std::min(look.least, value);
     look.most = std::max(look.most, value);
@@ -111,13 +107,15 @@ void look_at(std::string_view word, char point, ColumnLook& look, double& value)
 void look_at_line(std::string_view line, TextSample& sample, std::vector<std::string_view>& words,
                   std::vector<double>& values)
 {
-    if (is_blank_or_comment(line)) return;
-    const std::size_t count = numbers_of(line, sample.dialect, words);
-    if (count < sample.columns) {
+    if (is_blank_or_comment(line, sample.dialect.separator)) return;
+    split_fields(line, sample.dialect, words);
+    const FieldCounts counts = count_fields(words, sample.dialect.point);
+    const bool with_words = counts.fields == sample.columns || counts.like_a_row(sample.columns);
+    if (fields_of_row(counts, with_words) < sample.columns) {
         ++sample.odd_lines;
         return;
     }
-    if (count > sample.columns) ++sample.longer_rows;
+    if (counts.fields > sample.columns) ++sample.longer_rows;
     ++sample.rows;
     sample.row_bytes += static_cast<double>(line.size() + 1);
     values.resize(sample.columns);
@@ -188,23 +186,25 @@ struct Score {
     std::size_t first = 0;  // line
 };
 
-Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextDialect& dialect)
+Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextDialect& dialect, bool words_allowed)
 {
     std::vector<std::string_view> words;
-    std::vector<std::size_t> counts;  // number of numbers in each row
+    std::vector<std::size_t> counts;  // number of fields in each row
     Score score;
     score.first = lines.size();
     std::size_t others = 0;
     for (std::size_t i = from; i < lines.size() && counts.size() < most_head_rows; ++i) {
-        if (is_blank_or_comment(lines[i].text)) continue;
-        const std::size_t numbers = numbers_of(lines[i].text, dialect, words);
-        if (numbers < 3) {
-            if (counts.empty() && ++others > most_other_lines) return {};
+        if (is_blank_or_comment(lines[i].text, dialect.separator)) continue;
+        split_fields(lines[i].text, dialect, words);
+        const FieldCounts found = count_fields(words, dialect.point);
+        const std::size_t fields = fields_of_row(found, words_allowed);
+        if (fields == 0) {
+            if (counts.empty() && !found.like_a_row(found.fields) && ++others > most_other_lines) return {};
             if (!counts.empty()) counts.push_back(0);
             continue;
         }
         if (counts.empty()) score.first = i;
-        counts.push_back(numbers);
+        counts.push_back(fields);
     }
     std::vector<std::size_t> sorted = counts;
     std::sort(sorted.begin(), sorted.end());
@@ -218,6 +218,36 @@ Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextD
         i = k;
     }
     return score;
+}
+
+// The dialect in which the most lines are rows. If two split all lines, the first one is taken.
+Score best_score(const std::vector<HeadLine>& lines, std::size_t from, const TextHints& hints, bool words_allowed,
+                 TextDialect& dialect_of_best)
+{
+    static constexpr TextDialect dialects[] = {{' ', '.'}, {',', '.'},  {';', '.'}, {'\t', '.'},
+                                               {';', ','}, {'\t', ','}, {' ', ','}};
+    Score best;
+    for (const TextDialect& dialect : dialects) {
+        if (hints.separator && dialect.separator != *hints.separator) continue;
+        const Score score = score_of(lines, from, dialect, words_allowed);
+        if (score.rows <= best.rows || score.columns > most_columns) continue;
+        best = score;
+        dialect_of_best = dialect;
+    }
+    return best;
+}
+
+// The first line that is a row, or seems to be one that has a fault: it must not be taken for a title.
+std::size_t first_row(const std::vector<HeadLine>& lines, std::size_t from, const Score& score,
+                      const TextDialect& dialect)
+{
+    std::vector<std::string_view> words;
+    for (std::size_t i = from; i < score.first; ++i) {
+        if (is_blank_or_comment(lines[i].text, dialect.separator)) continue;
+        split_fields(lines[i].text, dialect, words);
+        if (count_fields(words, dialect.point).like_a_row(score.columns)) return i;
+    }
+    return score.first;
 }
 
 }  // namespace
@@ -240,26 +270,24 @@ std::optional<TextSample> sample_text(const File& file, const TextHints& hints)
         lines.push_back({take_line(at), offset});
     }
 
-    // If two dialects split all lines, the first one is taken.
-    static constexpr TextDialect dialects[] = {{' ', '.'}, {',', '.'},  {';', '.'}, {'\t', '.'},
-                                               {';', ','}, {'\t', ','}, {' ', ','}};
     const std::size_t from = std::min(lines.size(), hints.skip_lines.value_or(0));
     TextSample sample;
-    Score best;
-    for (const TextDialect& dialect : dialects) {
-        if (hints.separator && dialect.separator != *hints.separator) continue;
-        const Score score = score_of(lines, from, dialect);
-        if (score.rows <= best.rows || score.columns > most_columns) continue;
-        best = score;
-        sample.dialect = dialect;
+    Score best = best_score(lines, from, hints, false, sample.dialect);
+    // Where most lines hold words beside the numbers, there are columns of text.
+    TextDialect other;
+    const Score with_words = best_score(lines, from, hints, true, other);
+    if (with_words.rows > 2 * best.rows) {
+        best = with_words;
+        sample.dialect = other;
     }
     if (best.rows == 0) return std::nullopt;
     sample.columns = best.columns;
-    sample.first_row = best.first;
-    sample.first_row_byte = lines[best.first].offset;
-    for (std::size_t i = 0; i < best.first; ++i) sample.head.emplace_back(lines[i].text);
+    sample.first_row = first_row(lines, from, best, sample.dialect);
+    sample.first_row_byte = lines[sample.first_row].offset;
+    for (std::size_t i = 0; i < sample.first_row; ++i) sample.head.emplace_back(lines[i].text);
     look_at_pieces(file, sample);
-    if (sample.columns > 3 && sample.looks.back().values == 0) {  // lines end with a separator
+    const ColumnLook& last = sample.looks.back();
+    if (sample.columns > 3 && !last.values && !last.marks && !last.words) {  // lines end with a separator
         --sample.columns;
         sample.looks.pop_back();
         sample.longer_rows = 0;

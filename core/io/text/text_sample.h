@@ -14,7 +14,9 @@ namespace pcm {
 
 // Properties of the sampled values of a column.
 struct ColumnLook {
-    std::uint64_t values = 0, empty = 0;
+    std::uint64_t values = 0, empty = 0;  // numbers; fields that are empty or stand for a missing value ...
+    std::uint64_t marks = 0;              // ... by a mark such as NA
+    std::uint64_t words = 0;              // other fields, of which nothing below is said
     double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
     bool whole = true;                      // all are whole numbers, ...
     bool digits_only = true;                // ... written without a fraction, ...
@@ -33,7 +35,7 @@ struct TextSample {
     std::size_t columns = 0;      // number of fields in most rows
     std::uint64_t first_row = 0;  // number of lines before it
     std::uint64_t first_row_byte = 0;
-    std::vector<std::string> head;                 // the lines before the first row
+    std::vector<std::string> head;                 // the lines before the first row: no row, not even a faulty one
     std::uint64_t rows = 0;                        // sampled rows
     std::uint64_t longer_rows = 0, odd_lines = 0;  // rows with more fields; lines that are not rows
     double row_bytes = 1;                          // average length of a row
@@ -50,7 +52,8 @@ struct TextHints {
 };
 
 // Samples the first lines, and pieces of the whole file: a megabyte at most. Null if no row of three or more numbers is
-// found after at most some dozens of other lines (not counting comments). Throws Error(bad_format) for bytes that are
+// found after at most some dozens of other lines (not counting comments and faulty rows). Rows may have columns of
+// words too. Throws Error(bad_format) for bytes that are
 // not text, naming the first such byte.
 std::optional<TextSample> sample_text(const File& file, const TextHints& hints = {});
 

@@ -233,4 +233,95 @@ TEST(MergedReader, RefusesNothingAndTooMuch)
     EXPECT_THROW(MergedReader(sources_of(clouds)), Error);
 }
 
+// A reader that fails after some points.
+class FailingReader final : public PointReader {
+public:
+    FailingReader(const MemoryCloud& cloud, std::size_t good, ErrorCode code)
+        : reader_(cloud, true), good_(good), code_(code)
+    {
+    }
+    const FileInfo& info() const override { return reader_.info(); }
+    bool seekable() const override { return true; }
+    void seek(std::uint64_t index) override { reader_.seek(next_ = index); }
+    double fraction_read() const override { return reader_.fraction_read(); }
+    bool read(PointBatch& batch, std::size_t max_points) override
+    {
+        if (next_ >= good_) throw Error(code_, "bad.las", "the bytes are damaged");
+        const bool more = reader_.read(batch, std::min<std::size_t>(max_points, good_ - next_));
+        next_ += batch.size;
+        return more;
+    }
+
+private:
+    MemoryReader reader_;
+    std::uint64_t next_ = 0, good_;
+    ErrorCode code_;
+};
+
+MergedReader::Inputs skipping(std::vector<MergedReader::Source> sources)
+{
+    MergedReader::Inputs inputs;
+    inputs.sources = std::move(sources);
+    inputs.skip_bad_files = true;
+    return inputs;
+}
+
+MergedReader::Source unreadable(const std::string& name, ErrorCode code)
+{
+    return {name, [name, code]() -> std::unique_ptr<PointReader> { throw Error(code, name, "it is damaged"); }};
+}
+
+TEST(MergedReader, BadFilesAreLeftOutAndCounted)
+{
+    const std::vector<MemoryCloud> clouds = {random_cloud({}, millimetres, 10, 1),
+                                             random_cloud({}, millimetres, 20, 2)};
+    for (const ErrorCode code : {ErrorCode::bad_format, ErrorCode::not_found, ErrorCode::permission,
+                                 ErrorCode::truncated, ErrorCode::unsupported, ErrorCode::io, ErrorCode::corrupt}) {
+        auto sources = sources_of(clouds);
+        sources.insert(sources.begin() + 1, unreadable("broken.las", code));
+        sources.push_back(unreadable("worse.las", code));
+        EXPECT_THROW(MergedReader{sources}, Error);  // unless it is asked for
+        MergedReader reader(skipping(sources));
+        EXPECT_EQ(reader.sources().size(), 2u);
+        EXPECT_EQ(read_all(reader).points.size, 30u);
+        EXPECT_EQ(reader.info().skipped.files, 2u);
+        EXPECT_EQ(reader.info().skipped.incomplete_files, 0u);
+        EXPECT_TRUE(mentions(reader.info().notes, {"2 inputs cannot be read and are left out: broken.las, worse.las",
+                                                   "broken.las: it is damaged"}));
+    }
+    // Nothing is left, or the user has cancelled.
+    EXPECT_THROW(MergedReader(skipping({unreadable("a.las", ErrorCode::io)})), Error);
+    auto cancelled = sources_of(clouds);
+    cancelled.push_back(unreadable("a.las", ErrorCode::cancelled));
+    EXPECT_THROW(MergedReader(skipping(cancelled)), Error);
+}
+
+TEST(MergedReader, AFileThatFailsWhileItIsReadIsCountedWithItsPoints)
+{
+    const std::vector<MemoryCloud> clouds = {random_cloud({}, millimetres, 10, 1),
+                                             random_cloud({}, millimetres, 20, 2)};
+    for (const std::size_t good : {0, 1, 7}) {
+        std::vector<MergedReader::Source> sources = sources_of(clouds);
+        sources[0].open = [&cloud = clouds[0], good] {
+            return std::make_unique<FailingReader>(cloud, good, ErrorCode::corrupt);
+        };
+        MergedReader strict(sources);
+        EXPECT_THROW(read_all(strict), Error);
+        MergedReader reader(skipping(sources));
+        for (int pass = 0; pass < 2; ++pass) {
+            const MemoryCloud all = read_all(reader, 5);
+            ASSERT_EQ(all.points.size, good + 20);
+            EXPECT_EQ(position_of(all.points, millimetres, good), position_of(clouds[1].points, millimetres, 0));
+            EXPECT_EQ(reader.info().skipped.incomplete_files, 1u);
+            EXPECT_EQ(reader.info().skipped.files, 0u);
+            const std::string taken = std::to_string(good) + " of its 10 points were taken";
+            EXPECT_EQ(std::count_if(reader.info().notes.begin(), reader.info().notes.end(),
+                                    [&](const std::string& note) { return note.find(taken) != std::string::npos; }),
+                      1);
+            EXPECT_TRUE(mentions(reader.info().notes, {"tile0.las could be read in part", "the bytes are damaged"}));
+            reader.seek(0);
+        }
+    }
+}
+
 }  // namespace

@@ -66,5 +66,59 @@ TEST(Ptx, PromisesAreChecked)
     }
 }
 
+// x y z 1 times a matrix whose last column is not 0 0 0 1 is no point of this kind.
+TEST(Ptx, ProjectiveTransformsAreRefused)
+{
+    struct {
+        const char* matrix;
+        const char* says;
+    } const cases[] = {
+        {"1 0 0 0.1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "line 7: found '1 0 0 0.1', whose last number is not 0"},
+        {"1 0 0 0\n0 1 0 0\n0 0 1 1e-9\n0 0 0 1\n", "line 9"},
+        {"1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n", "line 10: found '0 0 0 2', whose last number is not 1"},
+        {"1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 0\n", "line 10"},
+        {"1 0 0 500000\n0 1 0 4800000\n0 0 1 100\n0 0 0 1\n", "or stands in columns"},
+    };
+    for (const auto& c : cases) {
+        const Error error = refusal(ptx_header(1, 1, c.matrix) + "1 2 3 4\n", "a.ptx");
+        EXPECT_EQ(error.code(), ErrorCode::bad_format);
+        EXPECT_TRUE(mentions(error.what(), c.says)) << error.what();
+    }
+    // In any scan.
+    EXPECT_TRUE(mentions(
+        refusal(ptx_header(1, 1) + "1 2 3 4\n" + ptx_header(1, 1, cases[0].matrix) + "1 2 3 4\n", "a.ptx").what(),
+        "line 18"));
+    EXPECT_EQ(
+        read_text(ptx_header(1, 1, "1 0 0 1e-17\n0 1 0 -0\n0 0 1 0\n5 6 7 1.0000000000000002\n") + "1 2 3 4\n", "a.ptx")
+            .position(0),
+        (Vec3d{6, 8, 10}));
+}
+
+TEST(Ptx, BadLinesAreSkippedAndCounted)
+{
+    const std::string text = ptx_header(1, 3) + "1 2 3 0.5\n1 oops 3 0.5\n4 5 6 0.5\n" + ptx_header(2, 2) +
+                             "7 8 9 0.5\n1 2 3\nnothing\n0 0 1 NA\n";
+    EXPECT_TRUE(mentions(refusal(text, "a.ptx").what(), "line 12: found 'oops'"));
+    TemporaryFolder folder;
+    ReadOptions options;
+    options.skip_bad_lines = true;
+    const auto path = write_file(folder / "a.ptx", text);
+    for (const std::size_t batch : {1, 2, 100}) {
+        const auto reader = open_reader(path, options);
+        const Whole whole = read_whole(*reader, batch);
+        ASSERT_EQ(whole.points.size, 4u);
+        EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
+        EXPECT_EQ(whole.value("scan", 2), 2);
+        EXPECT_EQ(reader->info().skipped.lines, 3u);
+        EXPECT_TRUE(any_mentions(reader->info().notes, "3 bad lines were skipped, the first is line 12: found 'oops'"));
+        EXPECT_TRUE(any_mentions(reader->info().notes, "1 missing value is NaN"));
+    }
+    // Never those of a header, nor points that are not there.
+    for (const std::string& damaged :
+         {ptx_header(1, 1) + "1 2 3 4\n1\n1\noops\n", ptx_header(1, 3) + "1 oops 3 4\n1 2 3 4\n",
+          ptx_header(1, 2) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ptx_header(1, 1) + "1 2 3 4\n5 6 7 8\n"})
+        EXPECT_THROW(read_whole(*open_reader(write_file(folder / "b.ptx", damaged), options)), Error) << damaged;
+}
+
 }  // namespace
 }  // namespace pcm::test
