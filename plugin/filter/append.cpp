@@ -20,6 +20,7 @@ void add_parameters(RichParameterList& parameters)
                          "all their points are added. The points must lie on the tree's grid, and the tree must have "
                          "all their attributes.");
     add_target_parameters(parameters);
+    add_ignore_crs_parameter(parameters);
     add_work_parameters(parameters);
 }
 
@@ -31,6 +32,7 @@ void run(const FilterRun& run)
     options.threads = threads_of(run.parameters);
     CloudOptions reading;
     reading.read = reading_of(run.parameters);
+    reading.read.ignore_crs = options.ignore_crs = ignore_crs_of(run.parameters);
     CloudSources sources(inputs_of(run.parameters), reading);
     if (sources.has(tree_folder_of(tree)))
         throw Error(ErrorCode::invalid_argument, tree, "this tree is among the inputs: its points would be there twice",

@@ -32,6 +32,7 @@ void add_parameters(RichParameterList& parameters)
         "Choose the points of each level of detail with a grid. The build is about twice as fast, but the cloud looks "
         "less even from a distance. All points are kept in any case. Default off: each level is a Poisson-disk "
         "sample."));
+    add_ignore_crs_parameter(parameters);
     parameters.addParam(RichBool("Overwrite", false, "Overwrite",
                                  "Replace an existing tree of the same name. Only a tree is ever replaced. Default "
                                  "off."));
@@ -64,6 +65,7 @@ void run(const FilterRun& run)
     options.sampling = run.parameters.getBool("Fast") ? Sampling::grid : Sampling::poisson;
     options.overwrite = run.parameters.getBool("Overwrite");
     options.read = reading_of(run.parameters);
+    options.read.ignore_crs = ignore_crs_of(run.parameters);
 
     Operation operation(run.callback);
     options.progress = operation.progress();

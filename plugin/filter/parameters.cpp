@@ -87,6 +87,17 @@ std::uint32_t chunk_points_of(const RichParameterList& parameters)
         in_range(parameters, "ChunkPoints", "Points per chunk", least_chunk_points, most_chunk_points));
 }
 
+void add_ignore_crs_parameter(RichParameterList& parameters)
+{
+    parameters.addParam(
+        RichBool("IgnoreCrs", false, "Ignore coordinate systems",
+                 "Combine clouds whose coordinate systems, units or kinds of GPS time differ, with their numbers as "
+                 "they are; the "
+                 "first system is kept, and the log names the differences. Default off: such clouds are refused."));
+}
+
+bool ignore_crs_of(const RichParameterList& parameters) { return parameters.getBool("IgnoreCrs"); }
+
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning)
 {
     parameters.addParam(RichString("Inputs", "", "Input files",

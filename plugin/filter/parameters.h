@@ -29,6 +29,10 @@ unsigned threads_of(const RichParameterList& parameters);
 void add_chunk_points_parameter(RichParameterList& parameters);
 std::uint32_t chunk_points_of(const RichParameterList& parameters);
 
+// "IgnoreCrs": whether coordinate systems, units and GPS times that differ are noted instead of refused.
+void add_ignore_crs_parameter(RichParameterList& parameters);
+bool ignore_crs_of(const RichParameterList& parameters);
+
 // "Inputs": files, or folders of files. `meaning` ends the sentence about what is done with them. "SkipBadLines" and
 // "SkipBadFiles": whether faults in them are skipped.
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning);

@@ -2,6 +2,7 @@
 
 #include "plugin/filter/parameters.h"
 #include "plugin/host/layer.h"
+#include "plugin/host/misfit.h"
 #include "plugin/host/registry.h"
 
 namespace pcm::host {
@@ -34,6 +35,8 @@ void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)
     MeshModel* layer = run.document.addNewMesh(QString::fromStdString(folder.string()),
                                                QString::fromStdString(folder.filename().string()));
     try {
+        for (const Misfit& misfit : misfits(*layer, cloud->info().metadata, cloud->info().bounds()))
+            run.log("Warning: " + folder.filename().string() + ": " + misfit.text);
         for (const std::string& line : show_tree(*layer, cloud)) run.log(line);
     } catch (...) {
         run.document.delMesh(layer);

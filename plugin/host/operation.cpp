@@ -6,6 +6,7 @@
 #include <QCoreApplication>
 #include <QEvent>
 #include <QKeyEvent>
+#include <QMessageBox>
 
 #include <algorithm>
 #include <string>
@@ -68,8 +69,19 @@ bool Operation::report(const ProgressUpdate& update)
     return !cancelled_;
 }
 
+bool Operation::ask(QWidget* window, const std::string& question)
+{
+    asking_ = true;
+    const auto answer = QMessageBox::warning(window, "Point cloud", QString::fromStdString(question),
+                                             QMessageBox::Yes | QMessageBox::No, QMessageBox::No);
+    asking_ = false;
+    return answer == QMessageBox::Yes;
+}
+
 bool Operation::eventFilter(QObject* receiver, QEvent* event)
 {
+    // The dialog is modal: Qt itself keeps input from the other windows.
+    if (asking_) return QObject::eventFilter(receiver, event);
     switch (event->type()) {
         case QEvent::KeyPress:
             if (static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) cancelled_ = true;

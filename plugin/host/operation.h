@@ -13,6 +13,8 @@
 #include <QElapsedTimer>
 #include <QObject>
 
+#include <string>
+
 namespace pcm::host {
 
 class Operation : public QObject {
@@ -27,6 +29,8 @@ public:
     ProgressFunction progress();
     // Throws what the constructor throws. Called before touching anything that another operation may be filling.
     static void refuse_second();
+    // Asks the user and waits for the answer: the dialog gets its keys and clicks. Not without a window.
+    bool ask(QWidget* window, const std::string& question);
 
 protected:
     bool eventFilter(QObject* receiver, QEvent* event) override;
@@ -37,6 +41,7 @@ private:
     vcg::CallBackPos* callback_;
     QElapsedTimer since_events_;
     bool cancelled_ = false;
+    bool asking_ = false;
 };
 
 }  // namespace pcm::host

@@ -266,10 +266,12 @@ std::vector<std::string> log_lines(const LayerSource& source, const Points& poin
 }  // namespace
 
 std::optional<std::vector<std::string>> load_points(MeshModel& layer, PointReader& reader, std::uint64_t most_points,
-                                                    const ProgressFunction& progress)
+                                                    const ProgressFunction& progress,
+                                                    const std::function<void(const Box3d&)>& on_box)
 {
     std::optional<Points> points = read_all(reader, most_points, progress);
     if (!points) return std::nullopt;
+    if (on_box) on_box(points->box);
     auto source = std::make_shared<LayerSource>();
     source->info = reader.info();
     source->origin = Registry::instance().origin_for(*layer.parent, points->box);

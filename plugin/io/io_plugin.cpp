@@ -1,6 +1,7 @@
 #include "plugin/io/io_plugin.h"
 
 #include "pcm/io/formats.h"
+#include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
 #include "plugin/host/layer.h"
@@ -85,7 +86,9 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
                 return hand_over_open(*stock, format, file_name, layer, mask, parameters, callback, parent);
         const ImportSettings settings = read_import_settings(parameters);
         Operation operation(callback);
-        const auto lines = import_cloud(path, layer, settings, operation.progress());
+        const auto lines = import_cloud(
+            path, layer, settings, operation.progress(),
+            [&](const std::vector<std::string>& reasons) { join_anyway(path, reasons, operation, parent); });
         for (const std::string& line : lines) say(GLLogStream::FILTER, line, parent);
         mask |= mask_of(layer);
         return true;
@@ -95,6 +98,20 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
         say(GLLogStream::WARNING, "Cannot open " + error, parent);
         return false;
     }
+}
+
+// A warning in the log, and a question where there is a window. Throws Error(cancelled) if the user declines.
+void PointCloudIo::join_anyway(const std::filesystem::path& path, const std::vector<std::string>& reasons,
+                               Operation& operation, QWidget* window)
+{
+    const std::string name = path.filename().string();
+    std::string question = name + " does not fit the clouds of this project.";
+    for (const std::string& reason : reasons) {
+        say(GLLogStream::WARNING, "Warning: " + name + ": " + reason, window);
+        question += "\n\n" + reason;
+    }
+    if (window && !operation.ask(window, question + "\n\nOpen it all the same?"))
+        throw Error(ErrorCode::cancelled, path, "not opened, because it does not fit the other clouds");
 }
 
 bool PointCloudIo::hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name,

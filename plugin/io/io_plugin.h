@@ -4,8 +4,13 @@
 
 #include <common/interfaces.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
+
+namespace pcm::host {
+class Operation;
+}
 
 class PointCloudIo : public QObject, public MeshIOInterface {
     Q_OBJECT
@@ -30,6 +35,8 @@ public:
 private:
     // Writes to the log, and without a window also to standard output: meshlabserver does not print the log of imports.
     void say(GLLogStream::Levels level, const std::string& line, const QWidget* window);
+    void join_anyway(const std::filesystem::path& path, const std::vector<std::string>& reasons,
+                     pcm::host::Operation& operation, QWidget* window);
     bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
                         int& mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
     // MeshLab's exporter if it is to write this layer, else null.

@@ -5,12 +5,13 @@ import unittest
 from meshlab import MeshLabTest, pcmlab
 
 
-def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False):
+def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False, ignore_crs=False):
     return ("Build Point Cloud Tree", {
         "Inputs": ("RichString", inputs), "Output": ("RichString", output), "MemoryMB": ("RichInt", memory),
         "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
         "Overwrite": ("RichBool", "true" if overwrite else "false"), "Fast": ("RichBool", "true" if fast else "false"),
-        "Open": ("RichBool", "true" if opened else "false")})
+        "Open": ("RichBool", "true" if opened else "false"),
+        "IgnoreCrs": ("RichBool", "true" if ignore_crs else "false")})
 
 
 def information(tree=""):

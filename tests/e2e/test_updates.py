@@ -8,7 +8,8 @@ from meshlab import FIXED_VIEW, MeshLabTest, different, pcmlab
 def add(tree, inputs, output="", in_place=False):
     return ("Append to Point Cloud Tree", {
         "Tree": ("RichString", tree), "Inputs": ("RichString", inputs), "Output": ("RichString", output),
-        "InPlace": ("RichBool", "true" if in_place else "false"), "MemoryMB": ("RichInt", 256), "Threads": ("RichInt", 2)})
+        "InPlace": ("RichBool", "true" if in_place else "false"), "IgnoreCrs": ("RichBool", "false"),
+        "MemoryMB": ("RichInt", 256), "Threads": ("RichInt", 2)})
 
 
 def delete(tree, box="", where="", count=False, output="", in_place=False):

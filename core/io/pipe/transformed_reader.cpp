@@ -1,6 +1,7 @@
 #include "pcm/io/pipe/transformed_reader.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/pipe/batch_shape.h"
 
 #include <algorithm>
@@ -59,6 +60,9 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
         }
     of_lengths_ = std::cbrt(std::fabs(determinant));
     const FileInfo& info = cloud_->info();
+    if (const auto system = coordinate_system_of(info.metadata))
+        system_note_ = "the coordinate system stated is still " + describe(*system) +
+                       ": it no longer fits, unless the transformation was within it";
     if (info.grid && stretches) {
         grid_ = *info.grid;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -75,6 +79,7 @@ const FileInfo& TransformedReader::info() const
     info_.near_grid.reset();
     info_.promised_box.reset();
     if (!grid_) info_.position_type = ScalarType::f64;
+    if (!system_note_.empty()) info_.notes.push_back(system_note_);
     return info_;
 }
 

@@ -7,12 +7,14 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace pcm {
 
 // Where the map only scales and shifts along the axes, gridded points keep their integers and get another grid;
 // otherwise positions become doubles. An attribute `normal` of three floats is transformed by the inverse transpose, as
-// planes are, and keeps its length; `radius` grows with the cube root of the volume. One thread, as for the source.
+// planes are, and keeps its length; `radius` grows with the cube root of the volume. Metadata stay as they are; a note
+// says so where they state a coordinate system. One thread, as for the source.
 class TransformedReader final : public PointReader {
 public:
     // Throws Error(invalid_argument) for a map that is not finite or flattens space.
@@ -30,6 +32,7 @@ private:
     std::array<Vec3d, 3> of_normals_{};
     double of_lengths_ = 1;
     std::optional<Grid> grid_;  // when points stay gridded
+    std::string system_note_;
     mutable FileInfo info_;
     PointBatch from_;
 };

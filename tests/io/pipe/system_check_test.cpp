@@ -127,6 +127,20 @@ TEST_F(SystemCheckTest, GpsTimesOfTwoKindsAreRefused)
     EXPECT_THROW(merged({tile({}, 1, 1, 1), tile({}, 1, 1)}), Error);
 }
 
+// A cloud that has lost its times keeps the header.
+TEST_F(SystemCheckTest, GpsTimesCountOnlyWhereThePointsHaveThem)
+{
+    const auto cloud = [&](std::uint16_t encoding, bool timed) {
+        FileInfo info = open_reader(write_file(folder_ / "a.las", tile({}, 1, encoding).bytes()))->info();
+        if (!timed) info.schema = {};
+        return info;
+    };
+    SystemCheck check(false);
+    check.add(cloud(0, true), "a.las");
+    EXPECT_NO_THROW(check.add(cloud(1, false), "b.las"));
+    EXPECT_THROW(check.add(cloud(1, true), "c.las"), Error);
+}
+
 TEST_F(SystemCheckTest, OffsetsOfLas15AreCompared)
 {
     const auto las15 = [](std::uint16_t offset) {

@@ -176,4 +176,20 @@ TEST(Transformed, MapsThatMakeNoSense)
     EXPECT_TRUE(refused(map));
 }
 
+TEST(TransformedReader, ACoordinateSystemThatStaysIsNoted)
+{
+    MemoryCloud cloud = cloud_at({0, 0, 0}, true, 1);
+    const auto notes = [&] {
+        Affine map;
+        map.linear[0][0] = map.linear[1][1] = map.linear[2][2] = 0.3048;
+        return TransformedReader(std::make_unique<MemoryReader>(cloud), map).info().notes;
+    };
+    EXPECT_TRUE(notes().empty());
+    const std::string text = "EPSG:32632";
+    const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+    cloud.info.metadata = {{"crs", {bytes, bytes + text.size()}}};
+    ASSERT_EQ(notes().size(), 1u);
+    EXPECT_NE(notes()[0].find(text), std::string::npos) << notes()[0];
+}
+
 }  // namespace
