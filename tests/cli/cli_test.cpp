@@ -233,4 +233,35 @@ TEST_F(CliTest, BadInputSaysWhatAndWhereAndLeavesNothing)
     EXPECT_EQ(pcmlab("--help").code, 0);
 }
 
+TEST_F(CliTest, OptionsOfExports)
+{
+    ASSERT_EQ(pcmlab("generate -n 1000 --no-truth " + path("in.las")).code, 0);
+    const auto converted = [&](const std::string& output, const std::string& options) {
+        return pcmlab("convert --overwrite " + path("in.las") + " " + path(output) + " " + options);
+    };
+    const auto begins = [&](const std::string& name) {
+        std::ifstream file(folder_ / name, std::ios::binary);
+        std::string bytes(100000, ' ');
+        file.read(bytes.data(), 100000);
+        return bytes;
+    };
+    for (const int minor : {0, 1, 2, 3, 4}) {
+        ASSERT_EQ(converted("out.las", "--las-version 1." + std::to_string(minor)).code, 0);
+        EXPECT_EQ(begins("out.las")[25], minor);
+    }
+    for (const char* wrong : {"1.5", "2.0", "1", "4", "1.22"}) {
+        const Result refused = converted("out.las", std::string("--las-version ") + wrong);
+        EXPECT_EQ(refused.code, 2);
+        EXPECT_NE(refused.err.find("1.0, 1.1, 1.2, 1.3 or 1.4"), std::string::npos) << refused.err;
+    }
+    ASSERT_EQ(converted("out.ply", "--colour-bits 16").code, 0);
+    EXPECT_NE(begins("out.ply").find("property ushort red"), std::string::npos);
+    ASSERT_EQ(converted("out.ply", "--colour-bits 8").code, 0);
+    EXPECT_NE(begins("out.ply").find("property uchar red"), std::string::npos);
+    EXPECT_EQ(converted("out.ply", "--colour-bits 9").code, 2);
+    ASSERT_EQ(converted("out.pcd", "--float-positions").code, 0);
+    EXPECT_NE(begins("out.pcd").find("SIZE 4 4 4"), std::string::npos);
+    EXPECT_EQ(begins("out.pcd").find("VIEWPOINT 0 0 0"), std::string::npos);
+}
+
 }  // namespace

@@ -96,11 +96,15 @@ private:
                                 survey_ ? survey_->of(i) : nullptr);
     }
 
-    std::string has_no_field(const Attribute& attribute) const
+    std::string has_no_field(const Attribute& attribute, const Attribute& field) const
     {
+        const std::string format = "point format " + std::to_string(plan_.target.format);
+        if (attribute.type == field.type && attribute.components == field.components &&
+            attribute.scale == field.scale && attribute.offset == field.offset)
+            return "'" + attribute.name + "' needs more bits than " + format + " has for it: ";
         return "'" + attribute.name + "' is " + std::string(name_of(attribute.type)) +
-               (attribute.components > 1 ? " x " + std::to_string(attribute.components) : "") +
-               ", for which point format " + std::to_string(plan_.target.format) + " has no field: ";
+               (attribute.components > 1 ? " x " + std::to_string(attribute.components) : "") + ", for which " +
+               format + " has no field: ";
     }
 
     void into_field(std::size_t i, std::size_t place)
@@ -124,9 +128,9 @@ private:
             column.conversion = Conversion::rounded;
             const std::string how = fit_to_field(column, attribute, field, survey_ ? survey_->of(i) : nullptr);
             plan_.columns.push_back(column);
-            plan_.notes.push_back(has_no_field(attribute) + kept + ", and the field of that name has it " + how);
+            plan_.notes.push_back(has_no_field(attribute, field) + kept + ", and the field of that name has it " + how);
         } else {
-            plan_.notes.push_back(has_no_field(attribute) + kept);
+            plan_.notes.push_back(has_no_field(attribute, field) + kept);
         }
         if (!attribute.description.empty() && attribute.description != exact_description)
             plan_.notes.push_back("the description of '" + attribute.name + "' is not kept");
@@ -142,6 +146,7 @@ private:
         column.addend = (attribute.offset - field.offset) / field.scale;
         const bool colours = attribute.name == attribute_name::rgb;
         const bool fills = column.type == ScalarType::u16 && (colours || attribute.name == attribute_name::intensity);
+        if (column.field.mask) return "rounded, at most " + std::to_string(column.field.mask);
         if (!fills || (!known && !(colours && is_float(attribute.type)))) return "rounded";
         const double least = known && known->any() ? known->least : 0, most = known && known->any() ? known->most : 0;
         double factor = 0;

@@ -67,10 +67,15 @@ public:
         const bool fit = !stay && !options.float_positions && options.survey && options.survey->floats_hold_positions;
         if (options.float_positions && !stay) {
             carried.shift = shift(cloud);
-            notes.push_back("positions are floats relative to " + exact(*carried.shift) +
-                            ", which is in VIEWPOINT: other programs have to add it");
+            if (*carried.shift != Vec3d{0, 0, 0})
+                notes.push_back("positions are floats relative to " + exact(*carried.shift) +
+                                ", which is in VIEWPOINT: other programs have to add it");
         } else if (fit && cloud.grid) {
             carried.shift = Vec3d{0, 0, 0};
+            notes.emplace_back(
+                "positions are floats (F 4), as PCL reads them: each the nearest to its point of the cloud's grid, "
+                "which "
+                "is found again from it");
         }
         const ScalarType position = stay || fit || options.float_positions ? ScalarType::f32 : ScalarType::f64;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -113,9 +118,12 @@ private:
         if (attribute.name == attribute_name::rgb && attribute.components == 3)
             return stored_colours(attribute, known, options_.colour_bits);
         StoredAs stored = stored_values(attribute, known);
-        // PCL's points have it as a float.
-        if (attribute.name == attribute_name::intensity && attribute.components == 1 && stored.raw() &&
-            size_of(attribute.type) <= 2) {
+        // PCL's points and Open3D have these as floats alone.
+        const bool intensity = attribute.name == attribute_name::intensity && attribute.components == 1;
+        const bool normal = attribute.name == attribute_name::normal && attribute.components == 3;
+        if ((intensity || normal) && stored.type != ScalarType::f32) {
+            const bool integer = attribute.type != ScalarType::f64 && attribute.type != ScalarType::f32;
+            stored.rounded = !(integer && stored.raw() && size_of(attribute.type) <= 2);
             stored.source = RecordField::Source::value;
             stored.type = ScalarType::f32;
         }
@@ -188,7 +196,8 @@ private:
     void add_exact(const Attribute& attribute, std::size_t index, const Names& rounded)
     {
         const bool colours = attribute.name == attribute_name::rgb && attribute.components == 3;
-        const std::string name = name_of_field(attribute, colours ? "_exact" : "_raw");
+        const bool scaled = !colours && (attribute.scale != 1 || attribute.offset != 0);
+        const std::string name = name_of_field(attribute, scaled ? "_raw" : "_exact");
         add_field(name, RecordField::scalars(index, 0, attribute.type, attribute.components));
         carried.attributes.push_back({name, attribute, 0});
         carried.repeated.push_back({rounded[0], static_cast<std::uint32_t>(rounded.size()), name});
@@ -196,9 +205,12 @@ private:
             notes.push_back("colours of type " + std::string(name_of(attribute.type)) +
                             " are written packed with 8 bits, which PCL shows, and exactly, as " + name +
                             ": 8 colour bits leave the exact ones out, 16 those of 8 bits");
-        else
+        else if (scaled)
             notes.push_back("'" + attribute.name + "' is written as values, " + rounded[0] + ", and as raw numbers, " +
                             name + ", without its scale and offset");
+        else
+            notes.push_back("'" + attribute.name + "' of type " + std::string(name_of(attribute.type)) +
+                            " is written as floats, which PCL's points and Open3D read, and exactly, as " + name);
     }
 
     std::string name_of_field(const Attribute& attribute, const std::string& ending) const

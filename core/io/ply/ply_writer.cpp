@@ -86,6 +86,7 @@ public:
             cloud.position_type == ScalarType::f32 && !cloud.grid ? ScalarType::f32 : ScalarType::f64;
         for (std::size_t a = 0; a < 3; ++a)
             properties.push_back({std::string(1, "xyz"[a]), RecordField::axis(a, position)});
+        has_colours_ = cloud.schema.find(attribute_name::rgb).has_value();
         for (std::size_t i = 0; i < cloud.schema.size(); ++i) add(cloud.schema[i], i);
     }
 
@@ -119,6 +120,10 @@ private:
             names = {"red", "green", "blue"};
         } else if (is_three(attribute, attribute_name::normal) && !halves) {
             names = {"nx", "ny", "nz"};
+        } else if (attribute.name == attribute_name::intensity && attribute.components == 1 && has_colours_ &&
+                   stored.type == ScalarType::f32) {
+            // As CloudCompare calls it: MeshLab takes a float 'intensity' for a grey instead of the colour.
+            names = {"scalar_intensity"};
         } else {
             names = names_of(attribute, halves, "");
             plain = plain && names.size() == 1 && names[0] == attribute.name;
@@ -197,6 +202,7 @@ private:
     }
 
     WriteOptions options_;
+    bool has_colours_ = false;
     std::set<std::string> used_;  // lower case
 };
 

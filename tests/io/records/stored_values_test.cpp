@@ -215,6 +215,26 @@ TEST_P(StoredValues, CommentsThatAreNotTrueAreNotFollowed)
     EXPECT_TRUE(any_mentions(read_whole(write_file(file(), damaged)).info.notes, "1 damaged comment"));
 }
 
+// MeshLab takes a float "intensity" for a grey instead of the colour.
+TEST(PlyWriter, FloatIntensitiesBesideColoursHaveAnotherName)
+{
+    TemporaryFolder folder;
+    std::mt19937_64 random(1);
+    for (const bool colours : {false, true})
+        for (const ScalarType type : {ScalarType::f32, ScalarType::u16, ScalarType::f64}) {
+            std::vector<Attribute> attributes{{"intensity", type, 1, 1, 0, {}}};
+            if (colours) attributes.push_back({"rgb", ScalarType::u8, 3, 1, 0, {}});
+            const RandomCloud cloud = random_cloud(random, PositionKind::single_precision, 10, true, attributes);
+            write_cloud(folder / "a.ply", cloud, random);
+            const std::string bytes = read_bytes(folder / "a.ply");
+            EXPECT_EQ(mentions(bytes, "property float intensity\n"), type == ScalarType::f32 && !colours);
+            EXPECT_EQ(mentions(bytes, "property float scalar_intensity\n"), type == ScalarType::f32 && colours);
+            const Whole back = read_whole(folder / "a.ply");
+            expect_same_schema(cloud.info.schema, back.info.schema);
+            expect_same_points(cloud, back);
+        }
+}
+
 // ------------------------------------------------------------------------------------------------- PCD
 
 TEST(PcdWriter, IntensitiesAreFloatsAsInPcl)
@@ -231,6 +251,23 @@ TEST(PcdWriter, IntensitiesAreFloatsAsInPcl)
     EXPECT_TRUE(mentions(bytes, "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n")) << bytes;
     EXPECT_EQ(bytes.substr(bytes.size() - 4), Bytes().put(65535.f).data);
     expect_same_points(cloud, read_whole(folder / "a.pcd"));
+}
+
+TEST(PcdWriter, IntensitiesAndNormalsThatFloatsDoNotHoldAreKeptBesideThem)
+{
+    TemporaryFolder folder;
+    std::mt19937_64 random(1);
+    const RandomCloud cloud =
+        random_cloud(random, PositionKind::single_precision, 10, true,
+                     {{"intensity", ScalarType::u32, 1, 1, 0, {}}, {"normal", ScalarType::f64, 3, 1, 0, {}}});
+    const auto notes = write_cloud(folder / "a.pcd", cloud, random);
+    EXPECT_TRUE(any_mentions(notes, "intensity_exact") && any_mentions(notes, "normal_exact"));
+    EXPECT_TRUE(mentions(read_bytes(folder / "a.pcd"),
+                         "FIELDS x y z intensity intensity_exact normal_x normal_y normal_z normal_exact\n"
+                         "SIZE 4 4 4 4 4 4 4 4 8\nTYPE F F F F U F F F F\nCOUNT 1 1 1 1 1 1 1 1 3\n"));
+    const Whole back = read_whole(folder / "a.pcd");
+    expect_same_schema(cloud.info.schema, back.info.schema);
+    expect_same_points(cloud, back);
 }
 
 // Points of a grid of millimetres around `offset`.
