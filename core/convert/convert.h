@@ -54,10 +54,10 @@ struct ConvertReport {
 
 // The output's extension chooses the format: "pct" builds a tree, others are written by create_writer(). When doubles
 // are written as LAS or LAZ, the input is read twice, first to find a grid on which all positions are exact, if one
-// exists. The output appears atomically under its name; an error or a cancel leaves nothing behind. Throws
-// Error(exists) when the output exists and is not to be overwritten, Error(invalid_argument) when it is one of the
-// inputs or an option has no meaning for its format, Error(unsupported) for an unknown extension, Error(cancelled), and
-// what readers, writers and build_tree throw.
+// exists. The output appears atomically under its name; an error or a cancel leaves nothing behind, and what fails
+// after that is a warning of the outcome. Throws Error(exists) when the output exists and is not to be overwritten,
+// Error(invalid_argument) when it is one of the inputs or an option has no meaning for its format, Error(unsupported)
+// for an unknown extension, Error(cancelled), and what readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 

@@ -22,11 +22,11 @@ fs::path folder_of(const fs::path& path)
     return path;
 }
 
-TreeIndex read_whole_index(const File& file)
+std::vector<std::byte> read_whole(const File& file)
 {
     std::vector<std::byte> bytes(file.size());
     file.read_at(bytes.data(), bytes.size(), 0);
-    return decode_index(bytes, file.path());
+    return bytes;
 }
 
 // Whether the name still refers to the opened file.
@@ -83,13 +83,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
         const File index_file(folder / index_file_name, File::Mode::read);
-        TreeIndex index = read_whole_index(index_file);
-        std::shared_ptr<Tree> tree(new Tree);
-        tree->folder_ = folder;
-        tree->info_ = std::move(index.info);
-        tree->nodes_ = std::move(index.nodes);
-        tree->part_roots_ = std::move(index.part_roots);
-        tree->data_files_ = std::move(index.data_files);
+        const std::shared_ptr<Tree> tree = without_files(folder, read_whole(index_file));
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
         } catch (const Error&) {
@@ -98,6 +92,26 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         }
         if (tries == 10 || keeps_its_name(index_file)) return tree;
     }
+}
+
+std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, const std::vector<std::byte>& bytes)
+{
+    TreeIndex index = decode_index(bytes, folder / index_file_name);
+    std::shared_ptr<Tree> tree(new Tree);
+    tree->folder_ = folder;
+    tree->info_ = std::move(index.info);
+    tree->nodes_ = std::move(index.nodes);
+    tree->part_roots_ = std::move(index.part_roots);
+    tree->data_files_ = std::move(index.data_files);
+    return tree;
+}
+
+std::shared_ptr<const Tree> Tree::of_index(const fs::path& folder, const std::vector<std::byte>& index,
+                                           std::size_t most_open_files)
+{
+    const std::shared_ptr<Tree> tree = without_files(folder, index);
+    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
+    return tree;
 }
 
 std::vector<NodeId> Tree::path_from_root(NodeId id) const
