@@ -16,6 +16,20 @@ constexpr char magic[8] = {'P', 'C', 'M', 'T', 'R', 'E', 'E', '\n'};
 constexpr std::uint32_t version = 3;
 constexpr std::size_t node_bytes = 112;
 
+[[noreturn]] void refuse_version(std::uint32_t found, std::vector<std::byte> bytes, const std::filesystem::path& path)
+{
+    // Where everything else is of this version, the version is damaged.
+    std::memcpy(bytes.data() + sizeof magic, &version, sizeof version);
+    std::uint64_t stored;
+    std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
+    if (stored == checksum(bytes.data(), bytes.size() - 8))
+        throw Error(ErrorCode::corrupt, path, "the version in the index is damaged");
+    throw Error(
+        ErrorCode::unsupported, path,
+        "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
+        found < version ? "build the tree again from its files" : "");
+}
+
 // Checks every invariant that tree.h states for nodes: a tree that passes can be walked without further checks.
 void check(const TreeIndex& index, const std::filesystem::path& path)
 {
@@ -177,11 +191,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     ByteReader in(bytes.data(), bytes.size(), path);
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint32_t>();
-    if (found != version)
-        throw Error(
-            ErrorCode::unsupported, path,
-            "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
-            found < version ? "build the tree again from its files" : "");
+    if (found != version) refuse_version(found, bytes, path);
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))
