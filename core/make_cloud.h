@@ -1,4 +1,5 @@
-// New trees that are opened as soon as they are made: from any reader, or from a cloud that is open.
+// New trees that are opened as soon as they are made: from any reader, or from a cloud that is open. An Error that
+// is_done() says that the new tree was made, but may not survive a loss of power, or cannot be opened.
 #pragma once
 
 #include "pcm/build/builder.h"

@@ -32,7 +32,12 @@ struct PointCloud::State : QuerySource {
     }
     void close()
     {
-        if (changes) cache.flush();
+        try {
+            if (changes) cache.flush();
+        } catch (const Error& error) {
+            if (error.is_done()) abandon();
+            throw;
+        }
         abandon();
     }
     // Readers under way keep the store, with the tree as it is on disk.

@@ -83,9 +83,11 @@ public:
     // and when the cloud was opened for reading.
     std::size_t add_attribute(const Attribute& attribute);
     // All changes become part of the tree on disk, atomically. Throws Error(no_space | io | ...); the changes are kept
-    // then and can be flushed again. Throws Error(invalid_argument) when points were changed and not marked as written.
+    // then and can be flushed again. An Error that is_done() says that they are part of the tree, but may not survive a
+    // loss of power. Throws Error(invalid_argument) when points were changed and not marked as written.
     void flush();
-    // flush(), and the lock is released. Any later call of the cloud or its cursors throws Error(invalid_argument).
+    // flush(), and the lock is released unless that fails (it is released after an Error that is_done()). Any later
+    // call of the cloud or its cursors throws Error(invalid_argument).
     void close();
     // close() without flush(): changes since the last one are dropped.
     void abandon();

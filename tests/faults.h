@@ -21,9 +21,9 @@ struct Faulty {
     std::string err;      // what it wrote to stderr
 };
 
-// Runs `command` (program and arguments). The `at`-th file-changing call below `under` meets the fault `kind`: kill,
-// torn, full or eio; with "count" none does. `calls`, if given, receives how many there were, when the command ends by
-// itself.
+// Runs `command` (program and arguments). The `at`-th file-changing call below `under` meets the fault `kind` (of those
+// in faults/preload.cpp); with "count" none does. `calls`, if given, receives how many there were, when the command
+// ends by itself.
 inline Faulty run_with_fault(const std::vector<std::string>& command, const std::filesystem::path& under,
                              const std::string& kind, long at = 0, long* calls = nullptr)
 {
@@ -61,11 +61,12 @@ inline Faulty run_with_fault(const std::vector<std::string>& command, const std:
     return result;
 }
 
-// How many file-changing calls the command makes below `under`.
-inline long count_calls(const std::vector<std::string>& command, const std::filesystem::path& under)
+// How many file-changing calls the command makes below `under`; with "count_opens" or "count_closes" how many of those.
+inline long count_calls(const std::vector<std::string>& command, const std::filesystem::path& under,
+                        const std::string& kind = "count")
 {
     long calls = 0;
-    const Faulty result = run_with_fault(command, under, "count", 0, &calls);
+    const Faulty result = run_with_fault(command, under, kind, 0, &calls);
     EXPECT_EQ(result.code, 0) << result.err;
     return calls;
 }

@@ -1,5 +1,7 @@
 #include "pcm/bpc/attribute_bytes.h"
 
+#include "pcm/system/error.h"
+
 namespace pcm {
 
 void put_attribute(ByteWriter& out, const Attribute& attribute)
@@ -22,6 +24,17 @@ Attribute get_attribute(ByteReader& in)
     attribute.name = in.get_string();
     attribute.description = in.get_string();
     return attribute;
+}
+
+const Attribute& get_attribute(ByteReader& in, Schema& schema, const std::filesystem::path& path)
+{
+    const Attribute attribute = get_attribute(in);
+    try {
+        schema.add(attribute);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::corrupt, path, std::string("its attributes are invalid: ") + error.what());
+    }
+    return schema[schema.size() - 1];
 }
 
 }  // namespace pcm

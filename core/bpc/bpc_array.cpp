@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace pcm {
@@ -260,8 +261,13 @@ void BpcArray::save_as(const std::filesystem::path& path)
 void BpcArray::flush()
 {
     State& s = *state_;
-    save_as(s.path);
-    sync_folder(s.path.has_parent_path() ? s.path.parent_path() : std::filesystem::path("."));
+    std::optional<Error> not_durable;
+    try {
+        save_as(s.path);
+    } catch (const Error& error) {
+        if (!error.is_done()) throw;
+        not_durable = error;
+    }
     auto base = std::make_unique<BpcFile>(s.path);
     if (base->index().end().number != s.chunks() || base->index().end().first_point != size_)
         throw Error(ErrorCode::io, s.path, "another process changed the file while it was being written");
@@ -272,6 +278,7 @@ void BpcArray::flush()
         std::fill(resident.changed.begin(), resident.changed.end(), std::uint8_t{0});
         resident.grows = false;
     }
+    if (not_durable) throw *not_durable;
 }
 
 }  // namespace pcm

@@ -120,7 +120,8 @@ public:
 
     // Replaces the file atomically by the array's points: a new file is written beside it, synced and renamed, so that
     // also after a crash the name refers to the old cloud or to the new one. Chunks without changes are copied as they
-    // are. After an error the array and the old file are unchanged.
+    // are. After an error the array and the old file are unchanged, unless it is_done(): then the new file is in place,
+    // but may not survive a loss of power.
     void flush();
     // Writes the points to another file; the array keeps its own.
     void save_as(const std::filesystem::path& path);

@@ -202,6 +202,7 @@ BpcHeader read_known_header(const File& file, std::uint64_t offset, std::uint64_
 {
     if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
     if (header_bytes > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
+    if (header_bytes > bpc_layout::most_header_bytes) throw Error(ErrorCode::corrupt, {}, "its header is too long");
     const std::vector<std::byte> head = read_head(file, offset, bytes, header_bytes ? header_bytes : 65536);
     BpcHeader header = decode_header(head.data(), head.size(), {});
     if (header.total_bytes != bytes)

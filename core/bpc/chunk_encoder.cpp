@@ -167,6 +167,11 @@ void check(const Chunk& chunk, const Schema& schema)
     if (chunk.points == 0 || !chunk.positions || chunk.positions->size() != chunk.points ||
         chunk.attributes.size() != schema.size())
         throw Error(ErrorCode::invalid_argument, {}, "a chunk to encode lacks points or columns");
+    if (bpc_layout::decoded_bytes(chunk.points, chunk.positions->wide, schema) > bpc_layout::most_decoded_bytes)
+        throw Error(ErrorCode::unsupported, {},
+                    "a chunk of " + std::to_string(chunk.points) + " points takes more than " +
+                        std::to_string(bpc_layout::most_decoded_bytes) + " bytes",
+                    "chunks of fewer points are possible, but points at one and the same place share a chunk");
     for (std::size_t i = 0; i < schema.size(); ++i) {
         const Column* column = chunk.attributes[i].get();
         if (!column || column->size() != chunk.points || column->type() != schema[i].type ||

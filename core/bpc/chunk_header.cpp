@@ -36,6 +36,16 @@ bool fits(const Box3i& box, bool wide)
     return true;
 }
 
+void check_decoded_size(const BpcHeader& header, const std::filesystem::path& path)
+{
+    const std::uint64_t bytes = bpc_layout::decoded_bytes(header.points, header.wide, header.schema);
+    if (bytes > bpc_layout::most_decoded_bytes)
+        throw Error(ErrorCode::corrupt, path,
+                    "a chunk of " + std::to_string(header.points) + " points; decoded they would take " +
+                        std::to_string(bytes) + " bytes, at most " + std::to_string(bpc_layout::most_decoded_bytes) +
+                        " are possible");
+}
+
 // Reads a header after its first 144 bytes.
 class HeaderReader {
 public:
@@ -50,8 +60,7 @@ public:
         header_.segments = {{0, header_.points, 0, header_.box}};
         header_.positions = get_whole(3, header_.wide ? 8 : 4);
         for (std::uint32_t i = 0; i < attributes; ++i) {
-            const Attribute attribute = get_attribute(in_);
-            header_.schema.add(attribute);
+            const Attribute attribute = get_attribute(in_, header_.schema, path_);
             header_.attributes.push_back(get_whole(attribute.components, word_bytes_of(attribute.type)));
         }
     }
@@ -64,8 +73,7 @@ public:
         std::uint64_t end = header_.header_bytes;  // columns follow one another without gaps
         header_.positions = get_pieces(3, header_.wide ? 8 : 4, end);
         for (std::uint32_t i = 0; i < attributes; ++i) {
-            const Attribute attribute = get_attribute(in_);
-            header_.schema.add(attribute);
+            const Attribute attribute = get_attribute(in_, header_.schema, path_);
             const auto mode = in_.get<std::uint8_t>();
             if (mode == bpc_layout::constant && header_.points > 0)
                 header_.attributes.push_back(get_constant(attribute, end));
@@ -238,6 +246,7 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
         rest.read_segments(attributes, node);
     else
         rest.read_whole_columns(attributes);
+    check_decoded_size(header, path);
     return header;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/bpc/chunk_identity.h"
+#include "pcm/cloud/attribute.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,12 @@ inline constexpr std::size_t total_bytes_at = 32;
 inline constexpr std::size_t fixed_header = 164;  // the shortest of the versions, without its checksum
 // A header has some hundred bytes or some kilobytes; the limit keeps a damaged file from filling the memory.
 inline constexpr std::uint32_t most_header_bytes = std::uint32_t{16} << 20;
+// Equal points take no bytes in a file, but they do in memory.
+inline constexpr std::uint64_t most_decoded_bytes = std::uint64_t{1} << 32;
+inline std::uint64_t decoded_bytes(std::uint64_t points, bool wide, const Schema& schema)
+{
+    return points * ((wide ? 24 : 12) + schema.point_bytes());
+}
 
 // How a column of version 3 is stored.
 inline constexpr std::uint8_t in_segments = 0;

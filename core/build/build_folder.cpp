@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree.h"
@@ -16,6 +17,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <stdexcept>
 
 namespace pcm {
 namespace {
@@ -47,17 +49,19 @@ std::optional<std::uint64_t> checksum_of_index(const fs::path& path)
     }
 }
 
-void rename(const fs::path& from, const fs::path& to, const char* action)
-{
-    if (std::rename(from.c_str(), to.c_str()) != 0) throw Error::from_errno(errno, to, action);
-}
-
 // Exchanges the two atomically. False where the system cannot.
 bool exchange(const fs::path& a, const fs::path& b)
 {
+    struct stat before {
+    }, after{};
+    const bool known = ::lstat(a.c_str(), &before) == 0;
     if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return true;
-    if (errno == ENOSYS || errno == EINVAL || errno == EOPNOTSUPP) return false;
-    throw Error::from_errno(errno, b, "putting the finished tree in the place of the old one");
+    const int error = errno;
+    if (error == ENOSYS || error == EINVAL || error == EOPNOTSUPP) return false;
+    // Network file systems may report a failure of what they have done.
+    if (known && ::lstat(b.c_str(), &after) == 0 && before.st_ino == after.st_ino && before.st_dev == after.st_dev)
+        return true;
+    throw Error::from_errno(error, b, "putting the finished tree in the place of the old one");
 }
 
 }  // namespace
@@ -66,7 +70,7 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
     : output_(output_tree(output)), part_(build_folder_of(output_))
 {
     std::error_code error;
-    const fs::path parent = parent_folder(output_);
+    const fs::path parent = folder_holding(output_);
     if (!fs::is_directory(parent, error))
         throw Error(ErrorCode::not_found, parent, "no such folder to put the tree in");
     if (is_there(part_)) {
@@ -126,8 +130,8 @@ void BuildFolder::lock()
 void BuildFolder::settle()
 {
     if (is_folder(part_ / replaced_tree_name) && !is_there(output_)) {
-        rename(part_ / replaced_tree_name, output_, "putting back the tree that was being replaced");
-        sync_folder(parent_folder(output_));
+        rename_path(part_ / replaced_tree_name, output_, "putting back the tree that was being replaced");
+        sync_folder(folder_holding(output_));
     }
     if (is_there(part_ / publishing_name)) {
         std::uint64_t published = 0;
@@ -149,14 +153,18 @@ BuildFolder::~BuildFolder()
 }
 
 // What cannot be removed now, the next build of this name removes.
-void BuildFolder::remove_quietly()
+std::string BuildFolder::remove_quietly()
 {
+    std::string why;
     for (int tries = 0; tries < 2; ++tries) {
         try {
-            return remove();
-        } catch (const std::exception&) {
+            remove();
+            return {};
+        } catch (const std::exception& error) {
+            why = error.what();
         }
     }
+    return why;
 }
 
 void BuildFolder::remove_all_but_marker()
@@ -190,35 +198,43 @@ void BuildFolder::publish()
     if (!index) throw Error(ErrorCode::io, tree() / index_file_name, "the index cannot be read back");
     sync_folder(tree());
     replace_file(part_ / publishing_name, &*index, sizeof *index);
-    // Until the new name is on disk for good, a failure undoes what was done.
-    if (!is_there(output_)) {
-        rename(tree(), output_, "giving the finished tree its name");
-        try {
-            sync_folder(parent_folder(output_));
-        } catch (...) {
-            std::rename(output_.c_str(), tree().c_str());
-            throw;
-        }
-    } else if (exchange(tree(), output_)) {
-        try {
-            sync_folder(parent_folder(output_));
-        } catch (...) {
-            exchange(tree(), output_);
-            throw;
-        }
-    } else {
-        rename(output_, part_ / replaced_tree_name, "moving the old tree out of the way");
-        try {
-            sync_folder(part_);
-            rename(tree(), output_, "giving the finished tree its name");
-        } catch (...) {
-            std::rename((part_ / replaced_tree_name).c_str(), output_.c_str());
-            throw;
-        }
-        sync_folder(parent_folder(output_));
-    }
+    const OpenFolder parent(folder_holding(output_));
+    const bool replaces = is_there(output_);
+    if (!replaces)
+        rename_path(tree(), output_, "giving the finished tree its name");
+    else if (!exchange(tree(), output_))
+        replace_in_two_steps();
     owned_ = false;
-    remove_quietly();
+    try {
+        parent.sync();
+    } catch (const Error& error) {
+        // After a loss of power the name may still be the old tree's: it is not removed.
+        if (!replaces) remove_quietly();
+        throw Error::after(output_,
+                           replaces ? "the new tree is complete and in place, and the old one is kept in " +
+                                          part_.string() + " until the next build of this name"
+                                    : "the tree is complete and in place",
+                           error);
+    }
+    if (const std::string left = remove_quietly(); !left.empty())
+        throw Error::after(
+            output_, "the tree is complete and in place",
+            std::runtime_error("remains of its build in " + part_.string() + " could not be removed: " + left));
+}
+
+// Where the system cannot exchange two folders. After a failure the old tree has its name again, or is left for the
+// next build to put back.
+void BuildFolder::replace_in_two_steps()
+{
+    const fs::path old = part_ / replaced_tree_name;
+    rename_path(output_, old, "moving the old tree out of the way");
+    try {
+        sync_folder(part_);
+        rename_path(tree(), output_, "giving the finished tree its name");
+    } catch (...) {
+        if (std::rename(old.c_str(), output_.c_str()) != 0) owned_ = false;
+        throw;
+    }
 }
 
 bool put_back_replaced(const fs::path& output)
@@ -229,8 +245,8 @@ bool put_back_replaced(const fs::path& output)
     if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
         throw Error(ErrorCode::exists, output, "a build is writing this tree at this moment");
     if (!was_being_replaced(output)) return false;
-    rename(part / replaced_tree_name, output, "putting back the tree that was being replaced");
-    sync_folder(parent_folder(output));
+    rename_path(part / replaced_tree_name, output, "putting back the tree that was being replaced");
+    sync_folder(folder_holding(output));
     return true;
 }
 

@@ -16,6 +16,7 @@
 #include "pcm/system/file.h"
 
 #include <filesystem>
+#include <string>
 
 namespace pcm {
 
@@ -36,7 +37,9 @@ public:
     bool left_over() const { return left_over_; }
     // Removes the remains of an interrupted build.
     void clear();
-    // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite.
+    // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite. Throws
+    // an Error that is_done() when it has its name, but may not survive a loss of power, or when the remains of the
+    // build cannot be removed; after any other error the old tree, if any, has the name.
     void publish();
 
 private:
@@ -44,7 +47,8 @@ private:
     void settle();
     void remove_all_but_marker();
     void remove();
-    void remove_quietly();
+    std::string remove_quietly();  // returns why it could not, or nothing
+    void replace_in_two_steps();
 
     std::filesystem::path output_, part_;
     File lock_;

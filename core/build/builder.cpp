@@ -78,13 +78,13 @@ public:
             start();
         }
         checkpoints().wait();
-        folder_.publish();
+        run_last_step(report_.outcome, [this] { folder_.publish(); });
         report_.scratch_bytes = work().space.peak();
         report_.notes = cloud_found().notes;
         report_.skipped = cloud_found().skipped;
         if (std::string note = describe(remains, resumed_); !note.empty()) report_.notes.push_back(std::move(note));
         report_.outcome.seconds = work().watch.seconds();
-        return report_;
+        return std::move(report_);
     }
 
 private:

@@ -48,7 +48,8 @@ struct BuildReport {
 // build of the same files (by path, size and modification time) with the same options resumes an interrupted one at its
 // last checkpoint and makes the same tree byte for byte; any other build removes its remains and starts from the
 // beginning. The notes of the report say which. Inputs that take less than checkpoint_seconds to read get no
-// checkpoints. An error or a cancel removes everything that was written. A tree that is overwritten stays until the new
+// checkpoints. An error or a cancel removes everything that was written; what fails after the tree has its name is a
+// warning of the outcome. A tree that is overwritten stays until the new
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
 // cannot). Where `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output`
 // exists (with overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being

@@ -28,7 +28,8 @@ public:
     // old chunk stays.
     virtual void write(NodeId node, const Chunk& chunk, const ColumnSet& changed);
     // Makes everything written since the last commit() part of the tree on disk, atomically. Throws Error; nothing is
-    // lost then, and a later commit() may succeed.
+    // lost then, and a later commit() may succeed. An Error that is_done() says that everything is part of the tree,
+    // but may not survive a loss of power.
     virtual void commit() {}
 };
 

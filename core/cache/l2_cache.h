@@ -138,8 +138,9 @@ public:
     // thread must not request a second Edit of a node. Throws what get() throws, Error(invalid_argument) when the store
     // is read-only, and, when the cache is full of changes that could not be written, the reason.
     Edit edit(NodeId node, const ColumnSet& columns);
-    // Writes all changes to the store and commits them. Throws the first error; then nothing is committed, and another
-    // flush() tries again. Throws Error(invalid_argument) when an Edit was dropped with changes that were not marked.
+    // Writes all changes to the store and commits them. Throws the first error; unless it is_done() (see
+    // ChunkStore::commit), nothing is committed then, and another flush() tries again. Throws Error(invalid_argument)
+    // when an Edit was dropped with changes that were not marked.
     void flush();
     // Flushes; from then on every call that returns points throws Error(invalid_argument).
     void close();

@@ -48,7 +48,7 @@ int append(Arguments& arguments)
         json["position_error"] = report.outcome.error;
         json["notes"] = report.notes;
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     std::printf(
@@ -59,7 +59,7 @@ int append(Arguments& arguments)
         grouped(report.outcome.points_out).c_str(), report.parts);
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
                 bytes_text(peak_rss_bytes()).c_str());
-    return 0;
+    return finished(report.outcome);
 }
 
 }  // namespace

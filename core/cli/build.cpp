@@ -60,7 +60,7 @@ int build(Arguments& arguments)
                     exact(report.outcome.error).c_str(), bytes_text(peak_rss_bytes()).c_str(),
                     bytes_text(report.scratch_bytes).c_str());
     }
-    return 0;
+    return finished(report.outcome);
 }
 
 }  // namespace

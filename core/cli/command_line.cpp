@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <new>
@@ -218,10 +219,12 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
 
 int report_errors(const Run& run)
 {
+    std::signal(SIGXFSZ, SIG_IGN);  // writing fails with EFBIG then
     try {
         return run();
     } catch (const Error& error) {
-        std::fprintf(stderr, "pcmlab: %s\n", error.what());
+        std::fprintf(stderr, error.is_done() ? "pcmlab: warning: %s\n" : "pcmlab: %s\n", error.what());
+        if (error.is_done()) return done_with_warnings;
         return error.code() == ErrorCode::cancelled ? 130 : 1;
     } catch (const std::bad_alloc&) {
         std::fputs("pcmlab: out of memory\n", stderr);

@@ -84,9 +84,14 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+// The exit code of a command whose result is in place, but a later step failed: it must not be repeated.
+inline constexpr int done_with_warnings = 3;
+
 // The main function of a program with commands, and of a program that is one command. Parses, runs what was asked for,
-// and reports errors on stderr. Exit codes: 0 success; 1 failure; 2 usage error; 130 cancelled. A program with commands
-// knows "help COMMAND" and --version too, and lists its commands where none or an unknown one is given.
+// and reports errors on stderr. Exit codes: 0 success; 1 failure; 2 usage error; 3 done, but with a warning on stderr
+// (done_with_warnings); 130 cancelled. A file that grows beyond the limit of the system (RLIMIT_FSIZE) is an error and
+// does not end the process. A program with commands knows "help COMMAND" and --version too, and lists its commands
+// where none or an unknown one is given.
 int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv);
 int run_program(const Command& command, int argc, char** argv);
 

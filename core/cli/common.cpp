@@ -64,6 +64,13 @@ void put_outcome(Json& json, const Outcome& outcome)
     json["seconds"] = outcome.seconds;
     json["points_per_second"] = points_per_second(outcome);
     json["peak_rss_bytes"] = peak_rss_bytes();
+    json["warnings"] = outcome.warnings;
+}
+
+int finished(const Outcome& outcome)
+{
+    for (const std::string& warning : outcome.warnings) std::fprintf(stderr, "pcmlab: warning: %s\n", warning.c_str());
+    return outcome.warnings.empty() ? 0 : done_with_warnings;
 }
 
 }  // namespace pcm::cli

@@ -29,7 +29,9 @@ void end_progress(const Common& common);
 std::uint64_t peak_rss_bytes();
 
 double points_per_second(const Outcome& outcome);
-// points, seconds, points_per_second, peak_rss_bytes: printed by every command that processes points.
+// points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.
 void put_outcome(Json& json, const Outcome& outcome);
+// Ends a command that has done its work: prints the outcome's warnings on stderr and returns the exit code.
+int finished(const Outcome& outcome);
 
 }  // namespace pcm::cli

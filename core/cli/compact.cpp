@@ -32,13 +32,13 @@ int compact(Arguments& arguments)
         json["nodes"] = report.build.nodes;
         json["levels"] = report.build.levels;
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(report.build.outcome);
     }
     std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%s before)\n", output.c_str(),
                 grouped(report.build.outcome.points_out).c_str(), report.build.outcome.seconds,
                 points_per_second(report.build.outcome) / 1e6, static_cast<unsigned long long>(report.build.nodes),
                 report.build.levels, bytes_text(report.build.bytes).c_str(), bytes_text(report.bytes_before).c_str());
-    return 0;
+    return finished(report.build.outcome);
 }
 
 }  // namespace

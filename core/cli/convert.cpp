@@ -84,7 +84,7 @@ int convert(Arguments& arguments)
         if (report.grid) json["grid"] = {{"scale", report.grid->scale}, {"offset", report.grid->offset}};
         json["notes"] = report.notes;
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     std::printf("%s: %s points in %.1f s (%.2f M points/s), %s\n", output.c_str(),
@@ -95,7 +95,7 @@ int convert(Arguments& arguments)
                     exact(report.grid->offset).c_str());
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
                 bytes_text(peak_rss_bytes()).c_str());
-    return 0;
+    return finished(report.outcome);
 }
 
 void add_choice(Options& options, Arguments& arguments)

@@ -39,13 +39,13 @@ int erase(Arguments& arguments)
         json["tree_bounds"] = cloud.empty() ? Json() : Json({{"min", cloud.min}, {"max", cloud.max}});
         json["levels_as_even_as_before"] = report.coverage_kept;
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(report.outcome);
     }
     if (report.points_deleted == 0) std::printf("note: no point is selected; %s\n", extent_text(cloud).c_str());
     if (arguments.options.count_only) {
         std::printf("%s: %s of %s points would be deleted\n", arguments.tree.c_str(),
                     grouped(report.points_deleted).c_str(), grouped(report.outcome.points_in).c_str());
-        return 0;
+        return finished(report.outcome);
     }
     std::printf("%s: %s points deleted, %s left; %s nodes rewritten (%s), %s now empty, in %.1f s\n",
                 arguments.tree.c_str(), grouped(report.points_deleted).c_str(),
@@ -56,7 +56,7 @@ int erase(Arguments& arguments)
         std::printf(
             "note: coarse levels have gaps where points were deleted; 'pcmlab compact' closes them and frees the "
             "space\n");
-    return 0;
+    return finished(report.outcome);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ int generate(Arguments& arguments)
                     arguments.output.c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
                     points_per_second(report.outcome) / 1e6, planes, cylinders, spheres);
     }
-    return 0;
+    return finished(report.outcome);
 }
 
 }  // namespace

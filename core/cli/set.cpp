@@ -142,6 +142,7 @@ void write(const std::vector<Assignment>& assignments, EditView& view)
 
 struct Counts {
     std::uint64_t points = 0, chunks = 0;
+    Outcome outcome;  // its warnings
 };
 
 // Atomic: when it throws, the tree is unchanged.
@@ -158,7 +159,7 @@ Counts change(PointCloud& cloud, const std::vector<Attribute>& added, std::vecto
                 set.points += view.size();
             }
         }
-        cloud.close();
+        run_last_step(set.outcome, [&] { cloud.close(); });
     } catch (...) {
         cloud.abandon();
         throw;
@@ -197,16 +198,17 @@ int set(Arguments& arguments)
         json["attributes_added"] = added.size();
         json["seconds"] = seconds;
         json["peak_rss_bytes"] = peak_rss_bytes();
+        json["warnings"] = set.outcome.warnings;
         if (arguments.statistics) json["cache"] = cache_json(statistics);
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(set.outcome);
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
                 grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(), seconds);
     if (set.points == 0 && !assignments.empty())
         std::printf("note: no point is selected; %s\n", extent_text(cloud->info().bounds()).c_str());
     if (arguments.statistics) print(statistics);
-    return 0;
+    return finished(set.outcome);
 }
 
 }  // namespace

@@ -84,13 +84,13 @@ int transform(Arguments& arguments)
         json["position_error"] = report.outcome.error;
         json["bytes"] = report.bytes;
         std::printf("%s\n", json.dump(2).c_str());
-        return 0;
+        return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
     std::printf("%s: %s points in %.1f s, %s; largest position error %s source units\n", arguments.output.c_str(),
                 grouped(report.outcome.points_out).c_str(), report.outcome.seconds, bytes_text(report.bytes).c_str(),
                 exact(report.outcome.error).c_str());
-    return 0;
+    return finished(report.outcome);
 }
 
 }  // namespace

@@ -185,7 +185,8 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
         if (batch.size) writer->write(batch);
         watch.report("Writing points", done + (0.99 - done) * cloud->fraction_read());
     }
-    writer->finish();
+    watch.report("Writing points", 0.99, true);  // the last chance to cancel
+    run_last_step(report.outcome, [&] { writer->finish(); });
     // Complete only now: readers count dropped points while they read.
     report.notes.insert(report.notes.begin(), cloud->info().notes.begin(), cloud->info().notes.end());
     report.skipped = cloud->info().skipped;
@@ -199,7 +200,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     report.bytes = fs::file_size(output, error);
     if (error) report.bytes = 0;
     report.outcome.seconds = watch.seconds();
-    watch.report("Done", 1);
+    watch.finish("Done");
     return report;
 }
 

@@ -64,10 +64,11 @@ struct ConvertReport {
 // are written as LAS or LAZ, the input is read twice, first to find a grid on which all positions are exact, if one
 // exists. It is read twice, too, where the values decide what is written, until that is decided: whether 8 bits hold
 // all colours, for PLY and PCD, for example (Format::questions). The output appears atomically under its name; an error
-// or a cancel leaves nothing behind. Throws Error(exists) when the output exists and is not to be overwritten,
-// Error(invalid_argument) when it is one of the inputs, an option has no meaning for its format, or the selection takes
-// no point of a cloud that has some, what output_file() and output_tree() throw (system/output_path.h),
-// Error(unsupported) for an unknown extension, Error(cancelled), and what readers, writers and build_tree throw.
+// or a cancel leaves nothing behind, and what fails after that is a warning of the outcome. Throws Error(exists) when
+// the output exists and is not to be overwritten, Error(invalid_argument) when it is one of the inputs, an option has
+// no meaning for its format, or the selection takes no point of a cloud that has some, what output_file() and
+// output_tree() throw (system/output_path.h), Error(unsupported) for an unknown extension, Error(cancelled), and what
+// readers, writers and build_tree throw.
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 

@@ -1,8 +1,9 @@
 // C interface of the decoders that are written in Rust (core/decoders/src): LAZ and E57.
 //
 // Available when PCM_HAVE_DECODERS is defined. Functions return a negative number or NULL on failure and write a
-// message to `error`, a buffer of `error_bytes`. An object belongs to one thread at a time; different objects are
-// independent.
+// message to `error`, a buffer of `error_bytes`. The message is empty when there is too little memory; then the
+// function has done nothing. `coder_bytes` and `memory` bound what the coder's models, or all of a call, may allocate.
+// An object belongs to one thread at a time; different objects are independent.
 #pragma once
 
 #include <stddef.h>
@@ -20,8 +21,8 @@ typedef struct LazDecoder pcm_laz_decoder;
 
 // Reads bytes begin..end of the file `descriptor`, only with positioned reads; the descriptor must stay open until the
 // decoder is closed. The head of a layered chunk (point formats 6 to 10) is checked here.
-pcm_laz_decoder* pcm_laz_decoder_open(const uint8_t* vlr, size_t vlr_bytes, int descriptor, uint64_t begin,
-                                      uint64_t end, char* error, size_t error_bytes);
+pcm_laz_decoder* pcm_laz_decoder_open(const uint8_t* vlr, size_t vlr_bytes, size_t coder_bytes, int descriptor,
+                                      uint64_t begin, uint64_t end, char* error, size_t error_bytes);
 size_t pcm_laz_decoder_record_bytes(const pcm_laz_decoder* decoder);
 // The number of points as stated in a layered chunk; 0 for others.
 uint64_t pcm_laz_decoder_chunk_points(const pcm_laz_decoder* decoder);
@@ -39,8 +40,8 @@ int pcm_laz_chunk_table_read(int descriptor, uint64_t begin, uint64_t end, int w
 typedef struct LazBytes pcm_laz_bytes;
 
 // Encodes `record_bytes` bytes of whole records as one chunk.
-pcm_laz_bytes* pcm_laz_encode_chunk(const uint8_t* vlr, size_t vlr_bytes, const uint8_t* records, size_t record_bytes,
-                                    char* error, size_t error_bytes);
+pcm_laz_bytes* pcm_laz_encode_chunk(const uint8_t* vlr, size_t vlr_bytes, size_t coder_bytes, const uint8_t* records,
+                                    size_t record_bytes, char* error, size_t error_bytes);
 // The table of chunks of a fixed number of points.
 pcm_laz_bytes* pcm_laz_encode_chunk_table(const uint64_t* bytes, size_t chunks, char* error, size_t error_bytes);
 const uint8_t* pcm_laz_bytes_data(const pcm_laz_bytes* bytes);
@@ -77,7 +78,7 @@ typedef struct {
 } pcm_e57_field_info;
 
 // Reads the file `descriptor`, only with positioned reads. The caller must have checked the size of the XML section.
-pcm_e57_description* pcm_e57_describe(int descriptor, char* error, size_t error_bytes);
+pcm_e57_description* pcm_e57_describe(int descriptor, size_t memory, char* error, size_t error_bytes);
 pcm_e57_text pcm_e57_xml(const pcm_e57_description* description);
 pcm_e57_text pcm_e57_coordinate_metadata(const pcm_e57_description* description);
 size_t pcm_e57_images(const pcm_e57_description* description);

@@ -249,9 +249,8 @@ SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions
     in_turn(blocks, thread_count(options.threads), cast, write, [&](std::size_t done) {
         watch.report(stage, 0.999 * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, blocks)));
     });
-    writer->finish();
-
     SceneReport report;
+    run_last_step(report.outcome, [&] { writer->finish(); });
     report.notes = writer->notes();
     report.primitives = std::move(site.primitives);
     for (ScenePrimitive& primitive : report.primitives) {

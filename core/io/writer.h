@@ -46,7 +46,8 @@ public:
     // A batch of the shape given to create_writer(). Throws Error(no_space | io | invalid_argument); after that
     // the writer can only be destroyed.
     virtual void write(const PointBatch& batch) = 0;
-    // Completes the header, syncs, renames. Nothing may be written afterwards.
+    // Completes the header, syncs, renames. Nothing may be written afterwards. Throws an Error that is_done() when the
+    // file is complete and in place, but may not survive a loss of power.
     virtual void finish() = 0;
 
     // Largest difference between a written and a source coordinate, in source units; 0 when all digits were kept.

@@ -45,10 +45,20 @@ Error::Error(ErrorCode code, const std::filesystem::path& path, const std::strin
 Error Error::from_errno(int error_number, const std::filesystem::path& path, const std::string& action)
 {
     const ErrorCode code = code_of(error_number);
-    const char* hint = code == ErrorCode::no_space     ? "free some space or choose another folder"
+    const char* hint = error_number == EFBIG           ? "files of this size are not allowed here: see 'ulimit -f'"
+                       : code == ErrorCode::no_space   ? "free some space or choose another folder"
                        : code == ErrorCode::permission ? "check the owner and the mode of the folder"
                                                        : "";
     return Error(code, path, action + " failed: " + std::strerror(error_number), hint);
+}
+
+Error Error::after(const std::filesystem::path& path, const std::string& result, const std::exception& failure)
+{
+    const auto* const known = dynamic_cast<const Error*>(&failure);
+    Error error(known ? known->code() : ErrorCode::io, path, result + ", but: " + failure.what(),
+                "do not repeat the operation");
+    error.done_ = true;
+    return error;
 }
 
 }  // namespace pcm

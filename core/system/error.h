@@ -34,12 +34,21 @@ public:
     // From a value of `errno`, saved before other calls can change it; `action` is a phrase like "writing the index".
     static Error from_errno(int error_number, const std::filesystem::path& path, const std::string& action);
 
+    // The error `failure` of a step after the result was in place. `result` says what is done, as in "the points are in
+    // the tree".
+    static Error after(const std::filesystem::path& path, const std::string& result, const std::exception& failure);
+
     ErrorCode code() const noexcept { return code_; }
     const std::filesystem::path& path() const noexcept { return path_; }
+    // The operation has done what it was asked for, and only a later step failed: the result may not survive a loss of
+    // power, or remains could not be removed. Repeating the operation would do it twice. Functions that return an
+    // Outcome report such failures as its warnings (system/progress.h); those that return nothing throw them.
+    bool is_done() const noexcept { return done_; }
 
 private:
     ErrorCode code_;
     std::filesystem::path path_;
+    bool done_ = false;
 };
 
 }  // namespace pcm

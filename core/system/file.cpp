@@ -12,6 +12,11 @@
 #include <utility>
 
 namespace pcm {
+namespace {
+
+bool same_file(const struct stat& a, const struct stat& b) { return a.st_dev == b.st_dev && a.st_ino == b.st_ino; }
+
+}  // namespace
 
 namespace {
 
@@ -159,21 +164,69 @@ void File::sync()
     if (::fsync(descriptor_) != 0) throw Error::from_errno(errno, path_, "flushing to disk");
 }
 
+File File::without_name(const std::filesystem::path& path)
+{
+    File file;
+    file.path_ = path;
+    file.descriptor_ = ::open(folder_holding(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    const bool unsupported = errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL || errno == ENOSYS;
+    if (file.descriptor_ < 0 && !unsupported) throw Error::from_errno(errno, path, "creating");
+    return file;
+}
+
+bool File::give_name(const std::filesystem::path& path) const
+{
+    const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) == 0) return true;
+    const int error = errno;
+    struct stat mine {
+    }, named{};
+    if (::fstat(descriptor_, &mine) == 0 && ::lstat(path.c_str(), &named) == 0 && same_file(mine, named)) return true;
+    if (error == EEXIST) return false;
+    if (error == ENOENT || error == EXDEV || error == EPERM || error == EINVAL || error == EOPNOTSUPP ||
+        error == ENOSYS)
+        throw Error(ErrorCode::unsupported, path, "the system cannot give a file without a name one");
+    throw Error::from_errno(error, path, "giving the finished file its name");
+}
+
 void File::close()
 {
     if (descriptor_ >= 0 && ::close(std::exchange(descriptor_, -1)) != 0)
         throw Error::from_errno(errno, path_, "closing");
 }
 
-void sync_folder(const std::filesystem::path& folder)
+OpenFolder::OpenFolder(const std::filesystem::path& folder)
+    : path_(folder), descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC))
 {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) throw Error::from_errno(errno, folder, "opening the folder");
-    const int result = ::fsync(descriptor);
-    const int error = errno;
-    ::close(descriptor);
+    if (descriptor_ < 0) throw Error::from_errno(errno, folder, "opening the folder");
+}
+
+OpenFolder::~OpenFolder() { ::close(descriptor_); }
+
+void OpenFolder::sync() const
+{
     // Some network file systems cannot sync a folder and return EINVAL; nothing more can be done there.
-    if (result != 0 && error != EINVAL) throw Error::from_errno(error, folder, "flushing the folder to disk");
+    if (::fsync(descriptor_) != 0 && errno != EINVAL)
+        throw Error::from_errno(errno, path_, "flushing the folder to disk");
+}
+
+void sync_folder(const std::filesystem::path& folder) { OpenFolder(folder).sync(); }
+
+std::filesystem::path folder_holding(const std::filesystem::path& path)
+{
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+void rename_path(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& action)
+{
+    struct stat before {
+    }, gone{}, now{};
+    const bool known = ::lstat(from.c_str(), &before) == 0;
+    if (std::rename(from.c_str(), to.c_str()) == 0) return;
+    const int error = errno;
+    const bool done = known && ::lstat(from.c_str(), &gone) != 0 && errno == ENOENT && ::lstat(to.c_str(), &now) == 0 &&
+                      same_file(before, now);
+    if (!done) throw Error::from_errno(error, to, action);
 }
 
 void replace_file(const std::filesystem::path& path, const void* bytes, std::size_t size)
@@ -185,13 +238,12 @@ void replace_file(const std::filesystem::path& path, const void* bytes, std::siz
         file.write_at(bytes, size, 0);
         file.sync();
         file.close();
-        if (std::rename(temporary.c_str(), path.c_str()) != 0)
-            throw Error::from_errno(errno, path, "putting the new file in place");
+        rename_path(temporary, path, "putting the new file in place");
     } catch (...) {
         ::unlink(temporary.c_str());
         throw;
     }
-    sync_folder(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
+    sync_folder(folder_holding(path));
 }
 
 }  // namespace pcm

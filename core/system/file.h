@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace pcm {
 
@@ -24,6 +25,9 @@ public:
 
     File() = default;
     File(const std::filesystem::path& path, Mode mode);
+    // A file in the folder of `path` that has no name yet, so that nothing is left when the process ends; give_name()
+    // gives it one. Not open where the file system has no such files. Errors name `path`.
+    static File without_name(const std::filesystem::path& path);
     File(File&& other) noexcept;
     File& operator=(File&& other) noexcept;
     ~File();
@@ -39,6 +43,9 @@ public:
     std::size_t read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const;
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset);
     void sync();
+    // Gives a file without a name the name `path`. False when something has this name already. Throws
+    // Error(unsupported) where the system cannot do that.
+    bool give_name(const std::filesystem::path& path) const;
     // Closes, and throws for a write error that the system reports only now (the destructor closes silently).
     void close();
 
@@ -47,8 +54,29 @@ private:
     std::filesystem::path path_;
 };
 
-// Makes a rename or a new name in `folder` durable, where the file system can.
+// A folder that is held open: to sync it later needs no further file descriptor.
+class OpenFolder {
+public:
+    explicit OpenFolder(const std::filesystem::path& folder);
+    ~OpenFolder();
+    OpenFolder(const OpenFolder&) = delete;
+    OpenFolder& operator=(const OpenFolder&) = delete;
+    // Makes renames and new names in the folder durable, where the file system can.
+    void sync() const;
+
+private:
+    std::filesystem::path path_;
+    int descriptor_;
+};
+
 void sync_folder(const std::filesystem::path& folder);
+
+// The folder that `path` is in; "." for a bare name.
+std::filesystem::path folder_holding(const std::filesystem::path& path);
+
+// Renames atomically. Where the system reports a failure, but the file has its new name (network file systems do that),
+// nothing is thrown. `action` is a phrase like "giving the tree its name".
+void rename_path(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& action);
 
 // Replaces a file atomically and durably: writes a temporary file beside it, syncs, renames it over `path`, and syncs
 // the folder. After a failure or a crash `path` is the old file or the new one.

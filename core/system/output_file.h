@@ -11,10 +11,12 @@
 
 namespace pcm {
 
-// One thread. Until finish() the bytes are in a temporary file beside `path`, which the destructor removes. finish()
-// syncs it and atomically replaces the file that has the name; where the name is a symbolic link, the file that it
-// leads to. Throws Error(no_space | permission | not_found | io), and what output_file() (output_path.h) throws for a
-// name that is not written to.
+// One thread. Until finish() the bytes are in a file without a name, so that a process that is killed leaves nothing.
+// Where the file system has no such files, they are in NAME.part-PROCESS-NUMBER beside `path`, which is locked; the
+// destructor removes it, and those of processes that were killed are removed by the next OutputFile of the same path.
+// finish() syncs the file and atomically replaces the file that has the name; where the name is a symbolic link, the
+// file that it leads to. Throws Error(no_space | permission | not_found | io), and what output_file() (output_path.h)
+// throws for a name that is not written to.
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& path);
@@ -32,12 +34,16 @@ public:
     // Replaces bytes appended before: a header whose counts are known at the end. Throws Error(invalid_argument) beyond
     // the end.
     void rewrite(const void* bytes, std::size_t count, std::uint64_t offset);
+    // Throws an Error that is_done() when the file is complete and in place, but may not survive a loss of power.
     void finish();
 
 private:
     void flush();
+    void create_part();
+    void put_in_place();
 
-    std::filesystem::path path_, place_, part_;  // as given; where the file is put; where it is written
+    std::filesystem::path path_, place_;  // as given; where the file is put
+    std::filesystem::path part_;          // the file's present name; empty while it has none
     File file_;
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;

@@ -1,6 +1,7 @@
 #include "pcm/system/output_path.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 #include "pcm/system/tree_folder.h"
 
 #include <optional>
@@ -25,7 +26,7 @@ fs::file_status status_of_name(const fs::path& path)
 void refuse_stream(const fs::path& path, const fs::path& given)
 {
     std::error_code error;
-    const fs::path folder = fs::canonical(parent_folder(path), error);
+    const fs::path folder = fs::canonical(folder_holding(path), error);
     if (!error && folder.string().rfind("/proc/", 0) == 0)
         throw Error(ErrorCode::unsupported, given,
                     "this is an open stream; the output is written to a file, which gets its name when it is whole",
@@ -69,7 +70,7 @@ void refuse_inside_tree(const fs::path& path, const fs::path& given)
     const std::optional<fs::path> tree = tree_folder_around(path);
     if (!tree) return;
     std::error_code error;
-    const bool directly = fs::equivalent(parent_folder(path), *tree, error);
+    const bool directly = fs::equivalent(folder_holding(path), *tree, error);
     if (directly && path.filename() == index_file_name)
         throw Error(ErrorCode::invalid_argument, given, "this is the index of the point cloud tree " + tree->string(),
                     "did you mean the tree? Its name is that of the folder, " + tree->filename().string());

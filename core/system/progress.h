@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pcm {
 
@@ -25,6 +26,13 @@ struct Outcome {
     double seconds = 0;
     double error = 0;           // of the kind and unit that `error_meaning` names; 0 when the result is exact
     std::string error_meaning;  // e.g. "largest position error, source units"
+    // The result is in place, but a later step failed: it may not survive a loss of power, or remains could not be
+    // removed. Repeating the operation would do it twice.
+    std::vector<std::string> warnings;
 };
+
+// Runs `step`, the last one, which puts the result in place. A failure after that becomes a warning of `outcome`; what
+// leaves the result out of place is thrown.
+void run_last_step(Outcome& outcome, const std::function<void()>& step);
 
 }  // namespace pcm

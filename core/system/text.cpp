@@ -37,7 +37,8 @@ std::string bytes_text(std::uint64_t bytes)
     static const char* const units[] = {"bytes", "kB", "MB", "GB", "TB"};
     auto value = static_cast<double>(bytes);
     int unit = 0;
-    while (value >= 1000 && unit < 4) {
+    // What would be rounded to 1000.00 belongs to the next unit.
+    while (value >= (unit ? 999.995 : 1000) && unit < 4) {
         value /= 1000;
         ++unit;
     }
@@ -46,6 +47,14 @@ std::string bytes_text(std::uint64_t bytes)
     return text;
 }
 
-std::string time_text(double seconds) { return seconds < 1 ? brief(seconds * 1000) + " ms" : brief(seconds) + " s"; }
+std::string time_text(double seconds)
+{
+    if (seconds < 0.9995) return brief(seconds * 1000) + " ms";
+    if (seconds < 119.5 || !(seconds < 1e15)) return brief(seconds) + " s";
+    const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
+    const std::uint64_t minutes = whole / 60;
+    if (minutes < 60) return std::to_string(minutes) + " min " + std::to_string(whole % 60) + " s";
+    return grouped(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+}
 
 }  // namespace pcm

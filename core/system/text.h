@@ -12,6 +12,6 @@ std::string exact(double value);                    // the fewest digits that re
 std::string exact(const std::array<double, 3>& v);  // "x y z"
 std::string brief(double value);                    // three significant digits
 std::string bytes_text(std::uint64_t bytes);        // "1.25 GB"
-std::string time_text(double seconds);              // "3.2 ms"
+std::string time_text(double seconds);              // "3.2 ms", "4.56 s", "2 min 5 s", "3 h 20 min"
 
 }  // namespace pcm

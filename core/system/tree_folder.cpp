@@ -63,15 +63,13 @@ bool is_tree_folder(const fs::path& folder)
     return (has_index || has_about) && has_file(folder / "chunks-000.bpc");
 }
 
-fs::path parent_folder(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
-
 fs::path tree_folder_of(const fs::path& path)
 {
     std::error_code error;
     if (fs::is_directory(path, error)) return path;
     // The index names the tree even where there is none, so that errors are about the folder.
-    if (path.filename() == index_file_name) return parent_folder(path);
-    if (is_name_in_tree(path.filename().string()) && is_tree_folder(parent_folder(path))) return parent_folder(path);
+    if (path.filename() == index_file_name) return folder_holding(path);
+    if (is_name_in_tree(path.filename().string()) && is_tree_folder(folder_holding(path))) return folder_holding(path);
     const fs::path real = fs::canonical(path, error);
     if (!error && is_name_in_tree(real.filename().string()) && is_tree_folder(real.parent_path()))
         return real.parent_path();
@@ -90,8 +88,8 @@ std::optional<fs::path> tree_folder_around(const fs::path& path)
 {
     std::error_code error;
     const fs::path given = fs::absolute(path, error);
-    fs::path folder = fs::weakly_canonical(parent_folder(given), error);
-    if (error) folder = parent_folder(given).lexically_normal();
+    fs::path folder = fs::weakly_canonical(folder_holding(given), error);
+    if (error) folder = folder_holding(given).lexically_normal();
     for (; folder.has_relative_path(); folder = folder.parent_path())
         if (is_tree_folder(folder) || is_build_folder(folder)) return folder;
     return std::nullopt;

@@ -38,7 +38,4 @@ bool is_file_of_tree(const std::filesystem::path& path);
 // The nearest folder above `path` that is a tree's or an unfinished build's. `path` need not exist.
 std::optional<std::filesystem::path> tree_folder_around(const std::filesystem::path& path);
 
-// `path` without its last component; "." for a bare name.
-std::filesystem::path parent_folder(const std::filesystem::path& path);
-
 }  // namespace pcm

@@ -102,7 +102,7 @@ TreeInfo get_tree_info(ByteReader& in, const std::filesystem::path& path)
     }
     const auto attributes = in.get<std::uint32_t>();
     if (attributes > max_attributes) throw refuse("the number of attributes is wrong");
-    for (std::uint32_t i = 0; i < attributes; ++i) info.schema.add(get_attribute(in));
+    for (std::uint32_t i = 0; i < attributes; ++i) get_attribute(in, info.schema, path);
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) {
         Metadata block;
         block.key = in.get_string();
@@ -159,6 +159,24 @@ TreeInfo read_about(const std::filesystem::path& folder)
     TreeInfo info = get_tree_info(in, path);
     if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the file has bytes after its end");
     return info;
+}
+
+std::optional<AboutFault> check_about(const std::filesystem::path& folder, const TreeInfo& index)
+{
+    const std::string name = (folder / about_file_name).string();
+    try {
+        const TreeInfo about = read_about(folder);
+        if (about.generation == index.generation + 1)
+            return AboutFault{name + ": it was written by an interrupted update", true};
+        if (about.generation != index.generation)
+            return AboutFault{name + ": it is of generation " + std::to_string(about.generation) +
+                              ", the index is of generation " + std::to_string(index.generation)};
+        if (!same_info(about, index)) return AboutFault{name + ": it differs from the index"};
+        return std::nullopt;
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::permission || error.code() == ErrorCode::io) throw;
+        return AboutFault{error.what()};
+    }
 }
 
 }  // namespace pcm

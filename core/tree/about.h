@@ -7,6 +7,8 @@
 #include "pcm/tree/tree.h"
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 namespace pcm {
 
@@ -34,5 +36,14 @@ bool same_info(const TreeInfo& a, const TreeInfo& b);
 void write_about(const std::filesystem::path& folder, const TreeInfo& info);
 // Throws Error(not_found | corrupt | unsupported | permission | io).
 TreeInfo read_about(const std::filesystem::path& folder);
+
+// What is wrong with a tree's about.pct.
+struct AboutFault {
+    std::string what;
+    // It is one generation ahead: an update was interrupted before it replaced the index. That is no damage.
+    bool left_by_update = false;
+};
+// Compares about.pct with the index; nothing when they agree. Throws Error(permission | io).
+std::optional<AboutFault> check_about(const std::filesystem::path& folder, const TreeInfo& index);
 
 }  // namespace pcm

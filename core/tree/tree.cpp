@@ -70,13 +70,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
         const File index_file(folder / index_file_name, File::Mode::read);
-        TreeIndex index = decode_index(read_index(index_file), index_file.path());
-        std::shared_ptr<Tree> tree(new Tree);
-        tree->folder_ = folder;
-        tree->info_ = std::move(index.info);
-        tree->nodes_ = std::move(index.nodes);
-        tree->part_roots_ = std::move(index.part_roots);
-        tree->data_files_ = std::move(index.data_files);
+        const std::shared_ptr<Tree> tree = without_files(folder, read_index(index_file));
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
         } catch (const Error&) {
@@ -85,6 +79,26 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         }
         if (tries == 10 || keeps_its_name(index_file)) return tree;
     }
+}
+
+std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, const std::vector<std::byte>& bytes)
+{
+    TreeIndex index = decode_index(bytes, folder / index_file_name);
+    std::shared_ptr<Tree> tree(new Tree);
+    tree->folder_ = folder;
+    tree->info_ = std::move(index.info);
+    tree->nodes_ = std::move(index.nodes);
+    tree->part_roots_ = std::move(index.part_roots);
+    tree->data_files_ = std::move(index.data_files);
+    return tree;
+}
+
+std::shared_ptr<const Tree> Tree::of_index(const fs::path& folder, const std::vector<std::byte>& index,
+                                           std::size_t most_open_files)
+{
+    const std::shared_ptr<Tree> tree = without_files(folder, index);
+    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
+    return tree;
 }
 
 std::vector<NodeId> Tree::path_from_root(NodeId id) const

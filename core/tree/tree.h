@@ -140,6 +140,11 @@ public:
     // read. Throws Error(not_found | not_a_tree | interrupted_build | corrupt | unsupported | permission | io).
     static std::shared_ptr<const Tree> open(const std::filesystem::path& path, std::size_t most_open_files = 128);
 
+    // The tree of an index that is about to be put into `folder`, where its data files are already. Throws what open()
+    // throws for them.
+    static std::shared_ptr<const Tree> of_index(const std::filesystem::path& folder,
+                                                const std::vector<std::byte>& index, std::size_t most_open_files = 128);
+
     const std::filesystem::path& folder() const { return folder_; }
     const TreeInfo& info() const { return info_; }
     const std::vector<Node>& nodes() const { return nodes_; }
@@ -180,6 +185,8 @@ public:
 
 private:
     Tree() = default;
+    static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder,
+                                               const std::vector<std::byte>& index);
     Chunk empty_chunk(const ColumnSet& columns) const;
     std::filesystem::path folder_;
     TreeInfo info_;

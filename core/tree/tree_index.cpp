@@ -16,6 +16,25 @@ namespace {
 constexpr std::uint32_t version = 3;
 constexpr std::size_t node_bytes = 112, data_file_bytes = 12;
 
+[[noreturn]] void refuse_version(std::uint32_t found, const std::filesystem::path& path)
+{
+    throw Error(
+        ErrorCode::unsupported, path,
+        "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
+        found < version ? "build the tree again from its files" : "");
+}
+
+[[noreturn]] void refuse_version(std::uint32_t found, std::vector<std::byte> bytes, const std::filesystem::path& path)
+{
+    // Where everything else is of this version, the version is damaged.
+    std::memcpy(bytes.data() + sizeof index_magic, &version, sizeof version);
+    std::uint64_t stored;
+    std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
+    if (stored == checksum(bytes.data(), bytes.size() - 8))
+        throw Error(ErrorCode::corrupt, path, "the version in the index is damaged");
+    refuse_version(found, path);
+}
+
 // Checks every invariant that tree.h states for nodes: a tree that passes can be walked without further checks.
 void check(const TreeIndex& index, const std::filesystem::path& path)
 {
@@ -73,24 +92,18 @@ void check(const TreeIndex& index, const std::filesystem::path& path)
     }
 }
 
-// Throws unless these are the first bytes of an index of this version.
-void check_beginning(ByteReader& in, const std::filesystem::path& path)
+void check_magic(ByteReader& in, const std::filesystem::path& path)
 {
     if (in.left() < sizeof index_magic + 12 || std::memcmp(in.get_bytes(sizeof index_magic), index_magic, 8) != 0)
         throw Error(ErrorCode::not_a_tree, path, "this is not the index of a point cloud tree");
-    const auto found = in.get<std::uint32_t>();
-    if (found != version)
-        throw Error(
-            ErrorCode::unsupported, path,
-            "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
-            found < version ? "build the tree again from its files" : "");
 }
 
 // The largest size that the counts at the beginning of an index allow.
 std::uint64_t most_bytes_of(const File& file)
 {
     return parse_beginning(file, [&](ByteReader& in) {
-        check_beginning(in, file.path());
+        check_magic(in, file.path());
+        if (const auto found = in.get<std::uint32_t>(); found != version) refuse_version(found, file.path());
         const std::uint64_t levels = get_tree_info(in, file.path()).levels;
         in.get_bytes(in.get<std::uint32_t>() * data_file_bytes);
         in.get_bytes(in.get<std::uint32_t>() * sizeof(NodeId));
@@ -214,7 +227,9 @@ std::vector<std::byte> read_index(const File& file)
 TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesystem::path& path)
 {
     ByteReader in(bytes.data(), bytes.size(), path);
-    check_beginning(in, path);
+    check_magic(in, path);
+    const auto found = in.get<std::uint32_t>();
+    if (found != version) refuse_version(found, bytes, path);
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))

@@ -38,27 +38,6 @@ void check_extents(const std::vector<Node>& nodes, VerifyReport& report)
     }
 }
 
-// about.pct must agree with the index, or be one generation ahead of it: then an update was interrupted before it
-// replaced the index.
-void check_about(const Tree& tree, VerifyReport& report)
-{
-    try {
-        const TreeInfo about = read_about(tree.folder());
-        const std::string name = (tree.folder() / about_file_name).string();
-        if (about.generation == tree.info().generation) {
-            if (!same_info(about, tree.info())) report.around.push_back(name + ": it differs from the index");
-        } else if (about.generation == tree.info().generation + 1) {
-            report.notes.push_back(name + ": it was written by an interrupted update");
-        } else {
-            report.around.push_back(name + ": it is of generation " + std::to_string(about.generation) +
-                                    ", the index is of generation " + std::to_string(tree.info().generation));
-        }
-    } catch (const Error& error) {
-        if (error.code() == ErrorCode::permission || error.code() == ErrorCode::io) throw;
-        report.around.push_back(error.what());
-    }
-}
-
 // Checks the commit record at the end of the newest data file in use.
 void check_commit(const Tree& tree, VerifyReport& report)
 {
@@ -215,7 +194,8 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     report.outcome.points_in = info.points;
 
     check_extents(tree->nodes(), report);
-    check_about(*tree, report);
+    if (const auto about = check_about(tree->folder(), info))
+        (about->left_by_update ? report.notes : report.around).push_back(about->what);
     check_commit(*tree, report);
     list_strays(*tree, report);
     ChunkVerification chunks(*tree, report);

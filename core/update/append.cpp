@@ -75,7 +75,7 @@ public:
         report_.outcome.error = std::max(report_.outcome.error, tree_->info().position_error);
         report_.outcome.error_meaning = "largest position error, source units";
         report_.outcome.seconds = work_.watch.seconds();
-        return report_;
+        return std::move(report_);
     }
 
 private:
@@ -178,7 +178,7 @@ private:
         report_.outcome.error = info.position_error;
         for (const NodeId root : joined.part_roots) report_.parts += root != no_node;
         work_.watch.report("Done", 1);  // the last chance to cancel
-        update_.commit(std::move(info), std::move(joined));
+        run_last_step(report_.outcome, [&] { update_.commit(std::move(info), std::move(joined)); });
         report_.bytes_written = update_.bytes_written();
     }
 
@@ -202,7 +202,9 @@ AppendReport append_points(const fs::path& tree, PointReader& cloud, const std::
                            const AppendOptions& options)
 {
     try {
-        return Append(tree, cloud, sources, options).run();
+        AppendReport report = Append(tree, cloud, sources, options).run();
+        if (report.points_added) warn_of_scratch(tree, report.outcome);
+        return report;
     } catch (const fs::filesystem_error& error) {
         throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
     } catch (const std::bad_alloc&) {

@@ -45,7 +45,8 @@ struct AppendReport {
 // over that of the new points, and notes say so. Throws Error(invalid_argument) when points or attributes do not fit,
 // when coordinate systems, units or GPS times differ (io/pipe/system_check.h), and for options out of range,
 // Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an error or
-// a cancel the written files are removed. The cloud may be a reader of this tree.
+// a cancel the written files are removed, and the tree is the old one; what fails after the points have become part of
+// the tree is a warning of the outcome. The cloud may be a reader of this tree.
 AppendReport append_points(const std::filesystem::path& tree, PointReader& cloud,
                            const std::vector<std::string>& sources, const AppendOptions& options = {});
 

@@ -190,7 +190,7 @@ public:
         report_.outcome.points_out = report_.outcome.points_in - report_.points_deleted;
         if (update_ && report_.points_deleted) commit();
         report_.outcome.seconds = watch_.seconds();
-        return report_;
+        return std::move(report_);
     }
 
 private:
@@ -239,7 +239,7 @@ private:
             info.coverage_kept = info.coverage_kept && report_.coverage_kept;
         }
         watch_.report("Done", 1);  // the last chance to cancel
-        update_->commit(std::move(info), std::move(joined));
+        run_last_step(report_.outcome, [&] { update_->commit(std::move(info), std::move(joined)); });
         report_.bytes_written = update_->bytes_written();
     }
 

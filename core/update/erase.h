@@ -28,7 +28,8 @@ struct EraseReport {
 // points keep their levels: no two points of a level are nearer than its spacing, but gaps of a level stay until the
 // tree is compacted. A tree that loses all its points becomes an empty tree. Open readers keep reading the old tree (a
 // snapshot). Throws Error(invalid_argument) when the selection chooses no points or names an attribute that the tree
-// lacks, Error(exists) when another process or thread changes the tree, and what reading and writing throw.
+// lacks, Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an
+// error the tree is the old one; what fails after the points are deleted is a warning of the outcome.
 EraseReport erase_points(const std::filesystem::path& tree, const Selection& selection,
                          const EraseOptions& options = {});
 

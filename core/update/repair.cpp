@@ -91,9 +91,10 @@ public:
             report_.outcome.points_in = report_.outcome.points_out = old_->info.points;
         } else {
             make_index();
+            if (!options_.check_only) verify_result();
         }
         report_.outcome.seconds = watch_.seconds();
-        return report_;
+        return std::move(report_);
     }
 
 private:
@@ -102,7 +103,7 @@ private:
     {
         try {
             const VerifyReport verified = verify_tree(folder_, threads_, [this](const ProgressUpdate& update) {
-                watch_.report("Verifying chunks", 0.5 * update.fraction);
+                watch_.report("Verifying chunks", 0.4 * update.fraction);
                 return true;
             });
             return verified.faults.empty();
@@ -115,12 +116,25 @@ private:
     // Removes what an interrupted update has left, and restores about.pct where it does not belong to this index.
     void heal_around(const TreeInfo& info, std::size_t data_files)
     {
-        const bool about = !about_ || !same_info(*about_, info);
-        if (about && !options_.check_only) write_about(folder_, info);
-        if (about)
-            report_.notes.push_back(std::string(about_file_name) +
-                                    (about_ ? " differs from the index" : " is damaged or missing: " + about_fault_));
+        const auto fault = check_about(folder_, info);
+        if (fault && !options_.check_only) write_about(folder_, info);
+        if (fault && !fault->left_by_update) report_.restored.push_back(fault->what);
         remove_leftovers(data_files);
+        report_.verified = !fault || fault->left_by_update || !options_.check_only;
+        if (fault && !options_.check_only && check_about(folder_, info))
+            throw Error(ErrorCode::io, folder_ / about_file_name, "it was written, and reads back differently");
+    }
+
+    // Reads the repaired tree again, as any reader will.
+    void verify_result()
+    {
+        const VerifyReport now = verify_tree(folder_, threads_, [this](const ProgressUpdate& update) {
+            watch_.report("Verifying the repaired tree", 0.75 + 0.24 * update.fraction);
+            return true;
+        });
+        report_.verified = now.faults.empty() && now.around.empty();
+        for (const auto* found : {&now.faults, &now.around})
+            for (const std::string& fault : *found) report_.faults.push_back("after the repair: " + fault);
     }
 
     void remove_leftovers(std::size_t data_files)
@@ -155,7 +169,8 @@ private:
         for (FoundFile& file : files_)
             scan(file, kind_, [&](std::uint64_t bytes) {
                 done += bytes;
-                watch_.report("Searching for chunks", 0.5 + 0.1 * static_cast<double>(done) / static_cast<double>(all));
+                watch_.report("Searching for chunks",
+                              0.4 + 0.05 * static_cast<double>(done) / static_cast<double>(all));
             });
         if (!kind_) throw Error(ErrorCode::not_a_tree, folder_, "no chunk in this folder is undamaged");
     }
@@ -267,8 +282,9 @@ private:
                 whole.push_back(nodes[i]);
             },
             [&](std::size_t done) {
-                watch_.report("Checking chunks", 0.6 + 0.38 * static_cast<double>(done) /
-                                                           static_cast<double>(std::max<std::size_t>(1, nodes.size())));
+                watch_.report("Checking chunks",
+                              0.45 + 0.29 * static_cast<double>(done) /
+                                         static_cast<double>(std::max<std::size_t>(1, nodes.size())));
             });
         return whole;
     }
@@ -352,14 +368,27 @@ private:
 
     void put_in_place(TreeIndex& index)
     {
-        watch_.report("Writing the index", 0.99);
+        watch_.report("Writing the index", 0.74);
         find_parts(index, folder_ / index_file_name);
         const std::vector<std::byte> bytes = encode_index(index);
         decode_index(bytes, folder_ / index_file_name);  // checks the invariants before the old index is replaced
         write_about(folder_, index.info);
         const fs::path path = folder_ / index_file_name, damaged = folder_ / damaged_index_name;
         if (fs::exists(fs::symlink_status(path))) keep_damaged(path, damaged);
-        replace_file(path, bytes.data(), bytes.size());
+        try {
+            replace_file(path, bytes.data(), bytes.size());
+        } catch (const Error& error) {
+            if (!holds(path, bytes)) throw;
+            report_.outcome.warnings.emplace_back(Error::after(folder_, "the new index is in place", error).what());
+        }
+    }
+
+    static bool holds(const fs::path& path, const std::vector<std::byte>& bytes)
+    {
+        const File file(path, File::Mode::read);
+        std::vector<std::byte> found(bytes.size());
+        return file.size() == bytes.size() && file.read_some_at(found.data(), found.size(), 0) == bytes.size() &&
+               found == bytes;
     }
 
     void keep_damaged(const fs::path& path, const fs::path& damaged) const

@@ -24,8 +24,12 @@ struct RepairReport {
     std::uint32_t generation = 0;     // of the tree that was restored
     std::vector<std::string> faults;  // damage, one line per chunk or file
     std::vector<std::string> healed;  // leftovers of an interrupted update that were removed (check_only: would be)
-    std::vector<std::string> notes;   // other files that were restored
-    bool whole() const { return faults.empty() && !index_written; }
+    // about.pct where it was damaged, missing or of another tree, and was restored (check_only: would be).
+    std::vector<std::string> restored;
+    // The tree as it is now was read from disk, with all that 'pcmlab verify' checks, and is undamaged.
+    bool verified = false;
+    // Whether the tree was undamaged: what verify_tree() finds, this finds too.
+    bool whole() const { return faults.empty() && restored.empty() && !index_written; }
 };
 
 // Reads every chunk of every data file and checks all its bytes. Where the index and everything that it names are
@@ -33,7 +37,8 @@ struct RepairReport {
 // chunk of each node among the generations whose update was completed; missing inner nodes are added without points.
 // The new index replaces the old one atomically; the old one is kept as index.pct.damaged. A tree that lost only its
 // index is restored node for node. Without about.pct the metadata, the names of sources and the number of skipped
-// points are lost, and the report says so. `path` is the tree folder. Throws Error(not_a_tree) when the folder has no
+// points are lost, and the report says so. A tree that was changed is verified as by verify_tree(); what is found then
+// is among the faults. `path` is the tree folder. Throws Error(not_a_tree) when the folder has no
 // chunk of a tree, Error(corrupt) when no point can be saved, Error(exists) when another process or thread changes the
 // tree, Error(cancelled).
 RepairReport repair_tree(const std::filesystem::path& path, const RepairOptions& options = {});

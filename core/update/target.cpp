@@ -18,7 +18,7 @@ UpdateTarget::UpdateTarget(const std::filesystem::path& tree, const TargetChoice
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
-    clone_tree(tree, path_);
+    run_last_step(outcome_, [&] { clone_tree(tree, path_); });
 }
 
 UpdateTarget::~UpdateTarget()

@@ -1,7 +1,11 @@
 // Where the result of an update goes: into the tree itself, or into a copy of it.
 #pragma once
 
+#include "pcm/system/progress.h"
+
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace pcm {
 
@@ -32,11 +36,17 @@ public:
 
     const std::filesystem::path& path() const { return path_; }
     bool is_copy() const { return is_copy_; }
-    // The update has succeeded: the destructor leaves a copy where it is.
-    void keep() { kept_ = true; }
+    // The update has succeeded: the destructor leaves a copy where it is. Returns what is to be added to the warnings
+    // of its outcome.
+    const std::vector<std::string>& keep()
+    {
+        kept_ = true;
+        return outcome_.warnings;
+    }
 
 private:
     std::filesystem::path path_;
+    Outcome outcome_;  // of copying
     bool is_copy_ = false, kept_ = false;
 };
 

@@ -145,17 +145,16 @@ void TreeChanges::commit()
     NodeVector nodes{tree_->nodes(), tree_->part_roots()};
     for (const auto& [node, place] : places_) nodes.nodes[node].extent = place.extent;
     try {
-        update_->commit(std::move(info), std::move(nodes));
-    } catch (...) {
-        if (update_->committed()) start_next_update();
+        update_->commit_and_continue(std::move(info), std::move(nodes));
+    } catch (const Error& error) {
+        if (error.is_done()) take_next_tree();
         throw;
     }
-    start_next_update();
+    take_next_tree();
 }
 
-void TreeChanges::start_next_update()
+void TreeChanges::take_next_tree()
 {
-    update_->start_next();
     tree_ = update_->tree();
     hash_ = tree_->info().content_hash;
     places_.clear();

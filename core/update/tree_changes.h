@@ -17,8 +17,9 @@
 namespace pcm {
 
 // Holds the tree's lock as long as it lives. Changed chunks go to new data files; commit() makes them part of the tree
-// atomically. Whatever ends before the commit, also in a crash, leaves the tree of the last commit. A chunk that is
-// written twice takes its space twice until the tree is compacted. Any number of threads may call.
+// atomically; an Error of it that is_done() says that they are, but may not survive a loss of power. Whatever ends
+// before the commit, also in a crash, leaves the tree of the last commit. A chunk that is written twice takes its space
+// twice until the tree is compacted. Any number of threads may call.
 class TreeChanges final : public ChunkStore {
 public:
     // Throws what TreeUpdate throws; Error(exists) when another process or thread changes the tree.
@@ -50,7 +51,7 @@ private:
     std::optional<Place> place_of(NodeId node) const;
     Chunk read_now(NodeId node, const ColumnSet& columns) const;
     std::uint64_t hash_with_added_attributes() const;
-    void start_next_update();
+    void take_next_tree();
     void check_open() const;
 
     mutable std::shared_mutex mutex_;   // exclusive: commit and add_attribute

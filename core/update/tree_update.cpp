@@ -6,7 +6,6 @@
 #include "pcm/tree/about.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
 #include <cstring>
 
@@ -48,6 +47,16 @@ std::vector<fs::path> leftovers(const fs::path& folder, std::size_t data_files)
     }
     std::sort(found.begin(), found.end());
     return found;
+}
+
+void warn_of_scratch(const fs::path& tree, Outcome& outcome)
+{
+    std::error_code error;
+    const fs::path scratch = folder_of(tree) / update_scratch_name;
+    if (fs::exists(scratch, error))
+        outcome.warnings.push_back(scratch.string() +
+                                   ": the update is complete, but its scratch files could not be removed; the next "
+                                   "update of the tree removes them");
 }
 
 ChunkIdentity identity_of(const PartNode& node, std::uint32_t generation)
@@ -146,7 +155,7 @@ void TreeUpdate::write_tombstone(const PartNode& node)
     write(encode_chunk(chunk, info.schema, info.grid, identity_of(empty, generation_)));
 }
 
-void TreeUpdate::commit(TreeInfo info, NodeVector joined)
+void TreeUpdate::replace_index(TreeInfo info, NodeVector joined, bool another_follows)
 {
     if (files_.empty()) begin_file();
     end_file();
@@ -162,9 +171,10 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     index.data_files.insert(index.data_files.end(), files_.begin(), files_.end());
     find_parts(index, folder() / index_file_name);
     write_commit(folder(), index);
-    sync_folder(folder());
+    const OpenFolder open_folder(folder());
+    open_folder.sync();
 
-    // The new index is written completely before any existing file is touched.
+    // The new index is written completely, and the new tree opened, before any existing file is touched.
     const fs::path path = folder() / index_file_name;
     fs::path ready = path;
     ready += ".new";
@@ -175,21 +185,37 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
         file.sync();
         file.close();
     }
+    // Only checked where no other change follows: one file open at a time is enough.
+    next_ = another_follows ? Tree::of_index(folder(), bytes) : Tree::of_index(folder(), bytes, 1);
     about_ahead_ = true;
     write_about(folder(), index.info);
-    if (std::rename(ready.c_str(), path.c_str()) != 0)
-        throw Error::from_errno(errno, path, "putting the new index in place");
+    rename_path(ready, path, "putting the new index in place");
     committed_ = true;
-    sync_folder(folder());
+    try {
+        open_folder.sync();
+    } catch (const Error& error) {
+        throw Error::after(folder(), "the update is part of the tree", error);
+    }
 }
 
-void TreeUpdate::start_next()
+void TreeUpdate::commit(TreeInfo info, NodeVector joined) { replace_index(std::move(info), std::move(joined), false); }
+
+void TreeUpdate::commit_and_continue(TreeInfo info, NodeVector joined)
 {
-    tree_ = Tree::open(folder());
-    generation_ = tree_->info().generation + 1;
-    files_.clear();
-    bytes_written_ = 0;
-    committed_ = about_ahead_ = false;
+    const auto start_next = [this] {
+        tree_ = std::move(next_);
+        generation_ = tree_->info().generation + 1;
+        files_.clear();
+        bytes_written_ = 0;
+        committed_ = about_ahead_ = false;
+    };
+    try {
+        replace_index(std::move(info), std::move(joined), true);
+    } catch (const Error& error) {
+        if (error.is_done()) start_next();
+        throw;
+    }
+    start_next();
 }
 
 }  // namespace pcm

@@ -1,6 +1,7 @@
 // One change of a tree, from taking the lock to the new index.
 #pragma once
 
+#include "pcm/system/progress.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/tree_lock.h"
@@ -16,6 +17,9 @@ namespace pcm {
 
 // Files in a tree's folder that an interrupted update has left: the index does not name them.
 std::vector<std::filesystem::path> leftovers(const std::filesystem::path& folder, std::size_t data_files);
+
+// Adds a warning when an update of the tree that has ended could not remove its scratch files.
+void warn_of_scratch(const std::filesystem::path& tree, Outcome& outcome);
 
 // Holds the tree's lock. Chunks are written to new data files; commit() makes them part of the tree atomically. Without
 // a commit the tree stays as it was, and the destructor removes the files. For one thread.
@@ -44,20 +48,22 @@ public:
     void write_tombstone(const PartNode& node);
 
     // Replaces the index: the tree becomes `info` (but its generation) and `joined`, whose chunks are in the old and
-    // the new data files. When the new index is in place but might not survive a loss of power, it throws, and the tree
-    // is the new one.
+    // the new data files. All that can fail is done before: the new index is checked, and its data files are opened.
+    // Throws an Error that is_done() when the new index is in place but might not survive a loss of power; after any
+    // other error the tree is the old one.
     void commit(TreeInfo info, NodeVector joined);
-    // Whether the tree on disk is the new one.
-    bool committed() const { return committed_; }
-    // After a commit: starts another change, of the new tree, under the same lock.
-    void start_next();
+    // As commit(). When the new tree is in place, another change may follow, of that tree and under the same lock:
+    // then tree() is the new one, with or without an error.
+    void commit_and_continue(TreeInfo info, NodeVector joined);
     std::uint64_t bytes_written() const { return bytes_written_; }
 
 private:
     void begin_file();
+    void replace_index(TreeInfo info, NodeVector joined, bool another_follows);
 
     TreeLock lock_;
     std::shared_ptr<const Tree> tree_;
+    std::shared_ptr<const Tree> next_;  // what the tree will be when the new index is in place
     std::uint32_t generation_ = 0;
     File file_;
     std::vector<DataFile> files_;  // new ones

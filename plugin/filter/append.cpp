@@ -43,7 +43,8 @@ void run(const FilterRun& run)
     options.progress = operation.progress();
     UpdateTarget target(tree, target_of(run.parameters));
     const AppendReport report = append_points(target.path(), *cloud, sources.names(), options);
-    target.keep();
+    log_warnings(run, target.keep());
+    log_warnings(run, report.outcome.warnings);
     run.log("Added " + grouped(report.points_added) + " points to " + target.path().string() + " in " +
             brief(report.outcome.seconds) + " s. The tree now has " + grouped(report.outcome.points_out) +
             " points in " + std::to_string(report.parts) + (report.parts == 1 ? " part." : " parts."));

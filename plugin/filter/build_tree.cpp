@@ -52,6 +52,7 @@ void report_build(const FilterRun& run, const std::filesystem::path& output, con
     run.log("Largest position error: " + exact(outcome.error) + " source units.");
     log_skipped(run, report.points_skipped);
     log_notes(run, report.notes);
+    log_warnings(run, report.outcome.warnings);
 }
 
 void run(const FilterRun& run)
@@ -70,7 +71,7 @@ void run(const FilterRun& run)
     Operation operation(run.callback);
     options.progress = operation.progress();
     report_build(run, output, build_tree(inputs, output, options));
-    if (run.parameters.getBool("Open")) add_tree_layer(run, output);
+    if (run.parameters.getBool("Open")) show_afterwards(run, [&] { add_tree_layer(run, output); });
 }
 
 }  // namespace

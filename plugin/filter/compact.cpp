@@ -29,7 +29,8 @@ void run(const FilterRun& run)
     run.log("Compacted " + tree.string() + ": " + grouped(report.build.outcome.points_out) + " points, " +
             bytes_text(report.bytes_before) + " before, " + bytes_text(report.build.bytes) + " now, in " +
             brief(report.build.outcome.seconds) + " s.");
-    refresh_layers(run, tree);
+    log_warnings(run, report.build.outcome.warnings);
+    show_afterwards(run, [&] { refresh_layers(run, tree); });
 }
 
 }  // namespace

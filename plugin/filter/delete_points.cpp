@@ -52,7 +52,8 @@ void run(const FilterRun& run)
     }
     UpdateTarget target(tree, target_of(run.parameters));
     const EraseReport report = erase_points(target.path(), selection, options);
-    target.keep();
+    log_warnings(run, target.keep());
+    log_warnings(run, report.outcome.warnings);
     run.log("Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) +
             " points of " + target.path().string() + " in " + brief(report.outcome.seconds) + " s.");
     if (report.points_deleted == 0) run.log("No point is selected; " + extent_text(cloud) + ".");

@@ -17,6 +17,8 @@ struct FilterRun {
     const RichParameterList& parameters;
     vcg::CallBackPos* callback;                        // for host/operation.h
     std::function<void(const std::string& line)> log;  // writes a line to MeshLab's log
+    // The same for what went wrong after the filter had done its work.
+    std::function<void(const std::string& line)> warn;
 };
 
 struct Filter {

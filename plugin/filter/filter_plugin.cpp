@@ -47,8 +47,11 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     applied_ = true;
     const Filter& filter = filter_of(ID(action));
     try {
-        filter.run(
-            {document, parameters, callback, [this](const std::string& line) { Log(GLLogStream::FILTER, line); }});
+        const auto log = [this](const std::string& line) { Log(GLLogStream::FILTER, line); };
+        const auto warn = [&](const std::string& line) {
+            Log(GLLogStream::WARNING, std::string(filter.name) + ": " + line);
+        };
+        filter.run({document, parameters, callback, log, warn});
         return true;
     } catch (...) {
         // An exception that leaves this function would leave the document busy for ever. Windows show errorMessage,

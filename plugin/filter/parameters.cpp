@@ -166,6 +166,11 @@ void log_skipped(const FilterRun& run, std::uint64_t points)
     if (points) run.log(grouped(points) + " points without a finite position were left out.");
 }
 
+void log_warnings(const FilterRun& run, const std::vector<std::string>& warnings)
+{
+    for (const std::string& warning : warnings) run.warn(warning);
+}
+
 void log_notes(const FilterRun& run, const std::vector<std::string>& notes)
 {
     for (const std::string& note : notes) run.log("Note: " + note);

@@ -50,6 +50,8 @@ std::filesystem::path as_tree(std::filesystem::path path);
 
 // How many points had no finite position; nothing is logged for 0.
 void log_skipped(const FilterRun& run, std::uint64_t points);
+// The warnings of an outcome.
+void log_warnings(const FilterRun& run, const std::vector<std::string>& warnings);
 void log_notes(const FilterRun& run, const std::vector<std::string>& notes);
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "plugin/host/layer.h"
 #include "plugin/host/misfit.h"
 #include "plugin/host/registry.h"
+#include "plugin/host/text.h"
 
 namespace pcm::host {
 
@@ -62,12 +63,24 @@ void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)
     }
 }
 
+void show_afterwards(const FilterRun& run, const std::function<void()>& show)
+{
+    try {
+        show();
+    } catch (...) {
+        run.warn("the tree was written, but its layer cannot be shown: " + current_error() +
+                 " (do not apply the filter again; open the tree)");
+    }
+}
+
 void show_result(const FilterRun& run, const UpdateTarget& target)
 {
-    if (target.is_copy())
-        add_tree_layer(run, target.path());
-    else
-        refresh_layers(run, target.path());
+    show_afterwards(run, [&] {
+        if (target.is_copy())
+            add_tree_layer(run, target.path());
+        else
+            refresh_layers(run, target.path());
+    });
 }
 
 }  // namespace pcm::host

@@ -5,6 +5,7 @@
 #include "plugin/filter/filter.h"
 
 #include <filesystem>
+#include <functional>
 
 namespace pcm::host {
 
@@ -17,6 +18,9 @@ void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder);
 
 // The layers of the document that show the tree `folder` are loaded again.
 void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
+
+// Runs `show` after the filter has changed the tree: what fails then is a warning, since the tree is changed already.
+void show_afterwards(const FilterRun& run, const std::function<void()>& show);
 
 // A copy gets a layer; layers that show a tree changed in place are loaded again.
 void show_result(const FilterRun& run, const UpdateTarget& target);

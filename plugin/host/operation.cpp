@@ -9,6 +9,7 @@
 #include <QMessageBox>
 
 #include <algorithm>
+#include <csignal>
 #include <string>
 
 namespace pcm::host {
@@ -33,12 +34,22 @@ Operation::Operation(vcg::CallBackPos* callback) : callback_(callback)
     current = this;
     since_events_.start();
     QCoreApplication::instance()->installEventFilter(this);
+    ignore_file_size_signal();
 }
 
 Operation::~Operation()
 {
+    if (signal_ignored_) std::signal(SIGXFSZ, SIG_DFL);
     QCoreApplication::instance()->removeEventFilter(this);
     current = nullptr;
+}
+
+// Its default ends the process; ignored, the write fails with an error. A handler of the host's stays.
+void Operation::ignore_file_size_signal()
+{
+    struct sigaction action {};
+    if (sigaction(SIGXFSZ, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) return;
+    signal_ignored_ = std::signal(SIGXFSZ, SIG_IGN) != SIG_ERR;
 }
 
 void Operation::refuse_second()

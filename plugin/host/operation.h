@@ -3,7 +3,7 @@
 // MeshLab runs filters, importers and exporters in the GUI thread, and its progress callback processes events: a user
 // could start the operation a second time, delete the layer that it fills, or close the document. During the lifetime
 // of an Operation, keys, clicks and closing the window are ignored, except Esc, which cancels (MeshLab itself has no
-// cancel). GUI thread.
+// cancel). A file that grows beyond the system's limit is an error then, and does not end MeshLab. GUI thread.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -38,7 +38,10 @@ protected:
 private:
     bool report(const ProgressUpdate& update);
 
+    void ignore_file_size_signal();
+
     vcg::CallBackPos* callback_;
+    bool signal_ignored_ = false;  // by this operation
     QElapsedTimer since_events_;
     bool cancelled_ = false;
     bool asking_ = false;

@@ -162,6 +162,7 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
                                     " s, in source coordinates; largest position error " + exact(report.outcome.error) +
                                     " source units.");
     for (const std::string& note : report.notes) lines.push_back("Note: " + note);
+    for (const std::string& warning : report.outcome.warnings) lines.push_back("Warning: " + warning);
     if (!is_identity(layer)) lines.emplace_back("The layer's matrix was not applied, as in all of MeshLab's exports.");
     return lines;
 }

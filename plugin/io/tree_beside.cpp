@@ -88,6 +88,7 @@ std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& i
     if (report.points_skipped)
         lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
     lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+    for (const std::string& warning : report.outcome.warnings) lines.push_back("Warning: " + warning);
     return lines;
 }
 

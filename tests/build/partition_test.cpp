@@ -248,6 +248,24 @@ TEST(Partition, TakesTheGridOfATree)
     }
 }
 
+// All points are rounded down, or all up: the error is the same.
+TEST(Partition, TheErrorHasNoSign)
+{
+    TreeInfo like;
+    like.grid = Grid{{0.25, 0.25, 0.25}, {0, 0, 0}};
+    like.wide = true;
+    for (const double beyond : {0.0625, -0.0625}) {
+        MemoryCloud cloud = doubles("random", 500);
+        for (std::size_t i = 0; i < 500; ++i)
+            for (std::size_t a = 0; a < 3; ++a) {
+                double& value = cloud.points.xyz[a][i];
+                value = std::nearbyint(value / 0.25) * 0.25 + (i == 7 && a == 1 ? beyond : 0);
+            }
+        const Partitioned result = partition_of(cloud, false, 2, false, &like);
+        EXPECT_EQ(result.found.observed.position_error, 0.0625) << beyond;
+    }
+}
+
 TEST(Partition, StopsWhenItIsCancelled)
 {
     const test::TemporaryFolder folder;

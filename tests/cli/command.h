@@ -25,11 +25,11 @@ struct Result {
 
 class CommandTest : public testing::Test {
 protected:
-    // Runs pcmlab with `arguments`, which the caller quotes for the shell.
-    Result pcmlab(const std::string& arguments)
+    // Runs pcmlab with `arguments`, which the caller quotes for the shell; `before` is what the shell is given first.
+    Result pcmlab(const std::string& arguments, const std::string& before = {})
     {
         const std::filesystem::path err = folder_ / "stderr.txt";
-        const std::string command = std::string("'") + paths::command + "' " + arguments + " 2>'" + err.string() + "'";
+        const std::string command = before + " '" + paths::command + "' " + arguments + " 2>'" + err.string() + "'";
         Result result;
         FILE* pipe = popen(command.c_str(), "r");
         std::array<char, 4096> buffer;

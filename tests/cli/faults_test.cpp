@@ -4,6 +4,11 @@
 #include "tests/clouds.h"
 #include "tests/paths.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <fstream>
+
 namespace {
 
 using namespace pcm::test;
@@ -42,6 +47,7 @@ TEST_F(Faults, KillsAtEveryCall)
         for (const long at : spread(calls, 20)) {
             EXPECT_TRUE(run_with_fault(convert(), folder_ / "out", kind, at).killed) << kind << " at " << at;
             EXPECT_FALSE(fs::exists(folder_ / "out/copy.xyz") && at < calls) << kind << " at " << at;
+            EXPECT_TRUE(at == calls || empty()) << kind << " at " << at;  // the bytes had no name
             for (const auto& left : fs::directory_iterator(folder_ / "out")) fs::remove(left);
         }
     EXPECT_EQ(run_with_fault(convert(), folder_ / "out", "kill", calls + 1).code, 0);
@@ -64,6 +70,68 @@ TEST_F(Faults, FullDiskAndBadDiskAreReportedAndLeaveNothing)
         EXPECT_NE(bad.err.find("copy.xyz"), std::string::npos) << bad.err;
         for (const auto& left : fs::directory_iterator(folder_ / "out")) fs::remove(left);
     }
+}
+
+// The last call makes the new name durable. The file is there, and the command says so.
+TEST_F(Faults, AFileThatMayNotLastIsReported)
+{
+    const long calls = count_calls(convert(), folder_ / "out");
+    const std::uintmax_t bytes = fs::file_size(folder_ / "out/copy.xyz");
+    for (const bool exists : {false, true}) {
+        fs::remove(folder_ / "out/copy.xyz");
+        std::vector<std::string> command = convert();
+        if (exists) {
+            std::ofstream(folder_ / "out/copy.xyz") << "old";
+            command.emplace_back("--overwrite");
+        }
+        // A file that is replaced takes another rename.
+        const Faulty bad = run_with_fault(command, folder_ / "out", "eio", calls + (exists ? 2 : 0));
+        EXPECT_EQ(bad.code, 3) << bad.err;
+        EXPECT_NE(bad.err.find("in place"), std::string::npos) << bad.err;
+        EXPECT_NE(bad.err.find("do not repeat"), std::string::npos) << bad.err;
+        EXPECT_EQ(fs::file_size(folder_ / "out/copy.xyz"), bytes);
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), {}), 1);
+    }
+}
+
+// On a file system without files that have no name, a kill leaves a part. The next run removes it, but none that is
+// being written, and no other file.
+TEST_F(Faults, PartsOfKilledProcessesAreRemoved)
+{
+    const auto names = [&] {
+        std::vector<std::string> found;
+        for (const auto& entry : fs::directory_iterator(folder_ / "out")) found.push_back(entry.path().filename());
+        std::sort(found.begin(), found.end());
+        return found;
+    };
+    for (const std::string without : {"tmpfile", "linkat"}) {
+        setenv("PCM_FAULT_WITHOUT", without.c_str(), 1);
+        const long calls = count_calls(convert(), folder_ / "out");
+        EXPECT_EQ(names(), std::vector<std::string>{"copy.xyz"}) << without;
+        const std::uintmax_t bytes = fs::file_size(folder_ / "out/copy.xyz");
+        fs::remove(folder_ / "out/copy.xyz");
+        bool left = false;
+        for (long at = 1; at <= calls; ++at) {
+            ASSERT_TRUE(run_with_fault(convert(), folder_ / "out", "kill", at).killed) << at;
+            for (const std::string& name : names()) left = left || name.rfind("copy.xyz.part-", 0) == 0;
+            fs::remove(folder_ / "out/copy.xyz");
+            EXPECT_EQ(run_with_fault(convert(), folder_ / "out", "count").code, 0);
+            EXPECT_EQ(names(), std::vector<std::string>{"copy.xyz"}) << without << ", " << at;
+            EXPECT_EQ(fs::file_size(folder_ / "out/copy.xyz"), bytes);
+            fs::remove(folder_ / "out/copy.xyz");
+        }
+        EXPECT_TRUE(left) << without;
+        unsetenv("PCM_FAULT_WITHOUT");
+    }
+    const std::vector<std::string> kept{"copy.xyz",          "copy.xyz.part-1",    "copy.xyz.part-1-2-3",
+                                        "copy.xyz.part-1-x", "copy.xyz.part-99-7", "other.xyz.part-1-2"};
+    for (const std::string& name : kept)
+        if (name != "copy.xyz") std::ofstream(folder_ / "out" / name) << "kept";
+    const int writing = open((folder_ / "out/copy.xyz.part-99-7").c_str(), O_RDWR);
+    ASSERT_EQ(flock(writing, LOCK_EX), 0);
+    EXPECT_EQ(run_with_fault(convert(), folder_ / "out", "count").code, 0);
+    EXPECT_EQ(names(), kept);
+    close(writing);
 }
 
 }  // namespace

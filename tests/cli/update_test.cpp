@@ -1,6 +1,7 @@
 // pcmlab append, delete, compact, repair: output, JSON, exit codes.
 
 #include "tests/cli/command.h"
+#include "tests/faults.h"
 
 #include <fstream>
 
@@ -83,6 +84,83 @@ TEST_F(UpdateCliTest, ReportsWhatItDoesAndWhyItRefuses)
     EXPECT_NE(other.err.find("no place on the tree's grid"), std::string::npos) << other.err;
     EXPECT_EQ(pcmlab("compact " + path("none.pct")).code, 1);
     EXPECT_EQ(pcmlab("repair " + path("none.pct")).code, 1);
+}
+
+TEST_F(UpdateCliTest, ADamagedAboutIsDamageForVerifyAndForRepair)
+{
+    json("generate -n 5000 --json " + path("scene.las"));
+    json("build --json " + path("scene.las"));
+    EXPECT_EQ(json("repair --check --json " + path("scene.pct"))["verified"], true);
+    std::fstream(folder_ / "scene.pct/about.pct", std::ios::in | std::ios::out | std::ios::binary).seekp(100).put('x');
+    json("verify --json " + path("scene.pct"), 1);
+    const Json checked = json("repair --check --json " + path("scene.pct"), 1);
+    EXPECT_EQ(checked["whole"], false);
+    EXPECT_EQ(checked["verified"], false);
+    EXPECT_EQ(checked["restored"].size(), 1u);
+    EXPECT_NE(pcmlab("repair --check " + path("scene.pct")).out.find("about.pct"), std::string::npos);
+    const Result repaired = pcmlab("repair " + path("scene.pct"));
+    EXPECT_EQ(repaired.code, 0);
+    EXPECT_NE(repaired.out.find("restored from the index"), std::string::npos) << repaired.out;
+    EXPECT_NE(repaired.out.find("verified"), std::string::npos) << repaired.out;
+    json("verify --json " + path("scene.pct"));
+    json("repair --check --json " + path("scene.pct"));
+}
+
+// The index was replaced, and flushing the folder failed: a second append would double the points.
+TEST_F(UpdateCliTest, AnUpdateThatMayNotLastIsReportedAsDone)
+{
+    json("generate -n 5000 --json " + path("scene.las"));
+    json("build --json " + path("scene.las"));
+    fs::copy(folder_ / "scene.pct", folder_ / "again.pct");
+    const std::string las = (folder_ / "scene.las").string();
+    const auto append = [&](const char* tree) {
+        return std::vector<std::string>{pcm::paths::command, "append", (folder_ / tree).string(), las, "-t", "1"};
+    };
+    // Counted from the end: what follows removes the scratch files.
+    const long calls = count_calls(append("again.pct"), folder_ / "again.pct");
+    std::string last_words;
+    for (long at = calls; at > 0; --at) {
+        fs::remove_all(folder_ / "again.pct");
+        fs::copy(folder_ / "scene.pct", folder_ / "again.pct");
+        const Result result =
+            pcmlab("append --json " + path("again.pct") + " " + path("scene.las") + " -t 1",
+                   std::string("LD_PRELOAD='") + pcm::paths::faults +
+                       "' PCM_FAULT=eio PCM_FAULT_AT=" + std::to_string(at) + " PCM_FAULT_UNDER=" + path("again.pct"));
+        last_words = result.err;
+        if (last_words.find("flushing the folder") == std::string::npos) continue;
+        EXPECT_EQ(result.code, 3) << last_words;
+        EXPECT_NE(last_words.find("the update is part of the tree"), std::string::npos) << last_words;
+        EXPECT_NE(last_words.find("do not repeat"), std::string::npos) << last_words;
+        const Json report = Json::parse(result.out);
+        EXPECT_EQ(report["points_added"], 5000);
+        EXPECT_EQ(report["points"], 10000);
+        EXPECT_EQ(report["warnings"].size(), 1u);
+        EXPECT_EQ(json("info --json " + path("again.pct"))["points"], 10000);
+        return;
+    }
+    FAIL() << last_words;
+}
+
+// RLIMIT_FSIZE: the signal does not end the command, and what was begun is removed.
+TEST_F(UpdateCliTest, ALimitOfTheFileSizeIsAnError)
+{
+    json("generate -n 20000 --no-truth --json " + path("scene.las"));
+    json("build --json " + path("scene.las"));
+    fs::create_directory(folder_ / "out");
+    const std::string tree_before = pcmlab("verify -q " + path("scene.pct")).out.substr(0, 40);
+    for (const std::string& command :
+         {"convert " + path("scene.las") + " " + path("out/a.xyz"),
+          "convert " + path("scene.las") + " " + path("out/a.laz"),
+          "build " + path("scene.las") + " -o " + path("out/a.pct"),
+          "append " + path("scene.pct") + " " + path("scene.las"), "set " + path("scene.pct") + " intensity=3",
+          "generate -n 50000 --no-truth " + path("out/a.las")}) {
+        const Result result = pcmlab(command, "ulimit -f 40;");
+        EXPECT_EQ(result.code, 1) << command << ": " << result.err;
+        EXPECT_NE(result.err.find("ulimit -f"), std::string::npos) << command << ": " << result.err;
+        EXPECT_TRUE(fs::is_empty(folder_ / "out")) << command;
+    }
+    EXPECT_EQ(pcmlab("verify -q " + path("scene.pct")).out.substr(0, 40), tree_before);
+    EXPECT_EQ(points(), 20000u);
 }
 
 }  // namespace

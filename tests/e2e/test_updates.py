@@ -1,8 +1,9 @@
 """Filters that change trees: append, delete and compact; layers show the changed tree."""
 
+import shutil
 import unittest
 
-from meshlab import FIXED_VIEW, MeshLabTest, different, pcmlab
+from meshlab import BUILD, FIXED_VIEW, MeshLabTest, different, pcmlab
 
 
 def add(tree, inputs, output="", in_place=False):
@@ -60,6 +61,32 @@ class Updates(MeshLabTest):
         points = pcmlab("info", tree)["points"]
         self.assertGood(tree, points)
         self.assertLess(abs(points - 60000), 6000)  # a few points are beyond the border
+
+    def test_an_update_that_may_not_last_is_done(self):
+        """The index was replaced, and flushing the folder to disk fails: the filter has done its work and warns."""
+        tree, las = self.scenes()
+        before = self.folder / "before.pct"
+        shutil.copytree(tree, before)
+        count = self.folder / "calls"
+        self.environment.update(LD_PRELOAD=str(next(BUILD.glob("tests/faults/libpcm_faults.so"))), PCM_FAULT="count",
+                                PCM_FAULT_UNDER=str(tree), PCM_FAULT_COUNT=str(count))
+        self.assertEqual(self.server([delete(tree, where="x < 500005", in_place=True)]).code, 0)
+        points = pcmlab("info", tree)["points"]
+        warned = 0
+        for at in range(int(count.read_text()), 0, -1):
+            shutil.rmtree(tree)
+            shutil.copytree(before, tree)
+            self.environment.update(PCM_FAULT="eio", PCM_FAULT_AT=str(at))
+            run = self.server([delete(tree, where="x < 500005", in_place=True)])
+            done = run.code == 0
+            self.assertGood(tree, points if done else 60000)
+            if not done:
+                break
+            if "warning" in run.text.lower() and "the update is part of the tree" in run.text:
+                self.assertIn("do not repeat", run.text)
+                warned += 1
+                break
+        self.assertEqual(warned, 1, run.text)
 
     def test_refuses_and_leaves_the_tree_alone(self):
         tree, las = self.scenes()

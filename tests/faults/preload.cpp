@@ -2,12 +2,19 @@
 // there.
 //
 //   PCM_FAULT_UNDER   only calls on paths below this folder count (an absolute path)
-//   PCM_FAULT         count | kill | torn | full | eio
+//   PCM_FAULT         count | kill | torn | full | eio | late
+//                     count_opens | emfile | emfiles
+//                     count_closes | close
 //   PCM_FAULT_AT      the number of the call, from 1
 //   PCM_FAULT_COUNT   a file that gets the number of calls made, when the program ends by itself
+//   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names
 //
 // kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call
-// on, what needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO.
+// on, what needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO. late: that
+// call is made, and then reported as failed with EIO, as network file systems may. emfile counts all calls that open
+// something: that one fails with EMFILE; with emfiles all later ones too. close counts the calls of close(): that one
+// closes, and fails with EIO.
+#include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -26,11 +33,15 @@
 
 namespace {
 
-enum class Kind { none, count, kill, torn, full, eio };
+enum class Kind { none, count, kill, torn, full, eio, late, emfile, emfiles, close };
+enum class Counted { changes, opens, closes };
 enum class Needs { space, nothing };
+enum class Verdict { make, fail, make_and_fail };
 
 struct Plan {
     Kind kind = Kind::none;
+    Counted counted = Counted::changes;
+    bool tmpfile = true, linkat = true;
     long at = 0;
     char under[PATH_MAX] = "";
     std::size_t under_length = 0;
@@ -44,13 +55,22 @@ struct Plan {
         const struct {
             const char* name;
             Kind kind;
-        } kinds[] = {{"count", Kind::count},
-                     {"kill", Kind::kill},
-                     {"torn", Kind::torn},
-                     {"full", Kind::full},
-                     {"eio", Kind::eio}};
+            Counted counted;
+        } kinds[] = {{"count", Kind::count, Counted::changes},     {"kill", Kind::kill, Counted::changes},
+                     {"torn", Kind::torn, Counted::changes},       {"full", Kind::full, Counted::changes},
+                     {"eio", Kind::eio, Counted::changes},         {"late", Kind::late, Counted::changes},
+                     {"count_opens", Kind::count, Counted::opens}, {"emfile", Kind::emfile, Counted::opens},
+                     {"emfiles", Kind::emfiles, Counted::opens},   {"count_closes", Kind::count, Counted::closes},
+                     {"close", Kind::close, Counted::closes}};
         for (const auto& k : kinds)
-            if (std::strcmp(what, k.name) == 0) kind = k.kind;
+            if (std::strcmp(what, k.name) == 0) {
+                kind = k.kind;
+                counted = k.counted;
+            }
+        if (const char* without = std::getenv("PCM_FAULT_WITHOUT")) {
+            tmpfile = !std::strstr(without, "tmpfile");
+            linkat = !std::strstr(without, "linkat");
+        }
         if (kind == Kind::none) std::abort();
         std::snprintf(under, sizeof under, "%s", folder);
         under_length = std::strlen(under);
@@ -109,35 +129,55 @@ bool counts(int folder, const char* path)
     return counts(folder);
 }
 
-// True when the call is to fail, with errno set. `torn_write` writes half of what is to be written.
+// What is to happen to a call; errno is set where it fails. `torn_write` writes half of what is to be written.
 template <class TornWrite>
-bool fails(bool counted, Needs needs, TornWrite torn_write)
+Verdict judge(bool counted, Counted what, Needs needs, TornWrite torn_write)
 {
-    if (!counted) return false;
-    const long number = ++calls;
     const Plan& p = plan();
+    if (!counted || what != p.counted) return Verdict::make;
+    const long number = ++calls;
     switch (p.kind) {
         case Kind::kill:
         case Kind::torn:
-            if (number != p.at) return false;
+            if (number != p.at) return Verdict::make;
             if (p.kind == Kind::torn) torn_write();
             raise(SIGKILL);
-            return true;
+            return Verdict::fail;
         case Kind::full:
-            if (number < p.at || needs != Needs::space) return false;
+            if (number < p.at || needs != Needs::space) return Verdict::make;
             errno = ENOSPC;
-            return true;
+            return Verdict::fail;
         case Kind::eio:
-            if (number != p.at) return false;
-            errno = EIO;
-            return true;
+            errno = number == p.at ? EIO : errno;
+            return number == p.at ? Verdict::fail : Verdict::make;
+        case Kind::late:
+        case Kind::close:
+            return number == p.at ? Verdict::make_and_fail : Verdict::make;
+        case Kind::emfile:
+        case Kind::emfiles:
+            if (number < p.at || (p.kind == Kind::emfile && number > p.at)) return Verdict::make;
+            errno = EMFILE;
+            return Verdict::fail;
         default:
-            return false;
+            return Verdict::make;
     }
 }
-bool fails(bool counted, Needs needs)
+
+template <class Call, class TornWrite>
+auto run(bool counted, Counted what, Needs needs, Call call, TornWrite torn_write) -> decltype(call())
 {
-    return fails(counted, needs, [] {});
+    const Verdict verdict = judge(counted, what, needs, torn_write);
+    if (verdict == Verdict::fail) return -1;
+    const auto result = call();
+    if (verdict == Verdict::make || result < 0) return result;
+    errno = EIO;
+    return -1;
+}
+
+template <class Call>
+auto run(bool counted, Counted what, Needs needs, Call call) -> decltype(call())
+{
+    return run(counted, what, needs, call, [] {});
 }
 
 struct AtEnd {
@@ -152,44 +192,59 @@ struct AtEnd {
     }
 } at_end;
 
-bool creates(int flags) { return flags & (O_CREAT | O_TRUNC); }
+bool has_mode(int flags) { return (flags & O_CREAT) || (flags & O_TMPFILE) == O_TMPFILE; }
+bool creates(int flags) { return has_mode(flags) || (flags & O_TRUNC); }
+
+template <class Open>
+int run_open(bool counted, int flags, Open open)
+{
+    if ((flags & O_TMPFILE) == O_TMPFILE && !plan().tmpfile) {
+        errno = EOPNOTSUPP;
+        return -1;
+    }
+    const bool opens = plan().counted == Counted::opens;
+    const int file =
+        run(counted && (opens || creates(flags)), opens ? Counted::opens : Counted::changes, Needs::space, open);
+    return file;
+}
 
 }  // namespace
 
 extern "C" {
 
-#define PCM_OPEN(name)                                                                        \
-    int name(const char* path, int flags, ...)                                                \
-    {                                                                                         \
-        va_list list;                                                                         \
-        va_start(list, flags);                                                                \
-        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0; \
-        va_end(list);                                                                         \
-        if (creates(flags) && fails(counts(path), Needs::space)) return -1;                   \
-        return next<int (*)(const char*, int, ...)>(#name)(path, flags, mode);                \
+#define PCM_OPEN(name)                                                                                   \
+    int name(const char* path, int flags, ...)                                                           \
+    {                                                                                                    \
+        va_list list;                                                                                    \
+        va_start(list, flags);                                                                           \
+        const mode_t mode = has_mode(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0;           \
+        va_end(list);                                                                                    \
+        return run_open(counts(path), flags,                                                             \
+                        [&] { return next<int (*)(const char*, int, ...)>(#name)(path, flags, mode); }); \
     }
-#define PCM_OPENAT(name)                                                                      \
-    int name(int folder, const char* path, int flags, ...)                                    \
-    {                                                                                         \
-        va_list list;                                                                         \
-        va_start(list, flags);                                                                \
-        const mode_t mode = creates(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0; \
-        va_end(list);                                                                         \
-        if (creates(flags) && fails(counts(folder, path), Needs::space)) return -1;           \
-        return next<int (*)(int, const char*, int, ...)>(#name)(folder, path, flags, mode);   \
+#define PCM_OPENAT(name)                                                                                              \
+    int name(int folder, const char* path, int flags, ...)                                                            \
+    {                                                                                                                 \
+        va_list list;                                                                                                 \
+        va_start(list, flags);                                                                                        \
+        const mode_t mode = has_mode(flags) ? static_cast<mode_t>(va_arg(list, unsigned)) : 0;                        \
+        va_end(list);                                                                                                 \
+        return run_open(counts(folder, path), flags,                                                                  \
+                        [&] { return next<int (*)(int, const char*, int, ...)>(#name)(folder, path, flags, mode); }); \
     }
-#define PCM_PWRITE(name)                                                                                \
-    ssize_t name(int file, const void* from, size_t bytes, off_t offset)                                \
-    {                                                                                                   \
-        const auto real = next<ssize_t (*)(int, const void*, size_t, off_t)>(#name);                    \
-        if (fails(counts(file), Needs::space, [&] { real(file, from, bytes / 2, offset); })) return -1; \
-        return real(file, from, bytes, offset);                                                         \
+#define PCM_PWRITE(name)                                                                                   \
+    ssize_t name(int file, const void* from, size_t bytes, off_t offset)                                   \
+    {                                                                                                      \
+        const auto real = next<ssize_t (*)(int, const void*, size_t, off_t)>(#name);                       \
+        return run(                                                                                        \
+            counts(file), Counted::changes, Needs::space, [&] { return real(file, from, bytes, offset); }, \
+            [&] { real(file, from, bytes / 2, offset); });                                                 \
     }
-#define PCM_CALL(result, name, needs, counted, parameters, arguments) \
-    result name parameters                                            \
-    {                                                                 \
-        if (fails(counted, Needs::needs)) return -1;                  \
-        return next<result(*) parameters>(#name) arguments;           \
+#define PCM_CALL(result, name, needs, counted, parameters, arguments)            \
+    result name parameters                                                       \
+    {                                                                            \
+        return run(counted, Counted::changes, Needs::needs,                      \
+                   [&] { return next<result(*) parameters>(#name) arguments; }); \
     }
 
 PCM_OPEN(open)
@@ -202,8 +257,31 @@ PCM_PWRITE(pwrite64)
 ssize_t write(int file, const void* from, size_t bytes)
 {
     const auto real = next<ssize_t (*)(int, const void*, size_t)>("write");
-    if (fails(counts(file), Needs::space, [&] { real(file, from, bytes / 2); })) return -1;
-    return real(file, from, bytes);
+    return run(
+        counts(file), Counted::changes, Needs::space, [&] { return real(file, from, bytes); },
+        [&] { real(file, from, bytes / 2); });
+}
+
+DIR* opendir(const char* path)
+{
+    if (judge(counts(path), Counted::opens, Needs::nothing, [] {}) == Verdict::fail) return nullptr;
+    return next<DIR* (*)(const char*)>("opendir")(path);
+}
+
+int close(int file)
+{
+    return run(plan().counted == Counted::closes && counts(file), Counted::closes, Needs::nothing,
+               [&] { return next<int (*)(int)>("close")(file); });
+}
+
+int linkat(int f, const char* from, int t, const char* to, int flags) noexcept
+{
+    if (!plan().linkat && counts(t, to)) {
+        errno = EXDEV;
+        return -1;
+    }
+    return run(counts(t, to), Counted::changes, Needs::space,
+               [&] { return next<int (*)(int, const char*, int, const char*, int)>("linkat")(f, from, t, to, flags); });
 }
 
 PCM_CALL(ssize_t, writev, space, counts(file), (int file, const iovec* parts, int count), (file, parts, count))

@@ -149,6 +149,53 @@ TEST(FrameBudget, LeavesAMarginForTheSlowFrames)
     EXPECT_LT(over, 10);
 }
 
+// The margin, read from the time that is available: its first value, its steps, its bounds.
+TEST(FrameBudget, TheMarginIsLearntWithinItsBounds)
+{
+    FrameBudget budget;
+    const auto margin = [&] { return 33 / budget.available(33); };
+    const auto next = [&](double milliseconds) {
+        budget.measured(work(1'000'000), milliseconds);
+        budget.measured_overhead(0);
+    };
+    next(10);
+    EXPECT_DOUBLE_EQ(margin(), FrameBudget::first_margin);
+    next(10);
+    next(10);
+    EXPECT_DOUBLE_EQ(margin(), FrameBudget::first_margin);  // too few frames to learn from
+    double expected = FrameBudget::first_margin;
+    for (int i = 0; i < 7; ++i) {
+        next(10);
+        EXPECT_NEAR(margin(), expected *= 0.9985, 1e-9);
+    }
+    // A frame counts once, however often the rest of it is measured.
+    budget.measured_overhead(0);
+    EXPECT_NEAR(margin(), expected, 1e-9);
+    // Just beyond the margin, and just within.
+    next(10 * 1.24);
+    EXPECT_NEAR(margin(), expected *= 1.25, 1e-9);
+    next(1.5 * budget.expected(work(1'000'000)));
+    EXPECT_NEAR(margin(), expected *= 0.9985, 1e-9);
+    for (double slow = 100; slow < 1e7; slow *= 10) next(slow);
+    EXPECT_DOUBLE_EQ(margin(), FrameBudget::largest_margin);
+    for (int i = 0; i < 2000; ++i) next(10);
+    EXPECT_NEAR(margin(), 1.05, 1e-9);
+}
+
+// What belongs to the frame beside its drawing is part of what is compared.
+TEST(FrameBudget, TheMarginIsOfTheWholeFrame)
+{
+    FrameBudget budget;
+    for (int i = 0; i < 4; ++i) {
+        budget.measured(work(1'000'000), 10);
+        budget.measured_overhead(10);
+    }
+    const double before = budget.available(33);
+    budget.measured(work(1'000'000), 14);  // 40 % more drawing, which is 20 % of the frame
+    budget.measured_overhead(10);
+    EXPECT_GT(budget.available(33), before);
+}
+
 TEST(FrameBudget, KeepsTheNumberOfPointsWhenTheStyleChanges)
 {
     FrameBudget budget;

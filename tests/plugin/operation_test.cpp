@@ -7,6 +7,8 @@
 #include <QCoreApplication>
 #include <QKeyEvent>
 
+#include <csignal>
+
 namespace pcm::host {
 namespace {
 
@@ -32,6 +34,31 @@ TEST(Operation, IsAloneAndEscCancels)
         EXPECT_FALSE(close.isAccepted());
     }
     EXPECT_NO_THROW(Operation next(nullptr));
+}
+
+void handle(int) {}
+
+// A file that grows beyond the system's limit is an error during an operation; the host's own handling stays otherwise.
+TEST(Operation, IgnoresTheSignalOfTheFileSizeLimit)
+{
+    const auto handler = [] {
+        struct sigaction action {};
+        EXPECT_EQ(sigaction(SIGXFSZ, nullptr, &action), 0);
+        return action.sa_handler;
+    };
+    ASSERT_EQ(handler(), SIG_DFL);
+    {
+        const Operation operation(nullptr);
+        EXPECT_EQ(handler(), SIG_IGN);
+    }
+    EXPECT_EQ(handler(), SIG_DFL);
+    std::signal(SIGXFSZ, handle);
+    {
+        const Operation operation(nullptr);
+        EXPECT_EQ(handler(), handle);
+    }
+    EXPECT_EQ(handler(), handle);
+    std::signal(SIGXFSZ, SIG_DFL);
 }
 
 }  // namespace

@@ -121,6 +121,34 @@ TEST_F(QueryLimits, InvalidQueriesAreRefused)
     }
 }
 
+// The largest distance is inclusive, for nodes and blocks whose boxes are just as far too: 3, 4 and 5 are exact.
+TEST_F(QueryLimits, ANeighbourExactlyAtTheLargestDistance)
+{
+    for (const std::size_t others : {0u, 5000u}) {
+        std::vector<LasRecord> points = records(Shape::volume, others, 4);
+        for (LasRecord& point : points) point.x = std::abs(point.x) + 400, point.y = std::abs(point.y) + 400;
+        points.emplace_back();
+        points.back().x = 12;
+        points.back().y = 16;
+        points.back().z = 0;
+        write_las(folder_ / "exact.las", points, {{0.25, 0.25, 0.25}, {0, 0, 0}});
+        BuildOptions options;
+        options.chunk_points = 1000;
+        options.overwrite = true;
+        build_tree({folder_ / "exact.las"}, folder_ / "exact.pct", options);
+        const auto cloud = PointCloud::open(folder_ / "exact.pct");
+        NearestOptions within;
+        within.max_distance = 5;
+        const NearestResult found = cloud->nearest({0, 0, 0}, 3, within);
+        ASSERT_EQ(found.points.size(), 1u) << others;
+        EXPECT_EQ(found.points[0].squared_distance, 25);
+        EXPECT_EQ(found.least_distance, 5);
+        EXPECT_EQ(cloud->nearest(std::vector<Vec3d>{{0, 0, 0}, {6, 8, 0}}, 3, within).points.size(), 2u) << others;
+        within.max_distance = std::nextafter(5.0, 0.0);
+        EXPECT_TRUE(cloud->nearest({0, 0, 0}, 3, within).points.empty()) << others;
+    }
+}
+
 TEST_F(QueryLimits, DamageReachesTheCaller)
 {
     cloud_.reset();

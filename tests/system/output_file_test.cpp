@@ -49,7 +49,7 @@ TEST(OutputFile, LeavesNothingWhenItIsNotFinished)
     {
         OutputFile file(folder / "f");
         file.append(std::string(3 << 20, 'x'));
-        EXPECT_EQ(files_in(folder.path()), 1u);
+        EXPECT_LE(files_in(folder.path()), 1u);  // none where the file system has files without names
         EXPECT_FALSE(std::filesystem::exists(folder / "f"));
     }
     EXPECT_EQ(files_in(folder.path()), 0u);

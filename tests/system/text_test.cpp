@@ -59,6 +59,21 @@ TEST(Text, UnitsOfBytesAndTime)
     EXPECT_EQ(bytes_text(7000000000000000), "7000.00 TB");
     EXPECT_EQ(time_text(0.0032), "3.2 ms");
     EXPECT_EQ(time_text(2.5), "2.5 s");
+    // Never 1000 of a unit, and no exponent.
+    EXPECT_EQ(bytes_text(999), "999 bytes");
+    EXPECT_EQ(bytes_text(999994), "999.99 kB");
+    EXPECT_EQ(bytes_text(999999), "1.00 MB");
+    EXPECT_EQ(bytes_text(999999999), "1.00 GB");
+    EXPECT_EQ(time_text(0.9994), "999 ms");
+    EXPECT_EQ(time_text(0.9996), "1 s");
+    EXPECT_EQ(time_text(99.96), "100 s");
+    EXPECT_EQ(time_text(119.4), "119 s");
+    EXPECT_EQ(time_text(125), "2 min 5 s");
+    EXPECT_EQ(time_text(999.9), "16 min 40 s");
+    EXPECT_EQ(time_text(3599.6), "1 h 0 min");
+    EXPECT_EQ(time_text(12000), "3 h 20 min");
+    EXPECT_EQ(time_text(3600.0 * 123456), "123,456 h 0 min");
+    EXPECT_EQ(time_text(std::numeric_limits<double>::infinity()), "inf s");
     EXPECT_EQ(brief(0.0123456), "0.0123");
 }
 

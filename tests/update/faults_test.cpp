@@ -181,7 +181,7 @@ TEST_P(UpdateFaults, ABadDisk)
         if (bad.code == 0) {
             EXPECT_TRUE(is_new) << when;
         } else {
-            EXPECT_EQ(bad.code, 1) << when;
+            EXPECT_EQ(bad.code, is_new ? 3 : 1) << when;
             EXPECT_NE(bad.err.find("tree.pct"), std::string::npos) << bad.err;
         }
         State left = state_of(tree_);

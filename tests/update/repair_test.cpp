@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
 #include "pcm/update/erase.h"
+#include "pcm/update/tree_changes.h"
 #include "tests/update/model.h"
 
 #include <fstream>
@@ -65,7 +66,7 @@ TEST_P(RepairTest, AWholeTreeStays)
     const RepairReport report = repair_tree(path_, options_of());
     EXPECT_TRUE(report.whole());
     EXPECT_EQ(report.outcome.points_out, 30000u);
-    EXPECT_TRUE(report.healed.empty() && report.notes.empty());
+    EXPECT_TRUE(report.healed.empty() && report.restored.empty());
     EXPECT_EQ(bytes_of_file(index_), before);
 }
 
@@ -192,6 +193,35 @@ TEST_P(RepairTest, AnUnfinishedGenerationIsNotTaken)
     repair_tree(path_, options_of());
     EXPECT_TRUE(bytes_of_file(index_) == before);
     EXPECT_FALSE(fs::exists(path_ / name));
+}
+
+// A cache that writes a chunk, reads it again and changes it once more leaves both in one generation.
+TEST_P(RepairTest, OfTwoChunksOfOneGenerationTheLaterOneCounts)
+{
+    for (const bool other_file : {false, true}) {
+        TreeChanges changes(path_);
+        const NodeId node = 0;
+        for (const std::uint16_t value : {std::uint16_t(7), std::uint16_t(9)}) {
+            Chunk chunk = changes.read(node, ColumnSet::all(changes.tree()->info().schema));
+            const auto column = std::make_shared<Column>(*chunk.attributes[0]);
+            std::fill_n(column->as<std::uint16_t>(), column->size(), value);
+            chunk.attributes[0] = column;
+            ColumnSet changed;
+            changed.attributes.set(0);
+            changes.write(node, chunk, changed);
+            if (other_file && value == 7) changes.add_attribute({"height", ScalarType::f32, 1, 1, 0, ""});
+        }
+        changes.commit();
+        changes.end();
+        const std::string before = bytes_of_file(index_);
+        const std::uint64_t hash = Tree::open(path_)->info().content_hash;
+        fs::remove(index_);
+        const RepairReport report = repair_tree(path_, options_of());
+        EXPECT_EQ(report.points_lost, 0u);
+        EXPECT_TRUE(report.verified);
+        EXPECT_TRUE(bytes_of_file(index_) == before) << other_file;
+        EXPECT_EQ(Tree::open(path_)->info().content_hash, hash) << other_file;
+    }
 }
 
 // Chunks with matching checksums and values that no tree's chunk has.

@@ -75,11 +75,11 @@ public:
         return drawn;
     }
 
-    void write(const std::filesystem::path& file) const
+    void write(const std::filesystem::path& file, Outcome& outcome) const
     {
         Image image = screen_.read();
         if (background_.transparent) unpremultiply(image);
-        write_png(file, image, background_.transparent);
+        run_last_step(outcome, [&] { write_png(file, image, background_.transparent); });
     }
 
 private:
@@ -97,6 +97,7 @@ struct Summary {
     std::vector<std::filesystem::path> files;
     std::vector<Drawn> drawn;  // for each file
     std::set<std::string> notices;
+    Outcome outcome;  // its warnings
     double seconds = 0, longest_ms = 0;
     std::uint64_t most_points = 0;
     bool full = true;
@@ -134,6 +135,7 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
     json["seconds"] = summary.seconds;
     json["peak_rss_bytes"] = peak_rss_bytes();
     json["pictures"] = pictures;
+    json["warnings"] = summary.outcome.warnings;
     return json;
 }
 
@@ -177,7 +179,7 @@ int render(const RenderArguments& arguments)
     Job job(arguments, screen, scene);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         summary.add(job.draw(cameras[i], i, cameras.size()));
-        job.write(summary.files[i]);
+        job.write(summary.files[i], summary.outcome);
     }
     end_progress(arguments.common);
     summary.seconds = seconds_since(start);
@@ -185,7 +187,7 @@ int render(const RenderArguments& arguments)
         std::printf("%s\n", to_json(summary, arguments, screen).dump(2).c_str());
     else
         print(summary, screen);
-    return 0;
+    return finished(summary.outcome);
 }
 
 Run add_render(Options& options)

@@ -153,10 +153,11 @@ impl E57Scan {
 #[no_mangle]
 pub unsafe extern "C" fn pcm_e57_describe(
     descriptor: c_int,
+    memory: usize,
     error: *mut c_char,
     error_bytes: usize,
 ) -> *mut E57Description {
-    guard(error, error_bytes, std::ptr::null_mut(), || {
+    guard(error, error_bytes, std::ptr::null_mut(), memory, || {
         // The descriptor is borrowed: ManuallyDrop leaves it open.
         let file = ManuallyDrop::new(unsafe { File::from_raw_fd(descriptor) });
         let file = BufReader::new(BorrowedFile { file, position: 0 });

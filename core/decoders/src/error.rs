@@ -3,11 +3,22 @@
 use std::os::raw::c_char;
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
-/// Runs `work`; an error or a panic becomes text in `message`, and `failed` is returned.
+use crate::memory::Aside;
+
+/// Runs `work`, which allocates at most `memory` bytes; an error or a panic becomes text in `message`, and `failed` is
+/// returned. Without that much memory `work` is not run, and the message is empty.
 ///
 /// # Safety
 /// `message` points to `capacity` writable bytes, or `capacity` is 0.
-pub unsafe fn guard<T>(message: *mut c_char, capacity: usize, failed: T, work: impl FnOnce() -> Result<T, String>) -> T {
+pub unsafe fn guard<T>(
+    message: *mut c_char, capacity: usize, failed: T, memory: usize, work: impl FnOnce() -> Result<T, String>,
+) -> T {
+    let Some(_aside) = Aside::set(memory) else {
+        if capacity > 0 {
+            *message = 0;
+        }
+        return failed;
+    };
     let text = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => return value,
         Ok(Err(text)) => text,

@@ -18,6 +18,9 @@ use crate::error::guard;
 const BUFFER_BYTES: usize = 1 << 16;
 /// Layers are decoded in parallel, so all layers of a chunk are in memory.
 const MOST_LAYER_BYTES: u64 = 96 << 20;
+const CODER_OF_TABLE_BYTES: usize = 4 << 20;
+/// Messages, vectors of items and other small things.
+const SMALL_BYTES: usize = 1 << 20;
 
 /// A range of a borrowed open file, with its own buffer: several can read the same file.
 struct FileRange {
@@ -146,11 +149,13 @@ pub struct LazDecoder {
     records: Box<dyn RecordDecompressor<FileRange>>,
     record_bytes: usize,
     chunk_points: u64,
+    /// What a call may allocate.
+    memory: usize,
 }
 
-/// The number of points as stated in a layered chunk. Its layers must lie inside the range, because the decompressor
-/// allocates memory for their stated sizes.
-fn check_layers(range: &mut FileRange, items: &[LazItem], record_bytes: usize) -> Result<u64, String> {
+/// The number of points and of bytes of the layers as stated in a layered chunk. The layers must lie inside the range,
+/// because the decompressor allocates memory for their stated sizes.
+fn check_layers(range: &mut FileRange, items: &[LazItem], record_bytes: usize) -> Result<(u64, usize), String> {
     let begin = range.position();
     let mut head = vec![0u8; record_bytes + 4 + 4 * layer_count(items)];
     range.read_exact(&mut head).map_err(io_text)?;
@@ -165,34 +170,35 @@ fn check_layers(range: &mut FileRange, items: &[LazItem], record_bytes: usize) -
         return Err(format!("its layers have {layers} bytes; at most {MOST_LAYER_BYTES} can be read"));
     }
     range.seek(SeekFrom::Start(begin)).map_err(io_text)?;
-    Ok(u64::from(points))
+    Ok((u64::from(points), layers as usize))
 }
 
-fn decoder(vlr: &[u8], descriptor: c_int, begin: u64, end: u64) -> Result<LazDecoder, String> {
+fn decoder(vlr: &[u8], coder_bytes: usize, descriptor: c_int, begin: u64, end: u64) -> Result<LazDecoder, String> {
     let (items, layered) = items_of(vlr)?;
     let mut range = FileRange::new(descriptor, begin, end);
-    let mut chunk_points = 0;
+    let (mut chunk_points, mut layer_bytes) = (0, 0);
     let mut records: Box<dyn RecordDecompressor<FileRange>> = if layered {
         let record_bytes = items.iter().map(|item| item.size() as usize).sum();
-        chunk_points = check_layers(&mut range, &items, record_bytes)?;
+        (chunk_points, layer_bytes) = check_layers(&mut range, &items, record_bytes)?;
         Box::new(LayeredPointRecordDecompressor::new(range))
     } else {
         Box::new(SequentialPointRecordDecompressor::new(range))
     };
     records.set_fields_from(&items).map_err(text)?;
     let record_bytes = records.record_size();
-    Ok(LazDecoder { records, record_bytes, chunk_points })
+    Ok(LazDecoder { records, record_bytes, chunk_points, memory: coder_bytes + layer_bytes + SMALL_BYTES })
 }
 
 /// # Safety
 /// See decoders.h.
 #[no_mangle]
 pub unsafe extern "C" fn pcm_laz_decoder_open(
-    vlr: *const u8, vlr_bytes: usize, descriptor: c_int, begin: u64, end: u64, error: *mut c_char, error_bytes: usize,
+    vlr: *const u8, vlr_bytes: usize, coder_bytes: usize, descriptor: c_int, begin: u64, end: u64, error: *mut c_char,
+    error_bytes: usize,
 ) -> *mut LazDecoder {
-    guard(error, error_bytes, std::ptr::null_mut(), || {
+    guard(error, error_bytes, std::ptr::null_mut(), coder_bytes + SMALL_BYTES, || {
         let vlr = std::slice::from_raw_parts(vlr, vlr_bytes);
-        Ok(Box::into_raw(Box::new(decoder(vlr, descriptor, begin, end)?)))
+        Ok(Box::into_raw(Box::new(decoder(vlr, coder_bytes, descriptor, begin, end)?)))
     })
 }
 
@@ -202,8 +208,9 @@ pub unsafe extern "C" fn pcm_laz_decoder_open(
 pub unsafe extern "C" fn pcm_laz_decode(
     decoder: *mut LazDecoder, records: *mut u8, count: usize, error: *mut c_char, error_bytes: usize,
 ) -> c_int {
-    guard(error, error_bytes, -1, || {
-        let decoder = &mut *decoder;
+    let decoder = &mut *decoder;
+    let memory = decoder.memory;
+    guard(error, error_bytes, -1, memory, || {
         let out = std::slice::from_raw_parts_mut(records, count * decoder.record_bytes);
         decoder.records.decompress_many(out).map_err(io_text)?;
         Ok(0)
@@ -247,7 +254,8 @@ pub unsafe extern "C" fn pcm_laz_chunk_table_read(
     descriptor: c_int, begin: u64, end: u64, with_points: c_int, points: *mut u64, bytes: *mut u64, chunks: usize,
     error: *mut c_char, error_bytes: usize,
 ) -> c_int {
-    guard(error, error_bytes, -1, || {
+    let table_bytes = chunks * 2 * std::mem::size_of::<laz::laszip::ChunkTableEntry>();
+    guard(error, error_bytes, -1, table_bytes + CODER_OF_TABLE_BYTES + SMALL_BYTES, || {
         let mut range = FileRange::new(descriptor, begin, end);
         let mut head = [0u8; 8];
         range.read_exact(&mut head).map_err(io_text)?;
@@ -282,9 +290,12 @@ fn compressed(mut compressor: impl RecordCompressor<Vec<u8>>, items: &Vec<LazIte
 /// See decoders.h.
 #[no_mangle]
 pub unsafe extern "C" fn pcm_laz_encode_chunk(
-    vlr: *const u8, vlr_bytes: usize, records: *const u8, record_bytes: usize, error: *mut c_char, error_bytes: usize,
+    vlr: *const u8, vlr_bytes: usize, coder_bytes: usize, records: *const u8, record_bytes: usize, error: *mut c_char,
+    error_bytes: usize,
 ) -> *mut LazBytes {
-    guard(error, error_bytes, std::ptr::null_mut(), || {
+    // The compressed bytes grow in steps, and those of layers are copied at the end.
+    let memory = coder_bytes + 6 * record_bytes + SMALL_BYTES;
+    guard(error, error_bytes, std::ptr::null_mut(), memory, || {
         let (items, layered) = items_of(std::slice::from_raw_parts(vlr, vlr_bytes))?;
         let records = std::slice::from_raw_parts(records, record_bytes);
         let chunk = if layered {
@@ -302,7 +313,8 @@ pub unsafe extern "C" fn pcm_laz_encode_chunk(
 pub unsafe extern "C" fn pcm_laz_encode_chunk_table(
     bytes: *const u64, chunks: usize, error: *mut c_char, error_bytes: usize,
 ) -> *mut LazBytes {
-    guard(error, error_bytes, std::ptr::null_mut(), || {
+    let table_bytes = chunks * 6 * std::mem::size_of::<laz::laszip::ChunkTableEntry>();
+    guard(error, error_bytes, std::ptr::null_mut(), table_bytes + CODER_OF_TABLE_BYTES + SMALL_BYTES, || {
         let mut table = ChunkTable::with_capacity(chunks);
         for i in 0..chunks {
             let byte_count = *bytes.add(i);

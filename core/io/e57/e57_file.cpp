@@ -74,8 +74,8 @@ std::string read_xml(E57Pages& pages)
     return xml;
 }
 
-// Refuses, before the parser starts, what would take it too much memory or time.
-void check_size_of(const std::string& xml, const E57Pages& pages)
+// Refuses, before the parser starts, what would take it too much memory or time. Returns how much memory it may take.
+std::size_t check_size_of(const std::string& xml, const E57Pages& pages)
 {
     const auto refuse = [&](const std::string& found, std::size_t most) {
         fail(pages, ErrorCode::unsupported,
@@ -93,6 +93,8 @@ void check_size_of(const std::string& xml, const E57Pages& pages)
             if (++namespaces > most_namespaces) refuse("namespaces", most_namespaces);
         }
     }
+    // The text several times, a node or a field for each tag, and vectors that grow in steps.
+    return (std::size_t{4} << 20) + 16 * xml.size() + 1024 * tags + 256 * attributes;
 }
 
 #ifdef PCM_HAVE_DECODERS
@@ -167,11 +169,13 @@ std::string E57Scan::called(std::size_t index) const
 
 E57Description describe_e57(E57Pages& pages)
 {
-    check_size_of(read_xml(pages), pages);
+    [[maybe_unused]] const std::size_t memory = check_size_of(read_xml(pages), pages);
 #ifdef PCM_HAVE_DECODERS
     std::array<char, 1024> message{};
     const std::unique_ptr<pcm_e57_description, Free> from(
-        pcm_e57_describe(pages.file().descriptor(), message.data(), message.size()));
+        pcm_e57_describe(pages.file().descriptor(), memory, message.data(), message.size()));
+    if (!from && message[0] == 0)
+        fail(pages, ErrorCode::io, "the system has too little memory to read the XML section", "close other programs");
     if (!from) fail(pages, ErrorCode::bad_format, "the XML section: " + printable_name(message.data()));
     E57Description description;
     description.xml = text_of(pcm_e57_xml(from.get()));

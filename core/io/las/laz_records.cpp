@@ -4,7 +4,7 @@
 #include "pcm/system/error.h"
 
 #ifdef PCM_HAVE_DECODERS
-#include "pcm/decoders/decoders.h"
+#include "pcm/io/las/laz_chunks.h"
 #include "pcm/threads/thread_count.h"
 #endif
 
@@ -14,6 +14,7 @@
 #include <exception>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -38,74 +39,11 @@ namespace {
 
 namespace at = laz::vlr;
 
-constexpr std::size_t message_bytes = 512;
 constexpr std::size_t stream_buffer_bytes = std::size_t{1} << 20;
 constexpr std::size_t most_chunks = std::size_t{1} << 21;
 // For a file that is decoded by several threads.
 constexpr std::uint64_t most_ahead_bytes = std::uint64_t{112} << 20;
 constexpr std::uint64_t chunk_table_pointer_bytes = 8;
-
-struct CloseDecoder {
-    void operator()(pcm_laz_decoder* decoder) const { pcm_laz_decoder_close(decoder); }
-};
-using Decoder = std::unique_ptr<pcm_laz_decoder, CloseDecoder>;
-
-// How the points of a file are split into chunks.
-struct Chunks {
-    const File* file = nullptr;
-    std::vector<std::byte> vlr;
-    std::size_t record_length = 0;
-    std::uint64_t points = 0;
-    laz::Compressor compressor = laz::Compressor::none;
-    std::uint32_t chunk_points = 0;    // laz::variable_chunks: as the table states
-    std::uint64_t begin = 0, end = 0;  // bytes of all chunks
-
-    // For every chunk, and one past the end; empty without a chunk table.
-    std::vector<std::uint64_t> starts;
-    std::vector<std::uint64_t> first_points;
-
-    bool has_table() const { return !starts.empty(); }
-    std::size_t count() const { return starts.size() - 1; }
-    bool layered() const { return compressor == laz::Compressor::layered_chunked; }
-
-    [[noreturn]] void fail(std::uint64_t chunk, std::uint64_t from_byte, std::uint64_t first_point,
-                           const std::string& what) const
-    {
-        throw Error(ErrorCode::corrupt, file->path(),
-                    "LAZ chunk " + std::to_string(chunk + 1) + " at byte " + std::to_string(from_byte) +
-                        ", which starts with point " + std::to_string(first_point) + ", cannot be decoded: " + what,
-                    "the file is damaged: copy it again from its source");
-    }
-
-    // `points`: what the chunk should hold; when 0, it is set to what the chunk states.
-    Decoder open(std::uint64_t chunk, std::uint64_t from_byte, std::uint64_t to_byte, std::uint64_t first_point,
-                 std::uint64_t& chunk_count) const
-    {
-        std::array<char, message_bytes> message{};
-        Decoder decoder(pcm_laz_decoder_open(reinterpret_cast<const std::uint8_t*>(vlr.data()), vlr.size(),
-                                             file->descriptor(), from_byte, to_byte, message.data(), message.size()));
-        if (!decoder) fail(chunk, from_byte, first_point, message.data());
-        if (pcm_laz_decoder_record_bytes(decoder.get()) != record_length)
-            fail(chunk, from_byte, first_point, "its records have another length");
-        if (layered()) {
-            const std::uint64_t stated = pcm_laz_decoder_chunk_points(decoder.get());
-            if (chunk_count == 0) chunk_count = stated;
-            if (stated != chunk_count || stated == 0)
-                fail(chunk, from_byte, first_point,
-                     "it states " + std::to_string(stated) + " points, " + std::to_string(chunk_count) +
-                         " were expected");
-        }
-        return decoder;
-    }
-    void decode(pcm_laz_decoder* decoder, std::byte* to, std::size_t points_now, std::uint64_t chunk,
-                std::uint64_t from_byte, std::uint64_t first_point) const
-    {
-        std::array<char, message_bytes> message{};
-        if (pcm_laz_decode(decoder, reinterpret_cast<std::uint8_t*>(to), points_now, message.data(), message.size()) !=
-            0)
-            fail(chunk, from_byte, first_point, message.data());
-    }
-};
 
 // Decodes chunk by chunk in pieces: chunks of any size.
 class LazStream final : public RecordSource {
@@ -175,8 +113,7 @@ public:
 
     RecordSpan next(std::size_t most) override
     {
-        if (threads_.empty())
-            for (unsigned i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+        if (threads_.empty()) start_threads();
         Slot& slot = slots_[consumed_ % slots_.size()];
         {
             std::unique_lock lock(mutex_);
@@ -206,6 +143,18 @@ private:
         std::exception_ptr error;
         bool ready = false;
     };
+
+    // Where the system gives fewer threads, those do the work.
+    void start_threads()
+    {
+        try {
+            for (unsigned i = 0; i < thread_count_; ++i) threads_.emplace_back([this] { work(); });
+        } catch (const std::system_error& error) {
+            if (threads_.empty())
+                throw Error(ErrorCode::io, chunks_.file->path(),
+                            std::string("no thread can be started to decode LAZ: ") + error.what());
+        }
+    }
 
     void work()
     {
@@ -268,6 +217,7 @@ public:
         read_vlr(vlrs);
         chunks_.file = &file_;
         chunks_.record_length = header_.record_length;
+        chunks_.coder_bytes = coder_bytes();
         chunks_.points = header_.points;
         chunks_.begin = header_.point_offset;
         chunks_.end = file_size_;
@@ -291,6 +241,10 @@ private:
     std::uint64_t table_position() const;
     std::string read_table(std::uint64_t position);
     unsigned threads_in_bounds(unsigned wanted) const;
+    std::size_t coder_bytes() const
+    {
+        return laz::coder_bytes(header_.format, header_.record_length - record_bytes[header_.format]);
+    }
 
     const File& file_;
     std::uint64_t file_size_;
@@ -426,10 +380,12 @@ std::string LazOpener::read_table(std::uint64_t position)
         fail(ErrorCode::unsupported, "the file has " + std::to_string(count) + " chunks; at most " +
                                          std::to_string(most_chunks) + " can be read");
     std::vector<std::uint64_t> points(static_cast<std::size_t>(count)), bytes(points.size());
-    std::array<char, message_bytes> message{};
+    std::array<char, laz_message_bytes> message{};
     if (pcm_laz_chunk_table_read(file_.descriptor(), position, file_size_, variable, points.data(), bytes.data(),
-                                 points.size(), message.data(), message.size()) != 0)
+                                 points.size(), message.data(), message.size()) != 0) {
+        if (message[0] == 0) chunks_.throw_no_memory();
         return "damaged (" + std::string(message.data()) + ")";
+    }
 
     chunks_.starts = {chunks_.begin};
     chunks_.first_points = {0};
@@ -463,8 +419,7 @@ unsigned LazOpener::threads_in_bounds(unsigned wanted) const
     }
     if (most_points > most_ahead_bytes / header_.record_length || most_bytes > most_ahead_bytes) return 1;
     const std::uint64_t decoded = most_points * header_.record_length;
-    const std::uint64_t each = decoded + (chunks_.layered() ? most_bytes : 0) +
-                               laz::coder_bytes(header_.format, header_.record_length - record_bytes[header_.format]);
+    const std::uint64_t each = decoded + (chunks_.layered() ? most_bytes : 0) + chunks_.coder_bytes;
     if (each + decoded > most_ahead_bytes) return 1;
     const std::uint64_t fit = (most_ahead_bytes - decoded) / each;
     return static_cast<unsigned>(std::min<std::uint64_t>({wanted, fit, chunks_.count()}));

@@ -14,6 +14,7 @@
 #include <exception>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -47,21 +48,14 @@ struct FreeBytes {
 };
 using Bytes = std::unique_ptr<pcm_laz_bytes, FreeBytes>;
 
-std::string compress(const std::vector<std::byte>& vlr, const std::byte* records, std::size_t size, Bytes& to)
-{
-    std::array<char, message_bytes> message{};
-    to.reset(pcm_laz_encode_chunk(reinterpret_cast<const std::uint8_t*>(vlr.data()), vlr.size(),
-                                  reinterpret_cast<const std::uint8_t*>(records), size, message.data(),
-                                  message.size()));
-    return to ? std::string() : std::string(message.data());
-}
-
 // Chunk i is filled and compressed in slot i % slots, and written in order.
 class LazSink final : public RecordSink {
 public:
-    LazSink(OutputFile& out, std::size_t record_length, std::vector<std::byte> vlr, unsigned threads)
+    LazSink(OutputFile& out, std::size_t record_length, std::vector<std::byte> vlr, std::size_t coder_bytes,
+            unsigned threads)
         : out_(out),
           record_length_(record_length),
+          coder_bytes_(coder_bytes),
           vlr_(std::move(vlr)),
           chunk_points_(load<std::uint32_t>(&vlr_[at::chunk_points])),
           thread_count_(threads),
@@ -104,13 +98,17 @@ private:
         std::vector<std::byte> records;
         std::size_t size = 0;  // bytes of the records to compress
         Bytes compressed;
-        std::string error;
+        std::exception_ptr error;
         bool done = false;
     };
 
-    [[noreturn]] void fail(const std::string& what) const
+    // `message`: see decoders.h.
+    [[noreturn]] void fail(const std::string& message) const
     {
-        throw Error(ErrorCode::unsupported, out_.path(), "the points cannot be compressed: " + what,
+        if (message.empty())
+            throw Error(ErrorCode::io, out_.path(), "the system has too little memory to compress the points",
+                        "close other programs, or use fewer threads");
+        throw Error(ErrorCode::unsupported, out_.path(), "the points cannot be compressed: " + message,
                     "write LAS instead");
     }
     Slot& slot(std::uint64_t chunk) { return slots_[static_cast<std::size_t>(chunk % slots_.size())]; }
@@ -128,7 +126,7 @@ private:
         full.done = false;
         filled_ = 0;
         if (thread_count_ <= 1) {
-            full.error = compress(vlr_, full.records.data(), full.size, full.compressed);
+            compress(full);
             full.done = true;
             ++submitted_;
             return write_one();
@@ -139,7 +137,28 @@ private:
         }
         wake_.notify_all();
         // Starts one more thread per chunk, up to the maximum: small files need few.
-        if (threads_.size() < thread_count_) threads_.emplace_back([this] { work(); });
+        if (threads_.size() < thread_count_) start_thread();
+    }
+
+    // Where the system gives fewer threads, those do the work.
+    void start_thread()
+    {
+        try {
+            threads_.emplace_back([this] { work(); });
+        } catch (const std::system_error& error) {
+            if (threads_.empty())
+                throw Error(ErrorCode::io, out_.path(),
+                            std::string("no thread can be started to compress LAZ: ") + error.what());
+        }
+    }
+
+    void compress(Slot& slot) const
+    {
+        std::array<char, message_bytes> message{};
+        slot.compressed.reset(pcm_laz_encode_chunk(
+            reinterpret_cast<const std::uint8_t*>(vlr_.data()), vlr_.size(), coder_bytes_,
+            reinterpret_cast<const std::uint8_t*>(slot.records.data()), slot.size, message.data(), message.size()));
+        if (!slot.compressed) fail(message.data());
     }
 
     void write_one()
@@ -149,7 +168,7 @@ private:
             std::unique_lock lock(mutex_);
             wake_.wait(lock, [&] { return next.done; });
         }
-        if (!next.error.empty()) fail(next.error);
+        if (next.error) std::rethrow_exception(next.error);
         const std::size_t size = pcm_laz_bytes_size(next.compressed.get());
         out_.append(pcm_laz_bytes_data(next.compressed.get()), size);
         chunk_bytes_.push_back(size);
@@ -167,7 +186,11 @@ private:
                 if (stopped_) return;
                 mine = &slot(begun_++);
             }
-            mine->error = compress(vlr_, mine->records.data(), mine->size, mine->compressed);
+            try {
+                compress(*mine);
+            } catch (...) {
+                mine->error = std::current_exception();
+            }
             {
                 const std::lock_guard lock(mutex_);
                 mine->done = true;
@@ -189,6 +212,7 @@ private:
 
     OutputFile& out_;
     std::size_t record_length_;
+    std::size_t coder_bytes_;
     std::vector<std::byte> vlr_;
     std::size_t chunk_points_;
     unsigned thread_count_;
@@ -222,10 +246,11 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length,
     const auto type = load<std::uint16_t>(last);
     const std::size_t extra = type == laz::byte || type == laz::byte14 ? load<std::uint16_t>(last + 2) : std::size_t{0};
     const unsigned format = load<std::uint16_t>(&laszip_vlr[at::compressor]) == 3 ? 6 : 0;
-    const std::size_t each = 2 * chunk_points_of(record_length) * record_length + laz::coder_bytes(format, extra);
+    const std::size_t coder_bytes = laz::coder_bytes(format, extra);
+    const std::size_t each = 2 * chunk_points_of(record_length) * record_length + coder_bytes;
     const std::size_t wanted = thread_count(threads);
     const std::size_t fit = std::max<std::size_t>(1, most_ahead_bytes / each);
-    return std::make_unique<LazSink>(out, record_length, std::move(laszip_vlr),
+    return std::make_unique<LazSink>(out, record_length, std::move(laszip_vlr), coder_bytes,
                                      static_cast<unsigned>(std::min(wanted, fit)));
 }
 
