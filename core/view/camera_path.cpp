@@ -207,8 +207,8 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     frame.angle = angle;
     frame.target = box.centre();
     // A single point is looked at from a distance that is a number beside its coordinates.
-    const double nearest = 1e-9 * length(frame.target);
-    const double size = std::max(box.diagonal(), nearest > 0 ? nearest : 1e-9);
+    const double apart = std::max(box.diagonal(), 1e-9 * length(frame.target));
+    const double size = apart > 0 ? apart : 1e-9;
     const Vec3d back = normalised({-0.5, -1, 0.8});
     frame.eye = frame.target + size * back;
     const Axes axes = axes_of(frame);

@@ -82,7 +82,7 @@ TEST_F(Numbers, LasIsPrintedAsTheDecimalsThatItsIntegersAre)
     EXPECT_EQ(lines("out.xyz"), (std::vector<std::string>{"0.3 500001.1 0", "0.7 500000.1 -0.007"}));
     convert_to(folder_ / "in.las", "t.pct");
     convert_to(folder_ / "t.pct", "out.pts");
-    EXPECT_EQ(lines("out.pts").at(1), "0.3 500001.1 0");
+    EXPECT_EQ(lines("out.pts").at(0), "0.3 500001.1 0");
 }
 
 // Files whose offsets differ are read as doubles near the first one's grid.

@@ -89,7 +89,10 @@ TEST(SourceRounding, ComesWithTheTree)
     for (const char* text : {"", "a b c", "3", "99 99 99", "-1 -1 -1", "3 3", "16 - -"}) {
         info.metadata[0].value.resize(std::strlen(text));
         std::memcpy(info.metadata[0].value.data(), text, std::strlen(text));
-        for (const double v : {0.123456789, -7e30, 0.0}) SourceRounding(info)(Vec3d{v, v, v});  // nothing worse
+        for (const double v : {0.123456789, -7e30, 0.0}) {
+            const Vec3d rounded = SourceRounding(info)(Vec3d{v, v, v});
+            EXPECT_TRUE(is_finite(rounded)) << text;
+        }
     }
     set_decimals(info.metadata, {no_decimals, no_decimals, no_decimals});
     EXPECT_TRUE(info.metadata.empty());

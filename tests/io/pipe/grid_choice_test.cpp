@@ -63,7 +63,8 @@ TEST(GridChoice, DecimalsOfATextFileAreExact)
             for (const double s : proposal.grid.scale) EXPECT_EQ(s, step);
             // Not bit for bit equal, but only the last bits differ.
             EXPECT_EQ(error_on(proposal.grid, positions), proposal.largest_error);
-            EXPECT_LE(proposal.largest_error, 1e-15 * (std::abs(static_cast<double>(centre)) + 1e6 * step));
+            EXPECT_LE(proposal.largest_error,
+                      1e-15 * (std::abs(static_cast<double>(centre)) + 1e6 * decimal(1, decimals)));
             EXPECT_EQ(proposal.exact, proposal.largest_error == 0);
             if (decimals == 0) EXPECT_TRUE(proposal.exact);
         }

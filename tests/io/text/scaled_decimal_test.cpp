@@ -16,7 +16,7 @@ std::string text(double scale, double offset, std::int64_t q)
 {
     char to[ScaledDecimal::longest];
     const char* const end = ScaledDecimal(scale, offset).write(to, q);
-    return end ? std::string(to, end) : "none";
+    return end ? std::string(to, static_cast<std::size_t>(end - to)) : "none";
 }
 
 TEST(ScaledDecimal, IsTheNumberThatTheIntegerStandsFor)
