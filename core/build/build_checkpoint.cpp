@@ -148,6 +148,7 @@ std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, con
     out.put(text.colour_range.value_or(-1));
     out.put(static_cast<std::uint8_t>(options.read.skip_bad_lines));
     out.put(static_cast<std::uint8_t>(options.read.skip_bad_files));
+    out.put(options.read.largest_coordinate.value_or(-1));
     out.put(static_cast<std::uint64_t>(files.size()));
     for (const fs::path& file : files) {
         struct stat status {};

@@ -38,8 +38,9 @@ public:
     // Removes the remains of an interrupted build.
     void clear();
     // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite. Throws
-    // an Error that is_done() when it has its name, but may not survive a loss of power, or when the remains of the
-    // build cannot be removed; after any other error the old tree, if any, has the name.
+    // what Tree::open throws when the new tree cannot be opened, and an Error that is_done() when it has its name, but
+    // may not survive a loss of power, or when the remains of the build cannot be removed; after any other error the
+    // old tree, if any, has the name.
     void publish();
 
 private:

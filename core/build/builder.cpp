@@ -142,6 +142,10 @@ private:
         cloud_found().notes.insert(cloud_found().notes.begin(), info.notes.begin(), info.notes.end());
         cloud_found().metadata = info.metadata;
         cloud_found().skipped = info.skipped;
+        set_decimals(cloud_found().metadata, cloud_found().decimals);
+        // Points that the reader was asked to leave out were read as well.
+        cloud_found().points_in += info.points_left_out;
+        cloud_found().points_skipped += info.points_left_out;
         checkpoint_bins(bins);
         make_tree(bins, {});
     }

@@ -31,7 +31,7 @@ struct BuildOptions {
 
 struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
-    std::uint64_t points_skipped = 0;  // without a finite position
+    std::uint64_t points_skipped = 0;  // without a finite position, or beyond ReadOptions::largest_coordinate
     Skipped skipped;                   // bad lines and files
     std::uint64_t bytes = 0;           // of the tree folder
     std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
@@ -53,8 +53,8 @@ struct BuildReport {
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
 // cannot). Where `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output`
 // exists (with overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being
-// built by another process, Error(invalid_argument) for options out of range and for a place inside a tree's folder,
-// and whatever the readers and the file system throw.
+// built by another process, Error(invalid_argument) for options out of range, for a place inside a tree's folder and
+// for positions that no grid of a tree holds (bins/position_grid.h), and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 

@@ -11,7 +11,7 @@ namespace pcm::cli {
 
 class ReadingOptions {
 public:
-    // --skip-bad-lines, --skip-bad-files, --columns, --separator, --skip-lines, --colour-range.
+    // --skip-bad-lines, --skip-bad-files, --columns, --separator, --skip-lines, --colour-range, --largest-coordinate.
     void add_to(Options& options);
     // --ignore-crs, of commands that make one cloud out of several.
     void add_ignore_crs(Options& options);
@@ -21,7 +21,7 @@ public:
 private:
     std::string columns_, separator_;
     std::optional<std::size_t> skip_lines_;
-    std::optional<double> colour_range_;
+    std::optional<double> colour_range_, largest_coordinate_;
     bool ignore_crs_ = false;
     bool skip_bad_lines_ = false, skip_bad_files_ = false;
 };

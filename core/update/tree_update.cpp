@@ -179,6 +179,7 @@ void TreeUpdate::replace_index(TreeInfo info, NodeVector joined, bool another_fo
     fs::path ready = path;
     ready += ".new";
     const std::vector<std::byte> bytes = encode_index(index);
+    decode_index(bytes, ready);  // an index that Tree::open would refuse does not replace a good one
     {
         File file(ready, File::Mode::create_or_truncate);
         file.write_at(bytes.data(), bytes.size(), 0);

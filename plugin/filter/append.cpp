@@ -19,6 +19,7 @@ void add_parameters(RichParameterList& parameters)
     add_inputs_parameter(parameters,
                          "all their points are added. The points must lie on the tree's grid, and the tree must have "
                          "all their attributes.");
+    add_largest_coordinate_parameter(parameters);
     add_target_parameters(parameters);
     add_ignore_crs_parameter(parameters);
     add_work_parameters(parameters);
@@ -33,6 +34,7 @@ void run(const FilterRun& run)
     CloudOptions reading;
     reading.read = reading_of(run.parameters);
     reading.read.ignore_crs = options.ignore_crs = ignore_crs_of(run.parameters);
+    reading.read.largest_coordinate = largest_coordinate_of(run.parameters);
     CloudSources sources(inputs_of(run.parameters), reading);
     if (sources.has(tree_folder_of(tree)))
         throw Error(ErrorCode::invalid_argument, tree, "this tree is among the inputs: its points would be there twice",

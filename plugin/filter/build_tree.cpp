@@ -25,6 +25,7 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichString("Output", "", "Output folder",
                                    "The tree folder to write, NAME.pct. Empty, the default: a folder next to the first "
                                    "input, with the same name."));
+    add_largest_coordinate_parameter(parameters);
     add_work_parameters(parameters);
     add_chunk_points_parameter(parameters);
     parameters.addParam(RichBool(
@@ -67,6 +68,7 @@ void run(const FilterRun& run)
     options.overwrite = run.parameters.getBool("Overwrite");
     options.read = reading_of(run.parameters);
     options.read.ignore_crs = ignore_crs_of(run.parameters);
+    options.read.largest_coordinate = largest_coordinate_of(run.parameters);
 
     Operation operation(run.callback);
     options.progress = operation.progress();

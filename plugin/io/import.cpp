@@ -58,6 +58,7 @@ std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshMod
     options.threads = 0;
     options.text = settings.text;
     options.skip_bad_lines = settings.skip_bad_lines;
+    options.largest_coordinate = settings.largest_coordinate;
     TreeBeside tree{path, tree_path(path, settings.tree_folder), options,
                     is_specified(settings.text) || settings.skip_bad_lines};
     const auto reader = open_reader(path, options);

@@ -9,6 +9,7 @@
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
 #include "pcm/io/reader.h"
+#include "pcm/tree/source_rounding.h"
 
 #include <cstdint>
 #include <memory>
@@ -36,6 +37,8 @@ struct Ingested {
     Observed observed;
     std::uint64_t points_in = 0, points_skipped = 0;  // skipped: without a finite position
     Skipped skipped;                                  // bad lines and files
+    // For readers of the tree to round to, where the grid does not hold all bits of the positions.
+    DecimalPlaces decimals{no_decimals, no_decimals, no_decimals};
     std::vector<Metadata> metadata;
     std::vector<std::string> notes;
 };
