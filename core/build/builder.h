@@ -54,7 +54,8 @@ struct BuildReport {
 // cannot). Where `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output`
 // exists (with overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being
 // built by another process, Error(invalid_argument) for options out of range, for a place inside a tree's folder and
-// for positions that no grid of a tree holds (bins/position_grid.h), and whatever the readers and the file system throw.
+// for positions that no grid of a tree holds (bins/position_grid.h), and whatever the readers and the file system
+// throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 
