@@ -2,6 +2,8 @@
 
 #include "tests/cli/command.h"
 
+#include <sys/stat.h>
+
 #include <map>
 
 namespace {
@@ -63,14 +65,18 @@ TEST_F(Names, GenerateAsksBeforeItReplaces)
     expect_refused("generate -n 100 " + path("x.stl"), "writable are");
 }
 
+// Stand-ins in the test's own folder: a command that fails this test must not replace the system's devices.
 TEST_F(Names, StreamsAreNoOutputs)
 {
+    fs::create_symlink("/proc/self/fd/1", folder_ / "stdout.las");
+    ASSERT_EQ(mkfifo((folder_ / "fifo.las").c_str(), 0666), 0);
     for (const std::string command : {"convert " + path("in.las") + " ", std::string("generate -n 100 --no-truth ")})
         for (const std::string overwrite : {"", " --overwrite"}) {
-            expect_refused(command + "/dev/stdout" + overwrite, command[0] == 'c' ? "open stream" : "/dev/stdout");
-            expect_refused(command + "/dev/null" + overwrite, "/dev/null");
+            expect_refused(command + path("stdout.las") + overwrite, "open stream");
+            expect_refused(command + path("fifo.las") + overwrite, "this is a FIFO");
         }
-    EXPECT_TRUE(fs::is_symlink("/dev/stdout"));
+    EXPECT_TRUE(fs::is_symlink(folder_ / "stdout.las"));
+    EXPECT_TRUE(fs::is_fifo(folder_ / "fifo.las"));
 }
 
 TEST_F(Names, AFileOfATreeIsTheTree)
