@@ -110,7 +110,15 @@ void TreeUpdate::begin_file()
 {
     end_file();
     const auto number = static_cast<std::uint32_t>(tree_->data_files().size() + files_.size());
-    file_ = File(folder() / data_file_name(number), File::Mode::create_new);
+    const fs::path path = folder() / data_file_name(number);
+    try {
+        file_ = File(path, File::Mode::create_new);
+    } catch (const Error& error) {
+        // It may have been made nevertheless, and would be in the way of another try.
+        std::error_code ignored;
+        if (error.code() != ErrorCode::exists) fs::remove(path, ignored);
+        throw;
+    }
     files_.push_back({0, generation_});
 }
 

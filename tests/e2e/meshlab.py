@@ -122,8 +122,9 @@ class MeshLabTest(unittest.TestCase):
         launcher.chmod(0o755)
         return self.run_program([launcher, self.prefix / "bin" / "meshlab", *arguments], timeout)
 
-    def server(self, filters, *arguments, timeout=240):
-        """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})]."""
+    def server(self, filters, *arguments, timeout=240, started_by=()):
+        """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})]. `started_by` is a command that
+        starts it, such as env."""
         lines = ["<!DOCTYPE FilterScript>", "<FilterScript>"]
         for name, parameters in filters:
             lines.append(f" <filter name={quoteattr(name)}>")
@@ -134,7 +135,7 @@ class MeshLabTest(unittest.TestCase):
         script = self.folder / "script.mlx"
         script.write_text("\n".join(lines) + "\n")
         self.environment.pop("PCM_TEST_SCRIPT", None)
-        return self.run_program([self.prefix / "bin" / "meshlabserver", *arguments, "-s", script], timeout)
+        return self.run_program([*started_by, self.prefix / "bin" / "meshlabserver", *arguments, "-s", script], timeout)
 
     def assertDriven(self, run):
         """The script was completed and MeshLab quit by itself."""

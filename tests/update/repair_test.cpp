@@ -200,7 +200,8 @@ TEST_P(RepairTest, OfTwoChunksOfOneGenerationTheLaterOneCounts)
 {
     for (const bool other_file : {false, true}) {
         TreeChanges changes(path_);
-        const NodeId node = 0;
+        NodeId node = 0;
+        while (changes.tree()->node(node).points == 0) ++node;
         for (const std::uint16_t value : {std::uint16_t(7), std::uint16_t(9)}) {
             Chunk chunk = changes.read(node, ColumnSet::all(changes.tree()->info().schema));
             const auto column = std::make_shared<Column>(*chunk.attributes[0]);
@@ -219,6 +220,7 @@ TEST_P(RepairTest, OfTwoChunksOfOneGenerationTheLaterOneCounts)
         const RepairReport report = repair_tree(path_, options_of());
         EXPECT_EQ(report.points_lost, 0u);
         EXPECT_TRUE(report.verified);
+        EXPECT_GT(Tree::open(path_)->info().generation, other_file ? 2u : 1u);
         EXPECT_TRUE(bytes_of_file(index_) == before) << other_file;
         EXPECT_EQ(Tree::open(path_)->info().content_hash, hash) << other_file;
     }
