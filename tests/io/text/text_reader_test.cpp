@@ -318,6 +318,15 @@ TEST(TextReader, FoldersHoldOnlyTextOfPoints)
     write_file(folder / "b.csv", "a,b\n1,2\n");
     EXPECT_EQ(expand_inputs({folder.path()}), (std::vector<std::filesystem::path>{folder / "a.txt"}));
     EXPECT_EQ(open_reader(write_file(folder / "plain", "1 2 3\n"))->info().format, "text separated by blanks");
+    // A few bad lines are the reader's to name; many show that it is something else.
+    std::string rows;
+    for (int i = 0; i < 10; ++i) rows += "1 2 3\n";
+    write_file(folder / "c.txt", rows + "oops\n");
+    write_file(folder / "d.txt", rows + "oops\noops\n");
+    write_file(folder / "e.csv", "P,N,E,Z,D\n1,2,3,4,TREE\n");
+    write_file(folder / "f.csv", "1,2,3,4,TREE\n");
+    EXPECT_EQ(expand_inputs({folder.path()}),
+              (std::vector<std::filesystem::path>{folder / "a.txt", folder / "c.txt", folder / "e.csv"}));
 }
 
 }  // namespace
