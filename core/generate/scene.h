@@ -38,10 +38,11 @@ struct SceneReport {
     std::vector<ScenePrimitive> primitives;
 };
 
-// Writes LAS 1.4, point format 2, to `las` (LAZ when its extension is laz), and, when write_truth, the primitives as
-// JSON next to it (`las` with the extension .truth.json). The same options give the same bytes on every machine and for
-// any number of threads. Throws what create_las() throws, and Error(invalid_argument) for options out of range and for
-// a scene that does not fit its grid. Progress is reported on the calling thread.
+// Writes LAS 1.2 (1.4 from 4,294,967,296 points on), point format 2, to `las` (LAZ when its extension is laz), and,
+// when write_truth, the primitives as JSON next to it (`las` with the extension .truth.json). The same options give the
+// same bytes on every machine and for any number of threads. Throws what create_las() throws, and
+// Error(invalid_argument) for options out of range and for a scene that does not fit its grid. Progress is reported on
+// the calling thread.
 SceneReport generate_scene(const std::filesystem::path& las, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm

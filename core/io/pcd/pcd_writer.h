@@ -15,8 +15,8 @@ namespace pcm {
 //
 // "rgb" is PCL's packed field `rgb` of 8 bits (`rgba` when "alpha" of u8 follows it): where 8 bits hold every colour
 // that is all; otherwise they are rounded, and `rgb_exact` has the cloud's. WriteOptions::colour_bits chooses one of
-// them; 16 is red green blue. "intensity" and "normal" (normal_x normal_y normal_z) are floats, as in PCL's points; where
-// floats are not exact, NAME_exact has the cloud's numbers. Any other attribute is a field of its type with its
+// them; 16 is red green blue. "intensity" and "normal" (normal_x normal_y normal_z) are floats, as in PCL's points;
+// where floats are not exact, NAME_exact has the cloud's numbers. Any other attribute is a field of its type with its
 // components as COUNT; one with a scale or an offset is written as its values, as in PLY. Names that a header cannot
 // hold, scale and offset, and metadata are stored in comments, from which pcd_reader restores them.
 std::unique_ptr<PointWriter> create_pcd(const std::filesystem::path& path, const FileInfo& cloud,

@@ -20,10 +20,10 @@ namespace pcm {
 // - PLY has no 64-bit integers. They are doubles when options.survey says that all are within +-2^53, otherwise two of
 // 32
 //   bits each, NAME_low and NAME_high.
-// - A float "intensity" beside colours is scalar_intensity, as in CloudCompare: MeshLab takes `intensity` for the colour.
-// "normal" is nx ny nz; "alpha", "radius", "intensity" and others keep their names; components are name_0, name_1, ...
-// Names that PLY does not allow, scale and offset, and metadata are stored in comments, from which ply_reader restores
-// them.
+// - A float "intensity" beside colours is scalar_intensity, as in CloudCompare: MeshLab takes `intensity` for the
+// colour. "normal" is nx ny nz; "alpha", "radius", "intensity" and others keep their names; components are name_0,
+// name_1, ... Names that PLY does not allow, scale and offset, and metadata are stored in comments, from which
+// ply_reader restores them.
 std::unique_ptr<PointWriter> create_ply(const std::filesystem::path& path, const FileInfo& cloud,
                                         const WriteOptions& options);
 
