@@ -229,8 +229,9 @@ SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions
     BatchMaker batches(grid);
     WriteOptions writing;
     writing.threads = options.threads;
-    const auto writer =
-        create_writer(file, batches.info(), writing);  // first, so that an unwritable folder is reported at once
+    FileInfo info = batches.info();
+    info.points = options.points;
+    const auto writer = create_writer(file, info, writing);  // first, so that an unwritable folder is reported at once
     watch.report(stage, 0, true);
     Site site = make_site(side, options.seed);
     const Scanner scanner(site, grid, options);

@@ -24,6 +24,9 @@ const QString level = "Level";
 const QString box = "Box";
 const QString where = "Where";
 const QString decimals = "Decimals";
+const QString las_version = "LasVersion";
+const QString colour_bits = "ColourBits";
+const QString float_positions = "FloatPositions";
 
 Selection selection_of(const RichParameterList& parameters)
 {
@@ -52,6 +55,35 @@ LayerSelection members_of(int mask, bool selected)
     selection.quality = mask & io::Mask::IOM_VERTQUALITY;
     selection.radius = mask & io::Mask::IOM_VERTRADIUS;
     return selection;
+}
+
+// What only some formats have.
+void add_format_settings(RichParameterList& parameters, const Format& format)
+{
+    if (format.has(takes_las_version))
+        parameters.addParam(
+            RichEnum(las_version, 0, {"As the source, or the lowest", "1.0", "1.1", "1.2", "1.3", "1.4"}, "LAS version",
+                     "By default that of the LAS file that the points came from, or the lowest one that "
+                     "holds everything. Programs that read 1.2 alone need 1.2."));
+    if (format.has(takes_colour_bits))
+        parameters.addParam(
+            RichEnum(colour_bits, 0, {"8, and the exact ones where 8 do not hold them", "8", "16"}, "Colour bits",
+                     "Other programs show colours of 8 bits. By default those of 16 bits are written with "
+                     "8, and exactly beside them unless 8 bits hold them all."));
+    if (format.has(takes_float_positions))
+        parameters.addParam(
+            RichBool(float_positions, false, "Float positions",
+                     "Positions as floats relative to a whole-numbered shift, which is in VIEWPOINT: PCL "
+                     "and Open3D take doubles for zeros. Default off."));
+}
+
+void take_format_settings(const RichParameterList& parameters, WriteOptions& options)
+{
+    if (parameters.hasParameter(las_version) && parameters.getEnum(las_version) > 0)
+        options.las_version = static_cast<unsigned>(parameters.getEnum(las_version) - 1);
+    if (parameters.hasParameter(colour_bits) && parameters.getEnum(colour_bits) > 0)
+        options.colour_bits = parameters.getEnum(colour_bits) == 1 ? 8u : 16u;
+    if (parameters.hasParameter(float_positions)) options.float_positions = parameters.getBool(float_positions);
 }
 
 bool is_identity(const MeshModel& layer) { return layer.cm.Tr == Matrix44m::Identity(); }
@@ -119,6 +151,7 @@ void add_export_settings(RichParameterList& parameters, const std::string& exten
         RichString(where, "", "Where",
                    "Write only points that meet these conditions on attributes, separated by semicolons. "
                    "Example: classification = 2,6; intensity >= 100. Empty, the default: no condition."));
+    if (format) add_format_settings(parameters, *format);
 }
 
 int export_mask()
@@ -134,6 +167,7 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
     if (parameters.hasParameter(binary)) options.write.ascii = !parameters.getBool(binary);
     if (parameters.hasParameter(decimals) && parameters.getInt(decimals) >= 0)
         options.write.decimals = static_cast<unsigned>(parameters.getInt(decimals));
+    take_format_settings(parameters, options.write);
     options.progress = progress;
 
     std::vector<std::string> lines;

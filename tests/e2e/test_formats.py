@@ -259,7 +259,7 @@ class Export(MeshLabTest):
         """A tree is exported completely and in source coordinates, not its proxy of 50,000 points; also as PLY, which MeshLab writes itself."""
         las, tree = self.generate("large", 200000, "--origin", "500000,4800000,100")
         truth = pcmlab("info", tree)
-        ply, bpc, level = (self.folder / name for name in ("out.ply", "out.bpc", "level.ply"))
+        ply, bpc, level, old, floats = (self.folder / name for name in ("out.ply", "out.bpc", "level.ply", "old.las", "floats.pcd"))
         run = self.gui(f"""
             wait-view
             open {tree}
@@ -274,10 +274,20 @@ class Export(MeshLabTest):
             screen {self.result("dialog.png")}
             press OK
             wait-log to {level}
+            export-asking {old}
+            set LAS version = 1.1
+            press OK
+            wait-log to {old}
+            export-asking {floats}
+            set Float positions = on
+            press OK
+            wait-log to {floats}
             quit
             """)
         self.assertDriven(run)
-        for file in (ply, bpc):
+        self.assertEqual(old.read_bytes()[24:26], b"\1\1")
+        self.assertTrue(b"\nSIZE 4 4 4" in floats.read_bytes().partition(b"\nDATA")[0])
+        for file in (ply, bpc, old, floats):
             found = self.tree_of(file)
             self.assertEqual(found["points"], 200000)
             self.assertEqual(found["bounds"], truth["bounds"])

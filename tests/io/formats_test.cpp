@@ -66,8 +66,13 @@ TEST(Formats, AFileOfNoMoreThanAMagicIsRecognised)
 TEST(Formats, TraitsOfWritingBelongToFormatsThatAreWritten)
 {
     for (const Format& format : formats())
-        if (format.has(needs_grid) || format.has(takes_decimals) || format.has(takes_ascii))
+        if (format.has(needs_grid) || format.has(takes_decimals) || format.has(takes_ascii) ||
+            format.has(takes_las_version) || format.has(takes_colour_bits) || format.has(takes_float_positions) ||
+            format.questions)
             EXPECT_NE(format.create, nullptr) << format.extensions[0];
+    EXPECT_EQ(extensions_with(takes_las_version), ".las and .laz");
+    EXPECT_EQ(extensions_with(takes_colour_bits), ".pcd and .ply");
+    EXPECT_EQ(extensions_with(takes_float_positions), ".pcd");
     EXPECT_EQ(extensions_with(needs_grid), ".las and .laz");
     EXPECT_EQ(extensions_with(takes_decimals), ".xyz, .txt, .asc, .csv and .pts");
 }

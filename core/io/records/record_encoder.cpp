@@ -57,9 +57,9 @@ T load(const std::byte* from)
     return value;
 }
 
-std::uint8_t colour(const Column& column, double factor, std::size_t point, std::uint32_t component)
+std::uint8_t colour(double raw, double factor)
 {
-    const double byte = std::nearbyint(column.value(point, component) * factor);
+    const double byte = std::nearbyint(raw * factor);
     return static_cast<std::uint8_t>(byte >= 255 ? 255 : byte > 0 ? byte : 0);  // NaN: 0
 }
 
@@ -70,7 +70,7 @@ std::uint32_t packed_colour(const PointBatch& batch, const RecordField& field, s
     std::uint32_t packed = alpha;
     for (std::uint32_t c = 0; c < 3; ++c)
         packed = packed << 8 | (column.type() == ScalarType::u8 ? column.as<std::uint8_t>()[3 * point + c]
-                                                                : colour(column, field.factor, point, c));
+                                                                : colour(column.value(point, c), field.factor));
     return packed;
 }
 
@@ -165,20 +165,24 @@ void RecordEncoder::put_numbers(const Column& column, std::size_t first, std::si
     const RecordField& field = run.field;
     const Attribute& attribute = schema_[field.index];
     const std::size_t size = size_of(field.type);
-    const auto component = static_cast<std::uint32_t>(field.byte / size_of(attribute.type));
-    for (std::size_t i = first; i < first + count; ++i, to += record_bytes_)
-        for (std::uint32_t k = 0; k < field.count; ++k) {
-            if (field.source == RecordField::Source::colour) {
-                to[k] = static_cast<std::byte>(colour(column, field.factor, i, component + k));
-                continue;
+    const std::size_t component = field.byte / size_of(attribute.type), components = column.components();
+    with_type(column.type(), [&](auto zero) {
+        const auto* raw = column.as<decltype(zero)>() + first * components + component;
+        for (std::size_t i = 0; i < count; ++i, to += record_bytes_, raw += components)
+            for (std::uint32_t k = 0; k < field.count; ++k) {
+                const auto number = static_cast<double>(raw[k]);
+                if (field.source == RecordField::Source::colour) {
+                    to[k] = static_cast<std::byte>(colour(number, field.factor));
+                    continue;
+                }
+                const double value = number * attribute.scale + attribute.offset;
+                const auto single = static_cast<float>(value);
+                if (field.type == ScalarType::f32)
+                    std::memcpy(to + k * size, &single, sizeof single);
+                else
+                    std::memcpy(to + k * size, &value, sizeof value);
             }
-            const double value = column.value(i, component + k) * attribute.scale + attribute.offset;
-            const auto single = static_cast<float>(value);
-            if (field.type == ScalarType::f32)
-                std::memcpy(to + k * size, &single, size);
-            else
-                std::memcpy(to + k * size, &value, size);
-        }
+    });
 }
 
 void RecordEncoder::append_binary(const PointBatch& batch, OutputFile& file)
@@ -236,7 +240,7 @@ char* RecordEncoder::put_field(const PointBatch& batch, const RecordField& field
     if (field.source != Source::attribute)
         component += static_cast<std::uint32_t>(field.byte / size_of(attribute.type));
     if (field.source == Source::colour)
-        return std::to_chars(to, end, unsigned{colour(column, field.factor, point, component)}).ptr;
+        return std::to_chars(to, end, unsigned{colour(column.value(point, component), field.factor)}).ptr;
     if (field.source == Source::attribute)
         return put_scalar(field.type,
                           column.data() + point * column.point_bytes() + field.byte + component * size_of(field.type),
