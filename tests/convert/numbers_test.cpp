@@ -100,13 +100,13 @@ TEST_F(Numbers, ScaledAttributesAreDecimalsToo)
     Schema schema;
     schema.add({"angle", ScalarType::i16, 1, 0.006, 0, ""});
     MemoryCloud cloud = random_cloud(schema, std::nullopt, 2, 1);
-    cloud.points.attributes[0].as<std::int16_t>()[0] = 7;  // 7 * 0.006 is 0.042 in double, 11 * 0.006 is not 0.066
-    cloud.points.attributes[0].as<std::int16_t>()[1] = 11;
+    cloud.points.attributes[0].as<std::int16_t>()[0] = 3;  // 3 * 0.006 is 0.018000000000000002 in double
+    cloud.points.attributes[0].as<std::int16_t>()[1] = 17;
     write_cloud([&] { return std::make_unique<MemoryReader>(cloud); }, folder_ / "out.xyz", {});
     std::ifstream file(folder_ / "out.xyz");
     std::string text{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_NE(text.find(" 0.042\n"), std::string::npos) << text;
-    EXPECT_NE(text.find(" 0.066\n"), std::string::npos) << text;
+    EXPECT_NE(text.find(" 0.018\n"), std::string::npos) << text;
+    EXPECT_NE(text.find(" 0.102\n"), std::string::npos) << text;
 }
 
 TEST_F(Numbers, RoundedToNothingIsZeroWithoutASign)
