@@ -3,6 +3,7 @@
 #include "pcm/gl/frame.h"
 #include "pcm/gl/gl_state.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <GL/glew.h>
 
@@ -13,6 +14,7 @@
 namespace pcm {
 
 struct Renderer::Impl {
+    static constexpr double least_extent = 1e-33, largest_extent = 1e37;  // of a cloud, source units
     std::shared_ptr<L1Cache> l1;
     SplatPass splats;
     Compositor compositor;
@@ -33,12 +35,27 @@ struct Renderer::Impl {
         cloud.format = former;
     }
 
+    // Vertices are floats relative to their chunk, in source units.
+    static void require_floats(const TreeInfo& info)
+    {
+        if (info.points == 0) return;
+        const Box3d box = info.bounds();
+        const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+        if (longest == 0 || (longest >= least_extent && longest <= largest_extent)) return;
+        throw Error(ErrorCode::unsupported, {},
+                    "the cloud's extent is " + brief(longest) +
+                        ": pictures are computed in single precision, which extents from " + brief(least_extent) +
+                        " to " + brief(largest_extent) + " allow",
+                    "scale it with 'pcmlab transform --scale'");
+    }
+
     // Adds an item to the frame; what is reported of its cloud.
     CloudReport add(Frame& frame, PictureKey& key, const Camera& scene, const SceneItem& item) const
     {
         if (!item.cloud || item.cloud->l1() != l1)
             throw Error(ErrorCode::invalid_argument, {},
                         "a scene's item has no cloud, or one of another L1 than the renderer's");
+        require_floats(item.cloud->cloud()->info());
         FrameCloud cloud{};
         const DrawnCloud::Impl& drawn = *item.cloud->impl_;
         cloud.feed = drawn.feed.get();

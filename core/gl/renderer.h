@@ -103,8 +103,10 @@ struct FrameReport {
     bool full_resolution = false;              // every point in view is in the picture
     bool refining = false;                     // the picture is not final yet
     bool repaint = false;                      // ask for another frame at once; implies refining
-    std::string error;                         // the last background load error or OpenGL error; empty if none
-    std::vector<CloudReport> clouds;           // in the order of the items
+    // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-33 or
+    // above 1e37. Empty if none.
+    std::string error;
+    std::vector<CloudReport> clouds;  // in the order of the items
 };
 
 struct PictureState;

@@ -140,7 +140,8 @@ CameraPath CameraPath::placed(const Box3d& box) const
 {
     if (!in_box) return *this;
     if (box.empty()) refuse("a camera path in box coordinates needs a cloud with points");
-    const double half = std::max({box.extent(0), box.extent(1), box.extent(2), 1e-9}) / 2;
+    const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+    const double half = (longest > 0 ? longest : 1e-9) / 2;
     const auto place = [&](Vec3d& v) {
         for (std::size_t a = 0; a < 2; ++a)
             v[a] = (box.min[a] + box.max[a]) / 2 + v[a] * std::max(box.extent(a) / 2, 1e-3 * half);
@@ -205,7 +206,9 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     CameraFrame frame;
     frame.angle = angle;
     frame.target = box.centre();
-    const double size = std::max(box.diagonal(), 1e-9 * (1 + length(frame.target)));
+    // A single point is looked at from a distance that is a number beside its coordinates.
+    const double apart = std::max(box.diagonal(), 1e-9 * length(frame.target));
+    const double size = apart > 0 ? apart : 1e-9;
     const Vec3d back = normalised({-0.5, -1, 0.8});
     frame.eye = frame.target + size * back;
     const Axes axes = axes_of(frame);

@@ -274,6 +274,52 @@ TEST_F(Render, ADamagedTreeGivesNoPicture)
     EXPECT_FALSE(fs::exists(folder_ / "a.png"));
 }
 
+// A cloud of any unit is drawn as the same one in metres, or it is said why not: never an empty picture of every point.
+TEST_F(Render, CloudsOfAnyUnit)
+{
+    std::size_t usual = 0;
+    for (const int power : {0, -150, -100, -40, -33, -30, -20, -12, -9, 9, 20, 36, 37, 38, 60, 140}) {
+        SCOPED_TRACE(power);
+        std::ofstream text(folder_ / "unit.xyz");
+        for (int i = 0; i < 4000; ++i)
+            text << i % 20 << "e" << power << " " << i / 20 % 20 << "e" << power << " " << i / 400 << "e" << power
+                 << "\n";
+        text.close();
+        const Result built = pcmlab("build --overwrite " + path("unit.xyz") + " -o " + path("unit.pct"));
+        if (built.code != 0) {
+            EXPECT_EQ(power, -150) << built.err;
+            continue;
+        }
+        const std::string command = "render --overwrite --size 100x80 " + path("unit.pct") + " -o " + path("unit.png");
+        const Result said = pcmlab(command);
+        if (said.code != 0) {
+            EXPECT_TRUE(power < -33 || power > 35) << said.err;
+            EXPECT_NE(said.err.find("single precision"), std::string::npos) << said.err;
+            continue;
+        }
+        EXPECT_NE(said.out.find("every point in view"), std::string::npos) << said.out;
+        const Json drawn = Json::parse(pcmlab(command + " --json").out)["pictures"][0];
+        const std::size_t pixels = covered(picture("unit.png"));
+        EXPECT_EQ(drawn["pixels"], pixels);
+        EXPECT_EQ(drawn["full_resolution"], true);
+        EXPECT_GT(pixels, 800u);
+        if (power == 0) usual = pixels;
+        EXPECT_NEAR(static_cast<double>(pixels), static_cast<double>(usual), 8);
+    }
+}
+
+TEST_F(Render, APictureWithoutPointsClaimsNothing)
+{
+    const std::string command = "render --overwrite --size 60x40 " + path("in.pct") + " -o " + path("a.png");
+    const Result away = pcmlab(command + " --eye 500000 4800000 500 --target 500000 4800000 900 --up 0 1 0");
+    EXPECT_EQ(away.code, 0) << away.err;
+    EXPECT_EQ(away.out.find("every point"), std::string::npos) << away.out;
+    EXPECT_NE(away.out.find("no point is in view"), std::string::npos) << away.out;
+    const Result far = pcmlab(command + " --eye 1e50 0 0");
+    EXPECT_EQ(far.code, 0) << far.err;
+    EXPECT_EQ(far.out.find("every point"), std::string::npos) << far.out;
+}
+
 }  // namespace
 
 #endif

@@ -131,6 +131,21 @@ TEST(Camera, BoxesThatAreEmptyFlatOrBehindGiveAValidCamera)
         view_of(looking({0, 0, 0}, {1, 0, 0}, std::nullopt, 3), {0, 0, 0}, box_of({3, -1, -1}, {3, 1, 1}), 10, 10)));
 }
 
+// The same cloud in other units gives the same picture.
+TEST(Camera, TheOverviewDoesNotDependOnTheUnit)
+{
+    const Box3d box{{-1, -2, -0.5}, {1, 2, 0.5}};
+    const Camera usual = view_of(overview_of(box, 45, 400, 300), {0, 0, 0}, box, 400, 300);
+    for (const int k : {-100, -60, -40, 40, 100, 400}) {
+        const auto scaled = [&](const Vec3d& p) { return std::ldexp(1.0, k) * p; };
+        const Box3d other{scaled(box.min), scaled(box.max)};
+        const Camera view = view_of(overview_of(other, 45, 400, 300), {0, 0, 0}, other, 400, 300);
+        for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(view.modelview[i], usual.modelview[i], 1e-12) << k;
+        for (std::size_t i = 12; i < 15; ++i)
+            EXPECT_NEAR(std::ldexp(view.modelview[i], -k), usual.modelview[i], 1e-12) << k;
+    }
+}
+
 TEST(Camera, TheOverviewShowsAllAndFillsThePicture)
 {
     for (const Box3d& box :

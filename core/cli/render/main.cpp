@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <set>
 
@@ -23,6 +24,7 @@ struct Drawn {
     double ms = 0;
     unsigned frames = 0;
     std::uint64_t uploaded_bytes = 0;
+    std::uint64_t pixels = 0;  // of the picture that differ from the background
 };
 
 class Job {
@@ -35,6 +37,8 @@ public:
           background_(background_of(arguments)),
           progress_(console_progress(arguments.common))
     {
+        screen_.clear(background_.colour);
+        empty_ = screen_.read();
     }
 
     // `number` of `count`: for the progress.
@@ -75,9 +79,13 @@ public:
         return drawn;
     }
 
-    void write(const std::filesystem::path& file) const
+    // Writes the picture that was drawn last, and counts its pixels.
+    void write(const std::filesystem::path& file, Drawn& drawn) const
     {
         Image image = screen_.read();
+        drawn.pixels = 0;
+        for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+            drawn.pixels += std::memcmp(&image.rgba[at], &empty_.rgba[at], 4) != 0;
         if (background_.transparent) unpremultiply(image);
         write_png(file, image, background_.transparent);
     }
@@ -90,7 +98,14 @@ private:
     RenderOptions options_;
     Background background_;
     ProgressFunction progress_;
+    Image empty_;  // the background
 };
+
+// Every point in view is in the picture. Nothing is claimed of points that cannot be seen.
+bool is_full(const Drawn& drawn)
+{
+    return drawn.report.full_resolution && (drawn.pixels > 0 || drawn.report.points_drawn == 0);
+}
 
 // All pictures together.
 struct Summary {
@@ -99,6 +114,7 @@ struct Summary {
     std::set<std::string> notices;
     double seconds = 0, longest_ms = 0;
     std::uint64_t most_points = 0;
+    std::size_t empty = 0;  // pictures in which no pixel differs from the background
     bool full = true;
 
     void add(const Drawn& picture)
@@ -108,7 +124,8 @@ struct Summary {
             if (!cloud.notice.empty()) notices.insert(cloud.notice);
         longest_ms = std::max(longest_ms, picture.ms);
         most_points = std::max(most_points, picture.report.points_drawn);
-        full = full && picture.report.full_resolution;
+        full = full && is_full(picture);
+        empty += picture.pixels == 0;
     }
 };
 
@@ -120,7 +137,8 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
         pictures.push_back({{"file", summary.files[i].string()},
                             {"points_drawn", drawn.report.points_drawn},
                             {"screen_error_px", drawn.report.screen_error_px},
-                            {"full_resolution", drawn.report.full_resolution},
+                            {"full_resolution", is_full(drawn)},
+                            {"pixels", drawn.pixels},
                             {"ms", drawn.ms},
                             {"frames", drawn.frames},
                             {"uploaded_bytes", drawn.uploaded_bytes}});
@@ -141,7 +159,12 @@ void print(const Summary& summary, const Offscreen& screen)
 {
     const std::vector<std::filesystem::path>& files = summary.files;
     for (const std::string& notice : summary.notices) std::printf("note: %s\n", notice.c_str());
-    const char* const whole = summary.full ? "every point in view" : "as many points as requested";
+    const char* const whole = summary.empty == files.size() && summary.most_points == 0 ? "no point is in view"
+                              : summary.empty == files.size() ? "but no pixel differs from the background"
+                              : summary.full                  ? "every point in view"
+                                                              : "as many points as requested";
+    if (files.size() > 1 && summary.empty > 0)
+        std::printf("note: in %zu of the pictures no pixel differs from the background\n", summary.empty);
     if (files.size() == 1)
         std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(summary.most_points).c_str(), whole,
                     time_text(summary.seconds).c_str());
@@ -176,8 +199,9 @@ int render(const RenderArguments& arguments)
 
     Job job(arguments, screen, scene);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-        summary.add(job.draw(cameras[i], i, cameras.size()));
-        job.write(summary.files[i]);
+        Drawn drawn = job.draw(cameras[i], i, cameras.size());
+        job.write(summary.files[i], drawn);
+        summary.add(drawn);
     }
     end_progress(arguments.common);
     summary.seconds = seconds_since(start);
