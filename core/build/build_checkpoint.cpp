@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Incremented whenever the same files and options would make another tree, or the layout of scratch files changes.
-constexpr std::uint32_t build_version = 2;
+constexpr std::uint32_t build_version = 3;
 
 template <class T>
 void put_all(ByteWriter& out, const T& values)
@@ -140,6 +140,7 @@ std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, con
     out.put(static_cast<std::uint64_t>(text.columns.size()));
     for (const std::string& column : text.columns) out.put_string(column);
     out.put(text.colour_range.value_or(-1));
+    out.put(options.read.largest_coordinate.value_or(-1));
     out.put(static_cast<std::uint64_t>(files.size()));
     for (const fs::path& file : files) {
         struct stat status {};

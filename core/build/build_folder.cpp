@@ -179,6 +179,7 @@ void BuildFolder::publish()
 {
     const std::optional<std::uint64_t> index = checksum_of_file(tree() / index_file_name);
     if (!index) throw Error(ErrorCode::io, tree() / index_file_name, "the index cannot be read back");
+    Tree::open(tree());  // what cannot be opened does not get the name
     sync_folder(tree());
     replace_file(part_ / publishing_name, &*index, sizeof *index);
     // Until the new name is on disk for good, a failure undoes what was done.

@@ -34,7 +34,8 @@ public:
     bool left_over() const { return left_over_; }
     // Removes the remains of an interrupted build.
     void clear();
-    // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite.
+    // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite. Throws
+    // what Tree::open throws when the new tree cannot be opened; the old one then stays.
     void publish();
 
 private:

@@ -139,6 +139,10 @@ private:
         const FileInfo& info = cloud_.info();
         cloud_found().notes.insert(cloud_found().notes.begin(), info.notes.begin(), info.notes.end());
         cloud_found().metadata = info.metadata;
+        set_decimals(cloud_found().metadata, cloud_found().decimals);
+        // Points that the reader was asked to leave out were read as well.
+        cloud_found().points_in += info.points_left_out;
+        cloud_found().points_skipped += info.points_left_out;
         checkpoint_bins(bins);
         make_tree(bins, {});
     }

@@ -31,7 +31,7 @@ struct BuildOptions {
 
 struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
-    std::uint64_t points_skipped = 0;  // without a finite position
+    std::uint64_t points_skipped = 0;  // without a finite position, or beyond ReadOptions::largest_coordinate
     std::uint64_t bytes = 0;           // of the tree folder
     std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
     std::uint64_t nodes = 0;
@@ -50,7 +50,8 @@ struct BuildReport {
 // checkpoints. An error or a cancel removes everything that was written. A tree that is overwritten stays until the new
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
 // cannot). Throws Error(exists) when `output` exists (with overwrite: exists and is not a tree) or is being built by
-// another process, Error(invalid_argument) for options out of range, and whatever the readers and the file system
+// another process, Error(invalid_argument) for options out of range and for positions that no grid of a tree holds
+// (bins/position_grid.h), and whatever the readers and the file system
 // throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});

@@ -117,7 +117,8 @@ void print(const Tree& tree)
     std::printf("%s\n", tree.folder().string().c_str());
     std::printf("points      %s\n", grouped(info.points).c_str());
     if (info.points_skipped)
-        std::printf("skipped     %s without a finite position\n", grouped(info.points_skipped).c_str());
+        std::printf("skipped     %s without a finite position or beyond a given limit\n",
+                    grouped(info.points_skipped).c_str());
     if (info.points) {
         print_vec("min", bounds.min);
         print_vec("max", bounds.max);

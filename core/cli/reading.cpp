@@ -15,6 +15,10 @@ void ReadingOptions::add_to(Options& options)
         .group(group);
     options.option("--skip-lines", skip_lines_, "Header lines before the first point").group(group);
     options.option("--colour-range", colour_range_, "Maximum value of a colour: 1, 255 or 65535").group(group);
+    options
+        .option("--largest-coordinate", largest_coordinate_,
+                "Leave out points with a coordinate beyond this, such as no-data values; how many is reported")
+        .positive();
 }
 
 ReadOptions ReadingOptions::get(unsigned threads) const
@@ -39,6 +43,7 @@ ReadOptions ReadingOptions::get(unsigned threads) const
     if (colour_range_ && *colour_range_ != 1 && *colour_range_ != 255 && *colour_range_ != 65535)
         throw Error(ErrorCode::invalid_argument, {}, "--colour-range must be 1, 255 or 65535");
     options.text.colour_range = colour_range_;
+    options.largest_coordinate = largest_coordinate_;
     return options;
 }
 

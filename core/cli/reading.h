@@ -11,7 +11,7 @@ namespace pcm::cli {
 
 class ReadingOptions {
 public:
-    // --columns, --separator, --skip-lines, --colour-range.
+    // --columns, --separator, --skip-lines, --colour-range, --largest-coordinate.
     void add_to(Options& options);
     // Throws Error(invalid_argument).
     ReadOptions get(unsigned threads) const;
@@ -19,7 +19,7 @@ public:
 private:
     std::string columns_, separator_;
     std::optional<std::size_t> skip_lines_;
-    std::optional<double> colour_range_;
+    std::optional<double> colour_range_, largest_coordinate_;
 };
 
 }  // namespace pcm::cli

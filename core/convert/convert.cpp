@@ -146,6 +146,8 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
         report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");
+    report.outcome.points_in += cloud->info().points_left_out;
+    report.points_skipped += cloud->info().points_left_out;
     append(report.notes, writer->notes());
     report.outcome.error = writer->position_error();
     report.outcome.error_meaning = "largest position error, source units";

@@ -45,11 +45,12 @@ struct ConvertOptions {
 };
 
 struct ConvertReport {
-    Outcome outcome;                   // points selected and written; error: largest position error, source units
-    std::uint64_t points_skipped = 0;  // selected, but dropped: the format needs finite positions
-    std::uint64_t bytes = 0;           // of the output
-    std::optional<Grid> grid;          // chosen for a cloud of doubles
-    std::vector<std::string> notes;    // of the readers and the writer
+    Outcome outcome;  // points selected and written; error: largest position error, source units
+    // Selected, but dropped: the format needs finite positions, or they are beyond ReadOptions::largest_coordinate.
+    std::uint64_t points_skipped = 0;
+    std::uint64_t bytes = 0;         // of the output
+    std::optional<Grid> grid;        // chosen for a cloud of doubles
+    std::vector<std::string> notes;  // of the readers and the writer
 };
 
 // The output's extension chooses the format: "pct" builds a tree, others are written by create_writer(). When doubles

@@ -1,5 +1,6 @@
 #include "pcm/convert/open_cloud.h"
 
+#include "pcm/io/pipe/limited_reader.h"
 #include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/thread_count.h"
@@ -31,7 +32,9 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
                     "level " + std::to_string(*level) + " was requested; this tree has levels 0 to " +
                         std::to_string(tree->info().levels - 1));
     if (options.max_points) level = tree->level_with_at_most(*options.max_points);
-    return std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));
+    auto reader = std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));
+    if (!options.read.largest_coordinate) return reader;
+    return std::make_unique<LimitedReader>(std::move(reader), *options.read.largest_coordinate);
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
+#include "pcm/io/pipe/limited_reader.h"
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -49,14 +51,7 @@ std::filesystem::file_status status_of(const std::filesystem::path& path)
     return status;
 }
 
-}  // namespace
-
-void PointReader::seek(std::uint64_t)
-{
-    throw Error(ErrorCode::unsupported, {}, "points of this format can only be read in order");
-}
-
-std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, const ReadOptions& options)
+std::unique_ptr<PointReader> open_all_points(const std::filesystem::path& path, const ReadOptions& options)
 {
     // Checked before opening: opening a pipe would wait for its other end.
     const std::filesystem::file_status status = status_of(path);
@@ -80,6 +75,20 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
         throw Error(ErrorCode::unsupported, path, "this is " + std::string(other->name), readable_hint());
     throw Error(ErrorCode::bad_format, path, "no known point cloud format: the file begins with " + quote_bytes(start),
                 readable_hint());
+}
+
+}  // namespace
+
+void PointReader::seek(std::uint64_t)
+{
+    throw Error(ErrorCode::unsupported, {}, "points of this format can only be read in order");
+}
+
+std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, const ReadOptions& options)
+{
+    std::unique_ptr<PointReader> reader = open_all_points(path, options);
+    if (!options.largest_coordinate) return reader;
+    return std::make_unique<LimitedReader>(std::move(reader), *options.largest_coordinate);
 }
 
 std::vector<std::string> readable_extensions()

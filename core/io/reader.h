@@ -31,6 +31,7 @@ struct FileInfo {
     std::optional<Grid> grid;                    // present when positions are integers on a grid
     std::optional<Grid> near_grid;      // of doubles that were computed from integers: their grid, up to rounding
     std::optional<Box3d> promised_box;  // from the header, not checked
+    std::uint64_t points_left_out = 0;  // so far: beyond ReadOptions::largest_coordinate
     std::vector<Metadata> metadata;
     // What a user should know: "12 faces ignored", "VLR count is wrong". For people: no code depends on the words.
     std::vector<std::string> notes;
@@ -65,6 +66,9 @@ inline constexpr std::size_t default_batch_points = 65536;
 struct ReadOptions {
     unsigned threads = 1;  // maximum number of decoding threads, where a format has them (LAZ); 0: one per processor
     TextLayout text;       // of text files; unset members are detected
+    // Points with a coordinate above this or below its negative are left out, and counted (pipe/limited_reader.h): for
+    // no-data values.
+    std::optional<double> largest_coordinate = std::nullopt;
 };
 
 // Throws Error(not_found | permission | bad_format | truncated | unsupported).

@@ -73,6 +73,7 @@ ChunkStream::ChunkStream(L2Cache& cache, TaskPool& pool, ReadRates& rates, Selec
       pool_(pool),
       rates_(rates),
       selector_(std::move(selector)),
+      rounding_(cache.tree().info()),
       level_(level),
       columns_(columns),
       in_flight_(std::clamp(in_flight, 1u, TaskPool::most_threads)),
@@ -145,7 +146,7 @@ void ChunkStream::read(Job& job) const
                    if (level_ && level > *level_) return false;
                    const BoxRelation relation = node.relation == BoxRelation::inside
                                                     ? node.relation
-                                                    : selector_.relation(tree.info().grid.to_source(box));
+                                                    : selector_.relation(source_box(tree.info().grid, box, rounding_));
                    if (relation == BoxRelation::outside) return false;
                    relations.push_back(relation);
                    return true;
@@ -195,7 +196,7 @@ void ChunkStream::select(Job& job, const std::vector<BoxRelation>& relations) co
         points_in(positions, relation == BoxRelation::inside ? cache_.tree().info().box : box_, begin, end, some);
         if (selector_.is_box()) relation = BoxRelation::inside;
         selector_.narrow(
-            columns, [&](std::size_t i) { return grid.to_source(positions.grid(i)); }, some, relation);
+            columns, [&](std::size_t i) { return rounding_(grid.to_source(positions.grid(i))); }, some, relation);
         result.selected.insert(result.selected.end(), some.begin(), some.end());
     }
 }

@@ -53,6 +53,7 @@ public:
     const SelectedChunk* next();
 
     const std::vector<SelectedNode>& nodes() const { return nodes_; }
+    const SourceRounding& rounding() const { return rounding_; }  // of the tree's positions
     double fraction() const;  // of the nodes, those that were returned or passed over
 
     // So far, of chunks that were returned or passed over.
@@ -77,6 +78,7 @@ private:
     TaskPool& pool_;
     ReadRates& rates_;
     Selector selector_;
+    const SourceRounding rounding_;
     std::optional<std::uint16_t> level_;
     ColumnSet columns_;
     Box3i box_;  // grid positions; no point outside of it is selected

@@ -63,6 +63,7 @@ struct EditCursor::State {
     ColumnSet columns;
     std::optional<L2Cache::Edit> edit;
     std::vector<std::uint32_t> numbers;
+    SourceRounding rounding;
 
     void end_edit()
     {
@@ -86,7 +87,9 @@ EditCursor::EditCursor(std::shared_ptr<QuerySource> source, const Query& query)
     ColumnSet columns;
     for (const std::size_t slot : slots) columns.attributes.set(slot);
     PointCursor points(source, which);
-    state_.reset(new State{std::move(source), std::move(points), std::move(slots), columns, {}, {}});
+    const TreeInfo& info = source->info();
+    state_.reset(
+        new State{std::move(source), std::move(points), std::move(slots), columns, {}, {}, SourceRounding(info)});
 }
 
 EditCursor::EditCursor(EditCursor&&) noexcept = default;
@@ -105,6 +108,7 @@ bool EditCursor::getNextData(EditView& view)
     s.edit.emplace(s.source->cache.edit(points.node(), s.columns));
     view.node_ = points.node();
     view.grid_ = &s.source->info().grid;
+    view.rounding_ = &s.rounding;
     view.edit_ = &*s.edit;
     view.numbers_ = &s.numbers;
     view.slots_ = &s.slots;

@@ -3,6 +3,7 @@
 
 #include "pcm/cache/l2_cache.h"
 #include "pcm/query/query.h"
+#include "pcm/tree/source_rounding.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +21,10 @@ public:
     std::size_t size() const { return numbers_->size(); }
     NodeId node() const { return node_; }
     // Source coordinates, double.
-    Vec3d position(std::size_t i) const { return grid_->to_source(edit_->chunk().positions->grid((*numbers_)[i])); }
+    Vec3d position(std::size_t i) const
+    {
+        return (*rounding_)(grid_->to_source(edit_->chunk().positions->grid((*numbers_)[i])));
+    }
     // The raw value, as the file stores it, of attribute number `attribute` of the query's list, with what was set. The
     // value in the attribute's own unit is raw * Attribute::scale + Attribute::offset.
     double value(std::size_t i, std::size_t attribute, std::uint32_t component = 0) const;
@@ -38,6 +42,7 @@ private:
     friend class EditCursor;
     NodeId node_ = no_node;
     const Grid* grid_ = nullptr;
+    const SourceRounding* rounding_ = nullptr;
     L2Cache::Edit* edit_ = nullptr;
     const std::vector<std::uint32_t>* numbers_ = nullptr;
     const std::vector<std::size_t>* slots_ = nullptr;

@@ -75,6 +75,7 @@ public:
           columns_(columns),
           precision_(precision),
           selector_(query.selection(), tree_.info().schema),
+          rounding_(tree_.info()),
           nodes_(selected_nodes(tree_, selector_, query.level)),
           headers_(tree_)
     {
@@ -125,7 +126,7 @@ private:
         for (std::size_t s = 0; s < header.segments.size(); ++s) {
             const BpcSegment& segment = header.segments[s];
             if (query_.level && segment.level > *query_.level) continue;
-            const Box3d box = tree_.info().grid.to_source(segment.box);
+            const Box3d box = source_box(tree_.info().grid, segment.box, rounding_);
             const BoxRelation relation =
                 selected.relation == BoxRelation::inside ? selected.relation : selector_.relation(box);
             add_points(relation, box, segment.count);
@@ -158,6 +159,7 @@ private:
     const ColumnSet& columns_;
     const EstimatePrecision precision_;
     const Selector selector_;
+    const SourceRounding rounding_;
     const std::vector<SelectedNode> nodes_;
     Headers headers_;
     std::size_t steps_;  // test points per axis in a box that the query cuts: fewer where there are many such boxes

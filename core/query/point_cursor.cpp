@@ -46,6 +46,7 @@ bool PointCursor::getNextData(PointView& view)
     if (!part) return false;
     view.node_ = part->node;
     view.grid_ = &s.source->info().grid;
+    view.rounding_ = &s.stream.rounding();
     view.chunk_ = &part->chunk;
     view.part_ = part;
     view.slots_ = &s.slots;

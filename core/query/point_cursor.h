@@ -3,6 +3,7 @@
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/query/query.h"
+#include "pcm/tree/source_rounding.h"
 #include "pcm/tree/tree.h"
 
 #include <cstddef>
@@ -21,7 +22,7 @@ public:
     std::size_t size() const { return selected_ ? selected_->size() : count_; }
     NodeId node() const { return node_; }
     // Source coordinates, double.
-    Vec3d position(std::size_t i) const { return grid_->to_source(chunk_->positions->grid(index(i))); }
+    Vec3d position(std::size_t i) const { return (*rounding_)(grid_->to_source(chunk_->positions->grid(index(i)))); }
     Vec3i grid_position(std::size_t i) const { return chunk_->positions->grid(index(i)); }
     // The raw value, as the file stores it, of attribute number `attribute` of the query's list. The value in the
     // attribute's own unit is raw * Attribute::scale + Attribute::offset (PointCloud::info().schema). A 64-bit integer
@@ -41,6 +42,7 @@ private:
     friend class PointCursor;
     NodeId node_ = no_node;
     const Grid* grid_ = nullptr;
+    const SourceRounding* rounding_ = nullptr;
     const Chunk* chunk_ = nullptr;
     const SelectedChunk* part_ = nullptr;
     const std::vector<std::size_t>* slots_ = nullptr;

@@ -1,18 +1,16 @@
 #include "pcm/tree/selected_nodes.h"
 
-#include "pcm/cloud/nearest_float.h"
-
 namespace pcm {
 
-Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision)
+Box3d source_box(const Grid& grid, const Box3i& box, const SourceRounding& rounding)
 {
-    const Box3d source = grid.to_source(box);
-    return single_precision ? Box3d{nearest_float(source.min), nearest_float(source.max)} : source;
+    return rounding(grid.to_source(box));
 }
 
 Box3i grid_box(const Tree& tree, const Box3d& box)
 {
     const TreeInfo& info = tree.info();
+    const SourceRounding rounding(info);
     // The first number of [low, high] for which `holds` returns true, as it does for all larger ones; high + 1 if there
     // is none.
     const auto first = [](std::int64_t low, std::int64_t high, const auto& holds) {
@@ -32,15 +30,18 @@ Box3i grid_box(const Tree& tree, const Box3d& box)
     if (box.empty() || info.box.empty()) return result;
     for (std::size_t a = 0; a < 3; ++a) {
         const std::int64_t low = info.box.min[a], high = info.box.max[a];
-        result.min[a] = first(low, high, [&](std::int64_t q) { return info.grid.to_source(q, a) >= box.min[a]; });
-        result.max[a] = first(low, high, [&](std::int64_t q) { return info.grid.to_source(q, a) > box.max[a]; }) - 1;
+        result.min[a] =
+            first(low, high, [&](std::int64_t q) { return rounding(info.grid.to_source(q, a), a) >= box.min[a]; });
+        result.max[a] =
+            first(low, high, [&](std::int64_t q) { return rounding(info.grid.to_source(q, a), a) > box.max[a]; }) - 1;
     }
     return result;
 }
 
 std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector,
-                                         const std::optional<std::uint16_t>& level, bool single_precision)
+                                         const std::optional<std::uint16_t>& level)
 {
+    const SourceRounding rounding(tree.info());
     const std::vector<Node>& nodes = tree.nodes();
     std::vector<BoxRelation> relations(nodes.size(), BoxRelation::outside);
     std::vector<SelectedNode> result;
@@ -50,9 +51,8 @@ std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selec
         if (above == BoxRelation::outside) continue;
         // The nodes below hold finer levels only.
         if (level && node.points > 0 && node.first_level > *level) continue;
-        relations[id] = above == BoxRelation::inside
-                            ? above
-                            : selector.relation(source_box(tree.info().grid, node.box, single_precision));
+        relations[id] =
+            above == BoxRelation::inside ? above : selector.relation(source_box(tree.info().grid, node.box, rounding));
         const std::uint32_t points = level ? node.points_to_level(*level) : node.points;
         if (relations[id] != BoxRelation::outside && points > 0) result.push_back({id, points, relations[id]});
     }

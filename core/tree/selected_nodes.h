@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/selection.h"
+#include "pcm/tree/source_rounding.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>
@@ -16,9 +17,8 @@ struct SelectedNode {
     BoxRelation relation = BoxRelation::crosses;  // of the node's box to box, region and conditions on coordinates
 };
 
-// The box in source coordinates. With `single_precision` its corners are rounded to floats, as the positions of a tree
-// built from floats are.
-Box3d source_box(const Grid& grid, const Box3i& box, bool single_precision);
+// The box in source coordinates, its corners rounded as positions are.
+Box3d source_box(const Grid& grid, const Box3i& box, const SourceRounding& rounding);
 
 // The box of exactly those grid positions within the tree's box whose source coordinates lie in `box`.
 Box3i grid_box(const Tree& tree, const Box3d& box);
@@ -27,6 +27,6 @@ Box3i grid_box(const Tree& tree, const Box3d& box);
 // Every selected point is in one of them. The box of a node is compared with the selection only if its parent's box
 // crosses the selection's border.
 std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selector,
-                                         const std::optional<std::uint16_t>& level, bool single_precision = false);
+                                         const std::optional<std::uint16_t>& level);
 
 }  // namespace pcm

@@ -96,11 +96,12 @@ struct TreeInfo {
     Grid grid;
     ScalarType position_type = ScalarType::f64;  // of the source: i32 for LAS, f32 or f64
     Schema schema;
-    bool wide = false;                 // grid positions need more than 32 bits
-    Box3i box;                         // tight, all points
-    std::array<Vec3i, 6> extremes;     // points of the cloud with the smallest x, largest x, smallest y, ...
-    double position_error = 0;         // largest change of an input coordinate, source units; 0 for LAS
-    std::uint64_t points_skipped = 0;  // input points without a finite position
+    bool wide = false;              // grid positions need more than 32 bits
+    Box3i box;                      // tight, all points
+    std::array<Vec3i, 6> extremes;  // points of the cloud with the smallest x, largest x, smallest y, ...
+    // Largest change of an input coordinate, source units; 0 for LAS. The sign of zero is not kept.
+    double position_error = 0;
+    std::uint64_t points_skipped = 0;  // input points left out: without a finite position, or beyond a given limit
     std::uint64_t content_hash = 0;    // of all points with all attributes, independent of their order (point_hash.h)
     Sampling sampling = Sampling::poisson;
     // False after a deletion, until the tree is compacted: a point may have lost its neighbour of a coarser level.

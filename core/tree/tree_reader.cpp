@@ -1,6 +1,5 @@
 #include "pcm/tree/tree_reader.h"
 
-#include "pcm/cloud/nearest_float.h"
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -64,12 +63,11 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     : tree_(std::move(tree)),
       level_(level),
       selector_(selection, tree_->info().schema),
+      rounding_(tree_->info()),
       chunks_ahead_(std::max(1u, chunks_ahead))
 {
     const TreeInfo& tree_info = tree_->info();
-    // Positions that were floats are rounded to floats, and so must be the boxes that they are compared with.
-    single_precision_ = tree_info.position_type == ScalarType::f32;
-    nodes_ = selected_nodes(*tree_, selector_, level, single_precision_);
+    nodes_ = selected_nodes(*tree_, selector_, level);
     std::uint64_t points = 0;
     for (const SelectedNode& node : nodes_) {
         first_.push_back(points);
@@ -84,6 +82,7 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     info_.points_known = !selector_.tests_points();
     info_.schema = selector_.kept_schema();
     info_.metadata = tree_info.metadata;
+    set_decimals(info_.metadata, {no_decimals, no_decimals, no_decimals});  // of this tree's grid alone
     info_.position_type = tree_info.position_type;
     if (tree_info.position_type == ScalarType::i32) {
         if (fits_32_bits(tree_info.box)) {
@@ -103,18 +102,18 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         if (!box.empty()) info_.promised_box = box;
     }
     if (tree_info.points_skipped)
-        info_.notes.push_back(grouped(tree_info.points_skipped) +
-                              " points without a finite position were left out when the tree was built");
-    if (tree_info.position_error > 0 && !single_precision_)
+        info_.notes.push_back(
+            grouped(tree_info.points_skipped) +
+            " points without a finite position, or beyond a limit that was given, were left out when the "
+            "tree was built");
+    if (tree_info.position_error > 0 && !rounding_.single_precision())
         info_.notes.push_back("positions differ by up to " + brief(tree_info.position_error) +
                               " from those of the tree's source");
 }
 
 Vec3d TreeReader::position(std::size_t i) const
 {
-    const Vec3d p = tree_->info().grid.to_source(chunk_.positions->grid(i));
-    // The grid is much finer than floats: rounding restores the source's own number.
-    return single_precision_ ? nearest_float(p) : p;
+    return rounding_(tree_->info().grid.to_source(chunk_.positions->grid(i)));
 }
 
 bool TreeReader::next_chunk()

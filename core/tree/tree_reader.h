@@ -5,6 +5,7 @@
 #include "pcm/io/reader.h"
 #include "pcm/threads/task_pool.h"
 #include "pcm/tree/selected_nodes.h"
+#include "pcm/tree/source_rounding.h"
 #include "pcm/tree/tree.h"
 
 #include <cstddef>
@@ -40,9 +41,9 @@ private:
     std::shared_ptr<const Tree> tree_;
     std::optional<std::uint16_t> level_;
     Selector selector_;
+    const SourceRounding rounding_;
     FileInfo info_;
     ColumnSet columns_;
-    bool single_precision_ = false;
     std::size_t chunks_ahead_;
 
     std::vector<SelectedNode> nodes_;   // with points, in order

@@ -2,6 +2,7 @@
 
 #include "pcm/build/bins/partition.h"
 #include "pcm/build/pipeline.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/update/fitted_reader.h"
@@ -51,14 +52,15 @@ public:
     {
         AnyBins bins = partition(fitted_, work_, found_, &tree_->info());
         report_.points_added = found_.observed.points;
-        report_.points_skipped = fitted_.points_skipped();
+        const std::uint64_t left_out = cloud_.info().points_left_out;
+        report_.points_skipped = fitted_.points_skipped() + left_out;
         // Points without a finite position are left out by the reader for integers, and by the partition for doubles.
-        report_.outcome.points_in = found_.points_in + (tree_->info().wide ? 0 : report_.points_skipped);
+        report_.outcome.points_in = found_.points_in + left_out + (tree_->info().wide ? 0 : fitted_.points_skipped());
         // Only now: readers add notes while they read.
         report_.notes = cloud_.info().notes;
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
-        if (report_.points_skipped)
-            report_.notes.push_back(grouped(report_.points_skipped) +
+        if (fitted_.points_skipped())
+            report_.notes.push_back(grouped(fitted_.points_skipped()) +
                                     " points without a finite position were left out");
         if (report_.points_added + report_.points_skipped != report_.outcome.points_in)
             throw Error(ErrorCode::corrupt, update_.folder(),
@@ -120,6 +122,7 @@ private:
         all.hash = info.content_hash;
         all.extremes = info.extremes;
         all.position_error = info.position_error;
+        found_.observed.position_error = fitted_.position_error();
         all.merge(found_.observed);
         const std::uint64_t stored = joined.nodes.empty() ? 0 : joined.nodes[0].subtree_points;
         if (stored != all.points)
@@ -129,7 +132,11 @@ private:
         info.points = all.points;
         info.content_hash = all.hash;
         info.extremes = all.extremes;
-        info.position_error = std::max(all.position_error, fitted_.position_error());
+        info.position_error = all.position_error;
+        if (const SourceRounding rounding(info); rounding.has_decimals() && !fitted_.keeps_decimals()) {
+            set_decimals(info.metadata, {no_decimals, no_decimals, no_decimals});
+            info.position_error = std::max(info.position_error, largest_magnitude(info.grid.scale) / 2);
+        }
         info.points_skipped += report_.points_skipped;
         info.box = joined.nodes[0].box;
         info.spacings = spacings;

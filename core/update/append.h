@@ -22,7 +22,8 @@ struct AppendOptions {
 struct AppendReport {
     Outcome outcome;  // in: the new points; out: the tree's afterwards; error: the tree's largest position error
     std::uint64_t points_added = 0;
-    std::uint64_t points_skipped = 0;  // new points without a finite position
+    // New points without a finite position, or beyond ReadOptions::largest_coordinate.
+    std::uint64_t points_skipped = 0;
     std::uint64_t nodes_added = 0;
     std::uint64_t bytes_written = 0;
     std::uint32_t parts = 0;         // of the tree afterwards

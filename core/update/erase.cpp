@@ -2,7 +2,6 @@
 
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/build/bins/observed.h"
-#include "pcm/cloud/nearest_float.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
@@ -41,6 +40,7 @@ public:
         : tree_(tree),
           info_(tree.info()),
           selector_(selection, info_.schema),
+          rounding_(info_),
           generation_(generation),
           count_only_(count_only)
     {
@@ -61,8 +61,7 @@ public:
     // Whether the node's subtree may have points to delete.
     bool touches(const Node& node) const
     {
-        return selector_.relation(source_box(info_.grid, node.box, info_.position_type == ScalarType::f32)) !=
-               BoxRelation::outside;
+        return selector_.relation(source_box(info_.grid, node.box, rounding_)) != BoxRelation::outside;
     }
 
     Examined examine(const PartNode& node) const
@@ -96,15 +95,9 @@ private:
         std::iota(numbers.begin(), numbers.end(), 0u);
         std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
         for (const std::size_t k : selector_.tested()) columns[k] = chunk.attributes[k].get();
-        // The positions that readers of the tree get: a tree of floats rounds them to floats.
-        const bool single = info_.position_type == ScalarType::f32;
+        // The positions that readers of the tree get.
         selector_.narrow(
-            columns,
-            [&](std::size_t i) {
-                const Vec3d p = info_.grid.to_source(chunk.positions->grid(i));
-                return single ? nearest_float(p) : p;
-            },
-            numbers);
+            columns, [&](std::size_t i) { return rounding_(info_.grid.to_source(chunk.positions->grid(i))); }, numbers);
         return numbers;
     }
 
@@ -144,6 +137,7 @@ private:
     const Tree& tree_;
     const TreeInfo& info_;
     const Selector selector_;
+    const SourceRounding rounding_;
     const std::uint32_t generation_;
     const bool count_only_;
     ColumnSet tested_, others_;

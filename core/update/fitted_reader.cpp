@@ -3,6 +3,7 @@
 #include "pcm/cloud/point_batch.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/pipe/far_points.h"
 #include "pcm/io/pipe/grid_choice.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -37,7 +38,8 @@ FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::
     : cloud_(cloud),
       tree_(tree),
       folder_(folder),
-      same_grid_(!tree.wide && cloud.info().grid && *cloud.info().grid == tree.grid)
+      same_grid_(!tree.wide && cloud.info().grid && *cloud.info().grid == tree.grid),
+      rounding_(tree)
 {
     const FileInfo& from = cloud.info();
     for (const Attribute& attribute : from.schema) {
@@ -77,6 +79,7 @@ bool FittedReader::read(PointBatch& batch, std::size_t max_points)
 {
     do {
         if (!cloud_.read(batch_, max_points)) {
+            refuse_coarse_grid();
             shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
             return false;
         }
@@ -118,6 +121,7 @@ void FittedReader::fit_positions(PointBatch& batch)
             ++skipped_;
             continue;
         }
+        box_.extend(p);
         std::array<std::optional<std::int64_t>, 3> q;
         for (std::size_t a = 0; a < 3; ++a) q[a] = place(p[a], a);
         if (!q[0] || !q[1] || !q[2]) {
@@ -158,8 +162,24 @@ std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
         largest_deviation_ = std::max(largest_deviation_, deviation);
         return std::nullopt;
     }
-    position_error_ = std::max(position_error_, deviation);
+    const bool decimal = rounding_.has_decimals() && rounding_(tree_.grid.to_source(q, axis), axis) == value;
+    if (!decimal) {
+        keeps_decimals_ = false;
+        position_error_ = std::max(position_error_, deviation);
+    }
     return q;
+}
+
+// Without this, new points of a few units would fall onto few places of a tree whose coordinates are many powers of ten
+// larger.
+void FittedReader::refuse_coarse_grid() const
+{
+    const double spacing = FarPoints::mean_spacing(box_, points_ - skipped_);
+    if (tree_.position_type == ScalarType::i32 || !(spacing > 0) || !(2 * position_error_ > spacing / 4)) return;
+    throw Error(ErrorCode::invalid_argument, folder_,
+                "the new points are about " + brief(spacing) + " apart; on the tree's grid, whose steps are " +
+                    exact(tree_.grid.scale) + ", they would be moved by up to " + brief(position_error_),
+                "build a tree of their own");
 }
 
 void FittedReader::refuse()
@@ -177,7 +197,9 @@ void FittedReader::refuse()
         tree_.position_type == ScalarType::i32 && !too_far_
             ? "build a new tree of all the files, or round the new ones to the grid with 'pcmlab convert --scale "
               "--offset' first"
-            : "build a new tree of all the files");
+        : too_far_ ? "build a new tree of all the files; if the points are no-data values, leave them out with "
+                     "--largest-coordinate, in MeshLab the parameter 'Largest coordinate'"
+                   : "build a new tree of all the files");
 }
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/io/reader.h"
+#include "pcm/tree/source_rounding.h"
 #include "pcm/tree/tree.h"
 
 #include <cstddef>
@@ -26,7 +27,8 @@ public:
 
     const FileInfo& info() const override { return info_; }
     // At the first point without a place the cloud is read to its end, and Error(invalid_argument) states how many such
-    // points there are, how far they are from the nearest place, and what to do.
+    // points there are, how far they are from the nearest place, and what to do; at the end also when a grid for floats
+    // is too coarse for the new points: with half their mean spacing or more between its places.
     bool read(PointBatch& batch, std::size_t max_points) override;
     bool seekable() const override { return same_grid_ && cloud_.seekable(); }
     void seek(std::uint64_t index) override { cloud_.seek(index); }
@@ -36,12 +38,16 @@ public:
     // of a coordinate, source units.
     std::uint64_t points_skipped() const { return skipped_; }
     double position_error() const { return position_error_; }
+    // Whether all new coordinates are among the numbers that readers of the tree round to (tree/source_rounding.h). If
+    // not, readers must not round any more, and the error is not known better than half a step of the grid.
+    bool keeps_decimals() const { return keeps_decimals_; }
 
 private:
     void fit_attributes(PointBatch& batch);
     void fit_positions(PointBatch& batch);
     std::optional<std::int64_t> place(double value, std::size_t axis);
     [[noreturn]] void refuse();
+    void refuse_coarse_grid() const;
 
     PointReader& cloud_;
     const TreeInfo& tree_;
@@ -54,6 +60,9 @@ private:
     std::uint64_t points_ = 0, skipped_ = 0, misplaced_ = 0;
     bool too_far_ = false;
     double largest_deviation_ = 0, position_error_ = 0;
+    const SourceRounding rounding_;
+    bool keeps_decimals_ = true;
+    Box3d box_;  // of the new points
 };
 
 }  // namespace pcm

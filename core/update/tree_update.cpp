@@ -172,6 +172,7 @@ void TreeUpdate::commit(TreeInfo info, NodeVector joined)
     fs::path ready = path;
     ready += ".new";
     const std::vector<std::byte> bytes = encode_index(index);
+    decode_index(bytes, ready);  // an index that Tree::open would refuse does not replace a good one
     {
         File file(ready, File::Mode::create_or_truncate);
         file.write_at(bytes.data(), bytes.size(), 0);

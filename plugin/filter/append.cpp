@@ -18,6 +18,7 @@ void add_parameters(RichParameterList& parameters)
     add_inputs_parameter(parameters,
                          "all their points are added. The points must lie on the tree's grid, and the tree must have "
                          "all their attributes.");
+    add_largest_coordinate_parameter(parameters);
     add_target_parameters(parameters);
     add_work_parameters(parameters);
 }
@@ -30,6 +31,7 @@ void run(const FilterRun& run)
     options.threads = threads_of(run.parameters);
     CloudOptions reading;
     reading.read.threads = options.threads;
+    reading.read.largest_coordinate = largest_coordinate_of(run.parameters);
     const CloudSources sources(inputs_of(run.parameters), reading);
     const std::unique_ptr<PointReader> cloud = sources.open();
 

@@ -25,6 +25,7 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichString("Output", "", "Output folder",
                                    "The tree folder to write, NAME.pct. Empty, the default: a folder next to the first "
                                    "input, with the same name."));
+    add_largest_coordinate_parameter(parameters);
     add_work_parameters(parameters);
     add_chunk_points_parameter(parameters);
     parameters.addParam(RichBool(
@@ -63,6 +64,7 @@ void run(const FilterRun& run)
     options.chunk_points = chunk_points_of(run.parameters);
     options.sampling = run.parameters.getBool("Fast") ? Sampling::grid : Sampling::poisson;
     options.overwrite = run.parameters.getBool("Overwrite");
+    options.read.largest_coordinate = largest_coordinate_of(run.parameters);
 
     Operation operation(run.callback);
     options.progress = operation.progress();

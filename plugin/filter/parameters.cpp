@@ -101,6 +101,23 @@ std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters
     return inputs;
 }
 
+void add_largest_coordinate_parameter(RichParameterList& parameters)
+{
+    parameters.addParam(RichFloat(
+        "LargestCoordinate", 0, "Largest coordinate",
+        "Points with a coordinate above this or below its negative are left out and counted: no-data values such as "
+        "3.4e38, which would leave no precision for the other points. 0, the default: no point is left out."));
+}
+
+std::optional<double> largest_coordinate_of(const RichParameterList& parameters)
+{
+    if (!parameters.hasParameter("LargestCoordinate")) return std::nullopt;  // a script from before it existed
+    const auto value = static_cast<double>(parameters.getFloat("LargestCoordinate"));
+    if (value == 0) return std::nullopt;
+    if (!(value > 0)) throw bad_parameter("Largest coordinate is " + exact(value) + "; it must be positive, or 0");
+    return value;
+}
+
 void add_tree_parameter(RichParameterList& parameters)
 {
     parameters.addParam(
@@ -134,7 +151,9 @@ std::filesystem::path as_tree(std::filesystem::path path)
 
 void log_skipped(const FilterRun& run, std::uint64_t points)
 {
-    if (points) run.log(grouped(points) + " points without a finite position were left out.");
+    if (points)
+        run.log(grouped(points) +
+                " points without a finite position, or beyond the largest coordinate, were left out.");
 }
 
 void log_notes(const FilterRun& run, const std::vector<std::string>& notes)

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ std::uint32_t chunk_points_of(const RichParameterList& parameters);
 void add_inputs_parameter(RichParameterList& parameters, const QString& meaning);
 std::vector<std::filesystem::path> inputs_of(const RichParameterList& parameters);  // at least one
 
+// "LargestCoordinate": points beyond it are left out.
+void add_largest_coordinate_parameter(RichParameterList& parameters);
+std::optional<double> largest_coordinate_of(const RichParameterList& parameters);
+
 // "Tree": a tree folder. If it is empty, the tree of the current layer is meant; Error(invalid_argument) is thrown if
 // there is none.
 void add_tree_parameter(RichParameterList& parameters);
@@ -41,7 +46,7 @@ std::shared_ptr<PointCloud> shown_tree(MeshDocument& document);  // of the curre
 // `path` with the extension of trees.
 std::filesystem::path as_tree(std::filesystem::path path);
 
-// How many points had no finite position; nothing is logged for 0.
+// How many points were left out; nothing is logged for 0.
 void log_skipped(const FilterRun& run, std::uint64_t points);
 void log_notes(const FilterRun& run, const std::vector<std::string>& notes);
 

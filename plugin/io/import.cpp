@@ -30,6 +30,7 @@ std::vector<std::string> import_cloud(const std::filesystem::path& path, MeshMod
     ReadOptions options;
     options.threads = 0;
     options.text = settings.text;
+    options.largest_coordinate = settings.largest_coordinate;
     TreeBeside tree{path, tree_path(path, settings.tree_folder), options, is_specified(settings.text)};
     const auto reader = open_reader(path, options);
     const FileInfo info = reader->info();

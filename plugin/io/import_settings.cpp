@@ -18,6 +18,7 @@ namespace {
 const QString global_prefix = "MeshLab::PointCloud::";
 const QString largest_layer = "LargestLayer";
 const QString tree_folder = "TreeFolder";
+const QString largest_coordinate = "LargestCoordinate";
 const QString ask = "ImportDialog";
 const QString columns = "Columns";
 const QString separator = "Separator";
@@ -46,6 +47,14 @@ RichString tree_folder_parameter(const QString& name, const QString& value)
                       "NAME.pct. In another folder a suffix distinguishes files of the same name.");
 }
 
+RichFloat largest_coordinate_parameter(const QString& name, float value)
+{
+    return RichFloat(
+        name, value, "Largest coordinate",
+        "Points with a coordinate above this or below its negative are left out and counted: no-data values such as "
+        "3.4e38, which would leave no precision for the other points. 0, the default: no point is left out.");
+}
+
 // MeshLab's current settings; null without a window.
 const RichParameterList* current_globals()
 {
@@ -68,6 +77,7 @@ void add_global_settings(RichParameterList& parameters)
 {
     parameters.addParam(largest_layer_parameter(global_prefix + largest_layer, default_largest));
     parameters.addParam(tree_folder_parameter(global_prefix + tree_folder, ""));
+    parameters.addParam(largest_coordinate_parameter(global_prefix + largest_coordinate, 0));
     parameters.addParam(
         RichEnum(global_prefix + ask, text_files, {"Never", "For text files", "Always"}, "Ask before importing a cloud",
                  "For which files a dialog asks for the layout of text, the largest layer and the folder "
@@ -111,6 +121,9 @@ void add_file_settings(RichParameterList& parameters, const std::filesystem::pat
     const RichParameter* folder = find(*globals, tree_folder);
     parameters.addParam(largest_layer_parameter(largest_layer, points ? points->value().getInt() : default_largest));
     parameters.addParam(tree_folder_parameter(tree_folder, folder ? folder->value().getString() : QString()));
+    const RichParameter* coordinate = find(*globals, largest_coordinate);
+    parameters.addParam(
+        largest_coordinate_parameter(largest_coordinate, coordinate ? coordinate->value().getFloat() : 0));
 }
 
 ImportSettings read_import_settings(const RichParameterList& parameters)
@@ -120,6 +133,8 @@ ImportSettings read_import_settings(const RichParameterList& parameters)
         settings.largest_layer = static_cast<std::uint64_t>(std::max(0, p->value().getInt()));
     if (const RichParameter* p = find(parameters, tree_folder))
         settings.tree_folder = p->value().getString().trimmed().toStdString();
+    if (const RichParameter* p = find(parameters, largest_coordinate); p && p->value().getFloat() > 0)
+        settings.largest_coordinate = static_cast<double>(p->value().getFloat());
     if (!parameters.hasParameter(columns)) return settings;
 
     const QString text = parameters.getString(columns).trimmed();

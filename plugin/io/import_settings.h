@@ -11,13 +11,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace pcm::host {
 
 struct ImportSettings {
-    std::uint64_t largest_layer = 1'000'000;  // a cloud of more points becomes a tree
-    std::filesystem::path tree_folder;        // where these trees are written; empty: next to the file
-    TextLayout text;                          // as far as the user has specified it
+    std::uint64_t largest_layer = 1'000'000;   // a cloud of more points becomes a tree
+    std::filesystem::path tree_folder;         // where these trees are written; empty: next to the file
+    std::optional<double> largest_coordinate;  // points beyond it are left out
+    TextLayout text;                           // as far as the user has specified it
 };
 
 // The persistent ones, for Tools > Options.

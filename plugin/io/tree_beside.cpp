@@ -56,13 +56,24 @@ bool is_tree_of(const fs::path& tree, const fs::path& file)
     }
 }
 
+// Whether all coordinates of the tree are within the limit, if there is one.
+bool is_within(const fs::path& tree, const std::optional<double>& largest)
+{
+    if (!largest) return true;
+    const TreeInfo info = Tree::open(tree)->info();
+    const Box3d box = info.bounds();
+    for (std::size_t a = 0; a < 3 && info.points; ++a)
+        if (box.min[a] < -*largest || box.max[a] > *largest) return false;
+    return true;
+}
+
 }  // namespace
 
 std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& info, const ProgressFunction& progress)
 {
     const fs::path &file = wanted.file, &tree = wanted.tree;
     const auto file_points = info.points_known ? std::optional(info.points) : std::nullopt;
-    if (!wanted.rebuild && tree_is_current(tree, file, file_points))
+    if (!wanted.rebuild && tree_is_current(tree, file, file_points) && is_within(tree, wanted.read.largest_coordinate))
         return {"The tree " + tree.string() + " is up to date."};
     const bool replace = fs::exists(tree);
     if (replace && !is_tree_of(tree, file))
@@ -86,7 +97,8 @@ std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& i
     std::vector<std::string> lines{"Built " + tree.string() + " with " + grouped(report.outcome.points_out) +
                                    " points in " + brief(report.outcome.seconds) + " s."};
     if (report.points_skipped)
-        lines.push_back(grouped(report.points_skipped) + " points without a finite position were left out.");
+        lines.push_back(grouped(report.points_skipped) +
+                        " points without a finite position, or beyond the largest coordinate, were left out.");
     lines.insert(lines.end(), report.notes.begin(), report.notes.end());
     return lines;
 }

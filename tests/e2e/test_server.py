@@ -5,10 +5,10 @@ import unittest
 from meshlab import MeshLabTest, pcmlab
 
 
-def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False):
+def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False, largest=0):
     return ("Build Point Cloud Tree", {
         "Inputs": ("RichString", inputs), "Output": ("RichString", output), "MemoryMB": ("RichInt", memory),
-        "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
+        "LargestCoordinate": ("RichFloat", largest), "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
         "Overwrite": ("RichBool", "true" if overwrite else "false"), "Fast": ("RichBool", "true" if fast else "false"),
         "Open": ("RichBool", "true" if opened else "false")})
 
@@ -74,6 +74,17 @@ class Server(MeshLabTest):
         self.assertRefused([build(broken)], "broken.las", "100000")
         # The failed builds left no files.
         self.assertFalse(list(self.folder.glob("*.pct*")))
+
+    def test_leaves_out_no_data_values_when_asked(self):
+        text = self.folder / "far.xyz"
+        text.write_text("".join(f"{i % 40}.5 {i // 40}.25 7.125\n" for i in range(1600)) + "1 2 3.4e38\n")
+        tree = self.folder / "far.pct"
+        self.assertRefused([build(text, tree)], "1 of 1,601 points", "3.4e+38", "Largest coordinate")
+        self.assertFalse(tree.exists())
+        run = self.server([build(text, tree, largest=1000)])
+        self.assertEqual(run.code, 0, run.text)
+        self.assertIn("1 points with a coordinate beyond 1000 were left out", run.text)
+        self.assertEqual(pcmlab("info", tree)["points"], 1600)
 
     def test_refuses_to_overwrite(self):
         pcmlab("build", self.las, "-o", self.folder / "t.pct")

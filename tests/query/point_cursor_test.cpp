@@ -181,4 +181,25 @@ TEST(RawValues, AViewOfAScaledAttributeIsRaw)
     EXPECT_EQ(largest, 200);
 }
 
+// Positions of decimals are the source's own, and the box is compared with them.
+TEST(PointCursor, DecimalsAreThoseOfTheSource)
+{
+    const TemporaryFolder folder;
+    MemoryCloud cloud;
+    cloud.info.points = 3;
+    cloud.points.reset({}, false, 3);
+    cloud.points.xyz = {{{-0.007, 0.1, 1000}, {1, 0.7, 1000}, {2, 3, 1000}}};
+    MemoryReader reader(cloud);
+    build_tree(reader, {}, folder / "tree.pct");
+    const auto tree = PointCloud::open(folder / "tree.pct");
+    Query query;
+    query.box = Box3d{{-0.007, 0, 0}, {0.05, 1, 2}};
+    auto cursor = tree->points(query);
+    PointView view;
+    ASSERT_TRUE(cursor.getNextData(view));
+    ASSERT_EQ(view.size(), 1u);
+    EXPECT_EQ(view.position(0), (Vec3d{-0.007, 1, 2}));
+    EXPECT_NE(tree->info().grid.to_source(view.grid_position(0)), view.position(0));
+}
+
 }  // namespace

@@ -127,11 +127,13 @@ TEST(SourceBox, IsRoundedToFloatsWhereTheSourceHadFloats)
     const Box3i box{{third, third, third}, {third, third, third}};
     const double rounded = static_cast<double>(static_cast<float>(grid.to_source(third, 0)));
     EXPECT_NE(rounded, grid.to_source(third, 0));
+    TreeInfo floats, doubles;
+    floats.position_type = ScalarType::f32;
     for (std::size_t a = 0; a < 3; ++a) {
-        EXPECT_EQ(source_box(grid, box, true).min[a], rounded);
-        EXPECT_EQ(source_box(grid, box, true).max[a], rounded);
+        EXPECT_EQ(source_box(grid, box, SourceRounding(floats)).min[a], rounded);
+        EXPECT_EQ(source_box(grid, box, SourceRounding(floats)).max[a], rounded);
     }
-    EXPECT_EQ(source_box(grid, box, false).min[0], grid.to_source(third, 0));
+    EXPECT_EQ(source_box(grid, box, SourceRounding(doubles)).min[0], grid.to_source(third, 0));
 }
 
 }  // namespace

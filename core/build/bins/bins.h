@@ -8,6 +8,7 @@
 #include "pcm/cloud/attribute.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/metadata.h"
+#include "pcm/tree/source_rounding.h"
 
 #include <cstdint>
 #include <memory>
@@ -34,6 +35,8 @@ struct Ingested {
     ScalarType position_type = ScalarType::f64;  // of the source
     Observed observed;
     std::uint64_t points_in = 0, points_skipped = 0;  // skipped: without a finite position
+    // For readers of the tree to round to, where the grid does not hold all bits of the positions.
+    DecimalPlaces decimals{no_decimals, no_decimals, no_decimals};
     std::vector<Metadata> metadata;
     std::vector<std::string> notes;
 };

@@ -70,14 +70,6 @@ void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte*
     }
 }
 
-double power_of_two_step(double largest_magnitude)
-{
-    int exponent = 0;
-    if (largest_magnitude > 0) std::frexp(largest_magnitude, &exponent);  // magnitude < 2^exponent
-    // Steps below the smallest normal double would not be doubles themselves.
-    return std::ldexp(1.0, std::max(exponent, -900) - 61);
-}
-
 std::int64_t to_grid_position(double value, double scale, double offset)
 {
     return static_cast<std::int64_t>(std::llrint((value - offset) / scale));

@@ -17,11 +17,6 @@ std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count);
 // Copies the attributes of batch.size points to their places in as many rows; coordinates are left unchanged.
 void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows);
 
-// The step of an axis' power-of-two grid for float sources: 2^(e-61) where every |coordinate| < 2^e, offset 0. A double
-// of the size of the largest coordinate is exact on it with 8 bits to spare; any coordinate is off by at most half a
-// step.
-double power_of_two_step(double largest_magnitude);
-
 // The nearest grid position. Throws nothing; |value| must be below the magnitude that the grid was made for.
 std::int64_t to_grid_position(double value, double scale, double offset);
 

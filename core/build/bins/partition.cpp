@@ -4,8 +4,10 @@
 #include "pcm/build/bins/distribute.h"
 #include "pcm/build/bins/divide_bins.h"
 #include "pcm/build/bins/ingest.h"
+#include "pcm/build/bins/position_grid.h"
 #include "pcm/build/bins/spool.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/io/pipe/far_points.h"
 #include "pcm/system/error.h"
 
 #include <atomic>
@@ -98,7 +100,7 @@ private:
     AnyBins of_grid()
     {
         using Coord = std::uint32_t;
-        set_grid(*cloud_.info().grid);
+        set_source_grid();
         found_.layout = RowLayout(found_.schema, false);
         const RowLayout& layout = found_.layout;
         const std::uint64_t points = cloud_.info().points;
@@ -138,7 +140,7 @@ private:
     AnyBins of_grid_spool()
     {
         using Coord = std::uint32_t;
-        set_grid(*cloud_.info().grid);
+        set_source_grid();
         found_.layout = RowLayout(found_.schema, false);
         Spool spool(work_.folder / "spool.tmp", found_.layout, found_.schema, false, work_.space);
         using Coordinates = std::array<Coord, 3>;
@@ -167,7 +169,9 @@ private:
     {
         const RowLayout layout(found_.schema, true);
         Spool spool(work_.folder / "spool.tmp", layout, found_.schema, true, work_.space);
-        Box3d box;
+        FarPoints positions;
+        std::vector<std::array<DecimalCount, 3>> decimals(threads_);
+        const bool count_decimals = found_.position_type == ScalarType::f64 && !like_;
         StridedSample<Vec3d> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Vec3d)));
         const auto position = [](const PointBatch& batch, std::size_t i) {
             return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
@@ -182,7 +186,7 @@ private:
                         ++found_.points_skipped;
                         continue;
                     }
-                    box.extend(p);
+                    positions.watch(p);
                     sample.see(p);
                 }
             },
@@ -197,6 +201,7 @@ private:
                     if (row != rows.data() + i * layout.bytes)
                         std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
                     std::memcpy(row, p.data(), sizeof p);
+                    for (std::size_t a = 0; a < 3 && count_decimals; ++a) decimals[t][a].see(p[a]);
                 }
                 writers[t].append(rows.data(), kept);
             },
@@ -204,7 +209,11 @@ private:
         if (found_.points_skipped)
             found_.notes.push_back(std::to_string(found_.points_skipped) +
                                    " points without a finite position were left out");
-        if (choose_grid(box)) return put_on_grid<std::uint32_t>(spool, sample);
+        for (std::size_t a = 0; a < 3 && count_decimals; ++a) {
+            for (unsigned t = 1; t < threads_; ++t) decimals[0][a].merge(decimals[t][a]);
+            found_.decimals[a] = decimals[0][a].places();
+        }
+        if (choose_grid(positions)) return put_on_grid<std::uint32_t>(spool, sample);
         return put_on_grid<std::uint64_t>(spool, sample);
     }
 
@@ -226,7 +235,9 @@ private:
         coordinates.reserve(sample.items().size());
         for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
         sample = StridedSample<Vec3d>(0);
+        const SourceRounding rounding(found_.decimals);
         std::vector<Observed> observed(threads_);
+        std::atomic<bool> rounded{false};
         AnyBins bins = of_spool<Coord>(spool, coordinates, [&](unsigned t, std::byte* row) {
             Observed& seen = observed[t];
             Vec3d p;
@@ -237,12 +248,16 @@ private:
             Vec3i q;
             for (std::size_t a = 0; a < 3; ++a) {
                 q[a] = to_grid<Coord>(c[a]);
-                seen.position_error = std::max(seen.position_error, std::fabs(grid.to_source(q[a], a) - p[a]));
+                const double stored = grid.to_source(q[a], a);
+                if (stored == p[a]) continue;
+                if (!rounded) rounded = true;
+                seen.position_error = std::max(seen.position_error, std::fabs(rounding(stored, a) - p[a]));
             }
             seen.see(q);
             seen.hash += hash_rows(row, 1, found_.layout.bytes);
             return row;
         });
+        if (!rounded) found_.decimals = {no_decimals, no_decimals, no_decimals};
         for (const Observed& o : observed) found_.observed.merge(o);
         return bins;
     }
@@ -282,22 +297,27 @@ private:
         finer_ = axis_shift(grid);
     }
 
+    void set_source_grid()
+    {
+        if (!like_) check_tree_grid(*cloud_.info().grid);
+        set_grid(*cloud_.info().grid);
+    }
+
     // Doubles that come from integers keep the grid of those integers. Others get a power of two per axis, the finest
     // that holds the largest coordinate. True when all positions are narrow on the grid.
-    bool choose_grid(const Box3d& box)
+    bool choose_grid(const FarPoints& positions)
     {
         if (like_) {
             set_grid(like_->grid);
             return !like_->wide;
         }
-        Grid grid;
-        Vec3d largest{0, 0, 0};
-        for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
-            largest[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
-        if (cloud_.info().near_grid && resolves(*cloud_.info().near_grid, largest)) {
-            grid = *cloud_.info().near_grid;
+        const Box3d& box = positions.box();
+        if (cloud_.info().near_grid && resolves(*cloud_.info().near_grid, box)) {
+            const Grid grid = *cloud_.info().near_grid;
+            check_tree_grid(grid);
             set_grid(grid);
             found_.position_type = ScalarType::i32;
+            found_.decimals = {no_decimals, no_decimals, no_decimals};
             bool narrow = true;
             for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
                 for (const double end : {box.min[a], box.max[a]}) {
@@ -307,23 +327,9 @@ private:
                 }
             return narrow;
         }
-        const double all = std::max({largest[0], largest[1], largest[2]});
-        for (std::size_t a = 0; a < 3; ++a) {
-            // An axis of tiny coordinates need not be finer than 2^-40 of the largest.
-            grid.scale[a] = power_of_two_step(std::max(largest[a], std::ldexp(all, -40)));
-            grid.offset[a] = 0;
-        }
-        set_grid(grid);
+        check_tree_positions(positions);
+        set_grid(power_of_two_grid(box));
         return false;
-    }
-
-    // Every coordinate's grid position must be distinct in double from its neighbours.
-    static bool resolves(const Grid& grid, const Vec3d& largest)
-    {
-        for (std::size_t a = 0; a < 3; ++a)
-            if (!((largest[a] + std::fabs(grid.offset[a])) / std::fabs(grid.scale[a]) <= std::ldexp(1.0, 50)))
-                return false;
-        return true;
     }
 
     PointReader& cloud_;

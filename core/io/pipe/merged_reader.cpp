@@ -230,6 +230,7 @@ void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::p
     Notes late(sources_.size());
     for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
     take_metadata(info, late);
+    info_.points_left_out += info.points_left_out;
     for (std::string& note : late.take())
         if (info_.notes.size() < 2 * max_notes &&
             std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())

@@ -44,6 +44,7 @@ bool SelectedReader::read(PointBatch& batch, std::size_t max_points)
         return true;
     }
     info_.notes = cloud_->info().notes;  // readers count on the way what they drop
+    info_.points_left_out = cloud_->info().points_left_out;
     shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
     return false;
 }
