@@ -1,6 +1,7 @@
 #include "pcm/convert/output_grid.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/io/pipe/far_points.h"
 #include "pcm/io/pipe/grid_choice.h"
 #include "pcm/system/text.h"
 
@@ -69,6 +70,24 @@ Grid around(const Box3d& box, const Vec3d& scale)
     return grid;
 }
 
+// How much the numbers of the source are rounded themselves, most of them: half the last bit of a float or double.
+double own_rounding(const FileInfo& info, const FarPoints& positions)
+{
+    return std::ldexp(positions.usual_magnitude(), info.position_type == ScalarType::f32 ? -25 : -54);
+}
+
+// Throws when positions are rounded by up to `error` because some are too far from the others.
+void refuse_far_points(const FarPoints& points, double error)
+{
+    const auto steps = [&](const Box3d& box) {
+        if (box == points.box()) return Vec3d{2 * error, 2 * error, 2 * error};
+        Vec3d step;
+        for (std::size_t a = 0; a < 3; ++a) step[a] = std::ldexp(box.max[a] / 2 - box.min[a] / 2, -31);
+        return step;
+    };
+    points.refuse(steps, "a grid of 32-bit integers");
+}
+
 }  // namespace
 
 OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& scale,
@@ -85,6 +104,7 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
     std::optional<OnGrid> on_candidate;
     if (candidate) on_candidate.emplace(*candidate);
     GridChoice choice;
+    FarPoints positions;
     Box3d box;
     PointBatch batch;
     while (cloud.read(batch, default_batch_points)) {
@@ -97,6 +117,7 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
                 p[a] = grid ? grid->to_source(batch.grid_xyz[a][i], a) : batch.xyz[a][i];
             if (!is_finite(p)) continue;
             box.extend(p);
+            positions.watch(p);
             if (on_candidate)
                 for (std::size_t a = 0; a < 3; ++a) on_candidate->watch(a, p[a]);
         }
@@ -117,10 +138,12 @@ OutputGrid choose_output_grid(PointReader& cloud, const std::optional<Vec3d>& sc
         result.grid = *candidate;
         error = on_candidate->error();
     }
-    if (error > 0)
-        result.notes.push_back("no 32-bit grid holds these positions exactly; they are rounded to steps of " +
-                               brief(result.grid.scale[0]) + ", " + brief(result.grid.scale[1]) + ", " +
-                               brief(result.grid.scale[2]) + ", with an error of up to " + brief(error));
+    if (proposal.decimal_or_exact || error == 0) return result;
+    refuse_far_points(positions, error);
+    if (error <= own_rounding(cloud.info(), positions)) return result;
+    result.notes.push_back("positions are rounded to steps of " + brief(result.grid.scale[0]) + ", " +
+                           brief(result.grid.scale[1]) + ", " + brief(result.grid.scale[2]) + ", by up to " +
+                           brief(error) + ": their digits are more than the output's 32-bit integers hold");
     return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 
@@ -11,6 +12,9 @@ namespace pcm {
 namespace {
 
 constexpr int coarsest_decimal = -3, finest_decimal = 12;
+// Decimal steps are not written any coarser, where a finer one serves as well: programs show as many decimals as the
+// step has.
+constexpr double coarsest_written = 0.01;
 constexpr double least = std::numeric_limits<std::int32_t>::min(), most = std::numeric_limits<std::int32_t>::max();
 
 // The double nearest to 10^-k: literals, because computed powers would be rounded.
@@ -32,14 +36,35 @@ int lowest_bit_of(double v)
     return exponent - 53 + zeros;
 }
 
-// The smallest of 1, 2 and 5 times 10^k that is not below `least_step`.
-double round_step(double least_step)
+// The double nearest to digits * 10^exponent: computed powers would be rounded.
+double decimal(long long digits, int exponent)
 {
-    const double power =
-        std::pow(10.0, std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
-    for (const double times : {1.0, 2.0, 5.0, 10.0})
-        if (power * times >= least_step) return power * times;
-    return power;
+    return std::strtod((std::to_string(digits) + "e" + std::to_string(exponent)).c_str(), nullptr);
+}
+
+// 1, 2 or 5 times 10^exponent.
+struct RoundStep {
+    long long digits = 1;
+    int exponent = 0;
+    double value() const { return decimal(digits, exponent); }
+};
+
+// The smallest that is not below `least_step`.
+RoundStep round_step(double least_step)
+{
+    const auto exponent =
+        static_cast<int>(std::floor(std::log10(std::max(least_step, std::numeric_limits<double>::min()))));
+    for (const long long digits : {1, 2, 5})
+        if (decimal(digits, exponent) >= least_step) return {digits, exponent};
+    return {1, exponent + 1};
+}
+
+// The multiple of the step that is nearest to v, as a decimal.
+double nearest_multiple(const RoundStep& step, double v)
+{
+    const double steps = std::nearbyint(v / step.value());
+    if (!(std::fabs(steps) < 1e17)) return steps * step.value();
+    return decimal(static_cast<long long>(steps) * step.digits, step.exponent);
 }
 
 }  // namespace
@@ -100,58 +125,87 @@ void GridChoice::watch(const PointBatch& batch)
     }
 }
 
+const GridChoice::Candidate* GridChoice::coarsest(const Axis& axis)
+{
+    const auto exact = std::find_if(axis.decimal.begin(), axis.decimal.end(),
+                                    [](const Candidate& candidate) { return candidate.error == 0; });
+    return exact != axis.decimal.end() ? &*exact : nullptr;
+}
+
+const GridChoice::Candidate* GridChoice::coarsest_but_for_rounding(const Axis& axis)
+{
+    if (axis.decimal.empty()) return nullptr;
+    return &*std::min_element(axis.decimal.begin(), axis.decimal.end(), [](const Candidate& x, const Candidate& y) {
+        return x.scale != y.scale ? x.scale > y.scale : x.error < y.error;
+    });
+}
+
+const GridChoice::Candidate& GridChoice::finer(const Axis& axis, const Candidate& found, double step)
+{
+    const Candidate* best = &found;
+    for (const Candidate& candidate : axis.decimal)
+        if (candidate.scale >= step && candidate.scale < best->scale && candidate.from_first == found.from_first &&
+            (candidate.error == 0 || found.error != 0))
+            best = &candidate;
+    return *best;
+}
+
+// The coarsest power of two on which all coordinates are exact, if its integers have 32 bits.
+bool GridChoice::take_binary(const Axis& axis, double& scale, double& offset)
+{
+    // Halves, because the difference of two finite numbers may be infinite.
+    const double half_span = axis.max / 2 - axis.min / 2;
+    const double binary = std::ldexp(1.0, axis.lowest_bit);
+    if (!(binary > 0) || !(half_span / binary <= most - 1)) return false;
+    // The middle, as a multiple of the step: every q * scale + offset is then exact.
+    const double middle = std::nearbyint((axis.min / 2 + axis.max / 2) / binary) * binary;
+    const auto fits = [&](double v) {
+        const double q = std::nearbyint((v - middle) / binary);
+        return q >= least && q <= most && q * binary + middle == v;
+    };
+    if (!fits(axis.min) || !fits(axis.max)) return false;
+    scale = binary;
+    offset = middle;
+    return true;
+}
+
 GridProposal GridChoice::propose() const
 {
     GridProposal proposal;
     proposal.exact = true;
     proposal.not_finite = not_finite_;
+    std::array<const Candidate*, 3> found{};
+    double finest = coarsest_written;
     for (std::size_t a = 0; a < 3; ++a) {
         const Axis& axis = axes_[a];
         double& scale = proposal.grid.scale[a];
         double& offset = proposal.grid.offset[a];
-        if (!axis.any) {
-            scale = 0.001;
+        scale = 0.001;
+        if (!axis.any) continue;
+        if (!(found[a] = coarsest(axis))) {
+            if (take_binary(axis, scale, offset)) continue;
+            found[a] = coarsest_but_for_rounding(axis);
+        }
+        if (found[a]) {
+            finest = std::min(finest, found[a]->scale);
             continue;
         }
-        const auto take = [&](const Candidate& candidate) {
-            scale = candidate.scale;
-            offset = candidate.offset;
-            proposal.exact = proposal.exact && candidate.error == 0;
-            proposal.largest_error = std::max(proposal.largest_error, candidate.error);
-        };
-        const auto exact = std::find_if(axis.decimal.begin(), axis.decimal.end(),
-                                        [](const Candidate& candidate) { return candidate.error == 0; });
-        if (exact != axis.decimal.end()) {
-            take(*exact);
-            continue;
-        }
-        // Halves, because the difference of two finite numbers may be infinite.
-        const double half_span = axis.max / 2 - axis.min / 2;
-        const double binary = std::ldexp(1.0, axis.lowest_bit);
-        if (binary > 0 && half_span / binary <= most - 1) {
-            scale = binary;
-            // The middle, as a multiple of the step: every q * scale + offset is then exact.
-            offset = std::nearbyint((axis.min / 2 + axis.max / 2) / binary) * binary;
-            const auto fits = [&](double v) {
-                const double q = std::nearbyint((v - offset) / scale);
-                return q >= least && q <= most && q * scale + offset == v;
-            };
-            if (fits(axis.min) && fits(axis.max)) continue;
-        }
-        if (!axis.decimal.empty()) {
-            take(
-                *std::min_element(axis.decimal.begin(), axis.decimal.end(), [](const Candidate& x, const Candidate& y) {
-                    return x.scale != y.scale ? x.scale > y.scale : x.error < y.error;
-                }));
-            continue;
-        }
-        const double step = round_step(half_span / (most - 2));
-        scale = step;
-        offset = std::nearbyint((axis.min / 2 + axis.max / 2) / step) * step;
+        const RoundStep step = round_step((axis.max / 2 - axis.min / 2) / (most - 2));
+        scale = step.value();
+        offset = nearest_multiple(step, axis.min / 2 + axis.max / 2);
         const double farthest = std::max(std::abs(axis.min), std::abs(axis.max));
         const double last_place = std::nextafter(farthest, std::numeric_limits<double>::infinity()) - farthest;
-        proposal.exact = false;
-        proposal.largest_error = std::max(proposal.largest_error, step / 2 + 2 * last_place);
+        proposal.exact = proposal.decimal_or_exact = false;
+        proposal.largest_error = std::max(proposal.largest_error, scale / 2 + 2 * last_place);
+    }
+    // A step reads like a precision: the same for all decimal axes.
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (!found[a]) continue;
+        const Candidate& candidate = finer(axes_[a], *found[a], finest);
+        proposal.grid.scale[a] = candidate.scale;
+        proposal.grid.offset[a] = candidate.offset;
+        proposal.exact = proposal.exact && candidate.error == 0;
+        proposal.largest_error = std::max(proposal.largest_error, candidate.error);
     }
     return proposal;
 }

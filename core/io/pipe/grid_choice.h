@@ -14,16 +14,17 @@ namespace pcm {
 struct GridProposal {
     Grid grid;
     bool exact = false;  // every watched coordinate v has a q of 32 bits with q * scale + offset == v, bit for bit
+    bool decimal_or_exact = true;  // each axis was found by 1, 2 or 3 below: no digit of the coordinates is lost
     double largest_error = 0;      // source units: 0 when exact, else an upper bound of the rounding of any coordinate
     std::uint64_t not_finite = 0;  // points with a NaN or infinite coordinate; they are ignored
 };
 
 // Watches all coordinates of a cloud, then proposes. Axes are chosen one by one, in this order:
-// 1. the coarsest step 10^-k, k = -3..12, on which all coordinates are exact, with offset 0 or the first coordinate
-//    rounded to a multiple of 1000;
+// 1. a step 10^-k, k = -3..12, on which all coordinates are exact, with offset 0 or the first coordinate rounded to a
+//    multiple of 1000: the coarsest, but where finer ones serve as well, one step for all axes and 0.01 at most;
 // 2. the coarsest power of two on which they are exact: it exists for coordinates that were integers times such a step;
-// 3. the coarsest step 10^-k on which all coordinates are exact up to rounding in double precision: decimal numbers
-//    from a text (3 * 0.1 != 0.3);
+// 3. a step 10^-k, chosen as in 1, on which all coordinates are exact up to rounding in double precision: decimal
+//    numbers from a text (3 * 0.1 != 0.3);
 // 4. the finest step 1, 2 or 5 times 10^-k whose 32-bit integers span the coordinates.
 //
 // One thread.
@@ -49,6 +50,11 @@ private:
         bool all_zero = true;
     };
     void watch(Axis& axis, double v);
+    static const Candidate* coarsest(const Axis& axis);
+    static const Candidate* coarsest_but_for_rounding(const Axis& axis);
+    // A candidate that is as good as `found`, whose step is nearer to `step` and not below it.
+    static const Candidate& finer(const Axis& axis, const Candidate& found, double step);
+    static bool take_binary(const Axis& axis, double& scale, double& offset);
 
     std::array<Axis, 3> axes_;
     std::uint64_t not_finite_ = 0;

@@ -1,12 +1,14 @@
 #include "pcm/io/text/text_output.h"
 
 #include "pcm/cloud/with_type.h"
+#include "pcm/io/pipe/grid_choice.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
 namespace pcm {
@@ -36,8 +38,10 @@ char* shortest(char* to, T value)
 }  // namespace
 
 TextOutput::TextOutput(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options)
-    : schema_(cloud.schema), grid_(cloud.grid), decimals_(options.decimals), file_(path)
+    : schema_(cloud.schema), grid_(cloud.grid), near_grid_(cloud.near_grid), decimals_(options.decimals), file_(path)
 {
+    if (const auto& grid = grid_ ? grid_ : near_grid_)
+        for (std::size_t a = 0; a < 3; ++a) axes_.emplace_back(grid->scale[a], grid->offset[a]);
     if (decimals_ && *decimals_ > most_decimals)
         throw Error(ErrorCode::invalid_argument, path,
                     std::to_string(*decimals_) + " decimals were requested, at most " + std::to_string(most_decimals) +
@@ -93,22 +97,56 @@ void TextOutput::put_number(double value)
     used_ += static_cast<std::size_t>(shortest(to, value) - to);
 }
 
+bool TextOutput::put_on_grid(const PointBatch& batch, std::size_t point, std::size_t axis)
+{
+    if (axes_.empty()) return false;
+    std::int64_t q;
+    if (batch.gridded) {
+        q = batch.grid_xyz[axis][point];
+    } else {
+        // The double is q * scale + offset of this grid or of one that is whole steps apart, each rounded.
+        const double value = batch.xyz[axis][point];
+        if (!std::isfinite(value)) return false;
+        q = nearest_on_grid(*near_grid_, axis, value);
+        const double place = near_grid_->to_source(q, axis);
+        const double size = std::max(std::abs(value), std::abs(near_grid_->offset[axis]));
+        if (std::abs(place - value) > 2 * std::numeric_limits<double>::epsilon() * size) return false;
+    }
+    char* const to = room();
+    char* const end = axes_[axis].write(to, q);
+    if (!end) return false;
+    used_ += static_cast<std::size_t>(end - to);
+    return true;
+}
+
+const ScaledDecimal& TextOutput::scaled(double scale, double offset)
+{
+    for (const ScaledDecimal& known : scaled_)
+        if (known.scale() == scale && known.offset() == offset) return known;
+    return scaled_.emplace_back(scale, offset);
+}
+
 void TextOutput::put_position(const PointBatch& batch, std::size_t point, char separator)
 {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double value =
             batch.gridded ? grid_->to_source(batch.grid_xyz[axis][point], axis) : batch.xyz[axis][point];
         if (axis) put(separator);
+        if (!decimals_ && put_on_grid(batch, point, axis)) continue;
         if (!decimals_ || !std::isfinite(value)) {
             put_number(value);
             continue;
         }
         char* const to = room();
-        char* const end =
+        char* end =
             std::to_chars(to, to + longest_number, value, std::chars_format::fixed, static_cast<int>(*decimals_)).ptr;
-        used_ += static_cast<std::size_t>(end - to);
         double written = value;
         std::from_chars(to, end, written);
+        if (written == 0 && value != 0 && *to == '-') {  // 0.00, not -0.00
+            std::memmove(to, to + 1, static_cast<std::size_t>(end - to) - 1);
+            --end;
+        }
+        used_ += static_cast<std::size_t>(end - to);
         position_error_ = std::max(position_error_, std::abs(written - value));
     }
 }
@@ -121,7 +159,13 @@ void TextOutput::put_scalar(const Attribute& attribute, const Column& column, st
     with_type(column.type(), [&](auto zero) {
         using T = decltype(zero);
         const T value = column.as<T>()[index];
-        end = raw ? shortest(to, value) : shortest(to, static_cast<double>(value) * attribute.scale + attribute.offset);
+        end = nullptr;
+        if constexpr (std::is_integral_v<T>)
+            if (!raw && static_cast<double>(value) < 9e18)
+                end = scaled(attribute.scale, attribute.offset).write(to, static_cast<std::int64_t>(value));
+        if (!end)
+            end = raw ? shortest(to, value)
+                      : shortest(to, static_cast<double>(value) * attribute.scale + attribute.offset);
     });
     used_ += static_cast<std::size_t>(end - to);
 }

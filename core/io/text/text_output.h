@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
+#include "pcm/io/text/scaled_decimal.h"
 #include "pcm/io/writer.h"
 #include "pcm/system/output_file.h"
 
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace pcm {
 
@@ -29,11 +31,15 @@ public:
     void put(char c);
     void put(std::string_view text);
     void put_integer(std::uint64_t value);
-    // x, y and z of a point, separated by `separator`, with the fewest digits that read back as the same double, or
-    // with WriteOptions::decimals. NaN is "nan", the infinities are "inf" and "-inf".
+    // x, y and z of a point, separated by `separator`. Positions on a grid, or near one, are the decimals that they
+    // stand for (scaled_decimal.h): they read back as the same place of the grid. Others have the fewest digits that
+    // read back as the same double. All have WriteOptions::decimals where that is given. NaN is "nan", the infinities
+    // are "inf" and
+    // "-inf".
     void put_position(const PointBatch& batch, std::size_t point, char separator);
     // The value of the raw scalar `index` of a column, with the fewest digits that read back as the same number: an
-    // integer or float of the column's own type, or the double raw * scale + offset unless these are 1 and 0.
+    // integer or float of the column's own type; with scale and offset the decimal number of an integer, the double raw
+    // * scale + offset of a float.
     void put_scalar(const Attribute& attribute, const Column& column, std::size_t index);
     void put_number(double value);
 
@@ -47,9 +53,14 @@ public:
 private:
     // Space for one more number or short word; longer words are written in pieces.
     char* room();
+    // The coordinate as the decimal number that its place on the grid stands for. False: nothing was written.
+    bool put_on_grid(const PointBatch& batch, std::size_t point, std::size_t axis);
+    const ScaledDecimal& scaled(double scale, double offset);
 
     const Schema schema_;
-    const std::optional<Grid> grid_;
+    const std::optional<Grid> grid_, near_grid_;
+    std::vector<ScaledDecimal> axes_;    // of the grid, or of the near one
+    std::vector<ScaledDecimal> scaled_;  // of attributes
     const std::optional<unsigned> decimals_;
     OutputFile file_;
     double position_error_ = 0;

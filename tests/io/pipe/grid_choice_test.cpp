@@ -59,19 +59,27 @@ TEST(GridChoice, DecimalsOfATextFileAreExact)
                 for (double& c : p)
                     c = decimal(centre * unit + static_cast<std::int64_t>(random() % 2000000) - 1000000, decimals);
             const GridProposal proposal = propose(positions);
-            const double step = decimal(1, decimals);
+            const double step = std::min(0.01, decimal(1, decimals));
             for (const double s : proposal.grid.scale) EXPECT_EQ(s, step);
             // Not bit for bit equal, but only the last bits differ.
             EXPECT_EQ(error_on(proposal.grid, positions), proposal.largest_error);
-            EXPECT_LE(proposal.largest_error, 1e-15 * (std::abs(static_cast<double>(centre)) + 1e6 * step));
+            EXPECT_LE(proposal.largest_error,
+                      1e-15 * (std::abs(static_cast<double>(centre)) + 1e6 * decimal(1, decimals)));
             EXPECT_EQ(proposal.exact, proposal.largest_error == 0);
             if (decimals == 0) EXPECT_TRUE(proposal.exact);
         }
 }
 
-TEST(GridChoice, TheCoarsestStepIsTaken)
+// Programs show as many decimals as the step has: 10 along x and 1000 along y would look like a precision.
+TEST(GridChoice, TheCoarsestStepOfAllAxesIsTakenButNoneAboveAHundredth)
 {
-    EXPECT_EQ(propose({{1.5, 20, 3000}, {-2, 40, 1000}}).grid.scale, (Vec3d{0.1, 10, 1000}));
+    EXPECT_EQ(propose({{1.5, 20, 3000}, {-2, 40, 1000}}).grid.scale, (Vec3d{0.01, 0.01, 0.01}));
+    EXPECT_TRUE(propose({{1.5, 20, 3000}, {-2, 40, 1000}}).exact);
+    EXPECT_EQ(propose({{1.125, 20, 3000}, {-2, 40, 1000}}).grid.scale, (Vec3d{0.001, 0.001, 0.001}));
+    // Where the finer step has no room in 32 bits, the finest that has.
+    const GridProposal wide = propose({{1.125, 3e9, 0}, {-2, -3e9, 0}});
+    EXPECT_EQ(wide.grid.scale, (Vec3d{0.001, 10, 0.001}));
+    EXPECT_TRUE(wide.exact);
     EXPECT_TRUE(propose({{1.5, 20, 3000}}).exact);
     EXPECT_TRUE(propose({{0, 0, 0}}).exact);
     EXPECT_TRUE(propose({}).exact);
@@ -112,7 +120,7 @@ TEST(GridChoice, PointsThatAreNotFiniteAreCountedAndIgnored)
     const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
     const GridProposal proposal = propose({{1, 2, 3}, {nan, 0.1, 0.1}, {0.1, infinity, 0.1}, {4, 5, 6}});
     EXPECT_EQ(proposal.not_finite, 2u);
-    EXPECT_EQ(proposal.grid.scale, (Vec3d{1, 1, 1}));
+    EXPECT_EQ(proposal.grid.scale, (Vec3d{0.01, 0.01, 0.01}));
 }
 
 TEST(GridChoice, ExtremeNumbersGiveAFiniteGrid)
@@ -137,7 +145,7 @@ TEST(GridChoice, OfAFile)
                    "double z\nend_header\n1.25 2 3\n1.5 2.5 3\n");
     const GridProposal proposal = choose_grid(*open_reader(path));
     EXPECT_TRUE(proposal.exact);
-    EXPECT_EQ(proposal.grid.scale, (Vec3d{0.01, 0.1, 1}));
+    EXPECT_EQ(proposal.grid.scale, (Vec3d{0.01, 0.01, 0.01}));
     EXPECT_EQ(error_of([&] { choose_grid(*open_reader(path), [](const ProgressUpdate&) { return false; }); }).code(),
               ErrorCode::cancelled);
 }

@@ -1,8 +1,10 @@
 #include "pcm/io/xyz/xyz_writer.h"
 
+#include "pcm/io/pipe/grid_choice.h"
 #include "tests/io/text_lines.h"
 
 #include <charconv>
+#include <cmath>
 
 namespace pcm::test {
 namespace {
@@ -122,7 +124,8 @@ TEST(XyzWriter, EveryNumberComesBackToTheLastBit)
     }
 }
 
-TEST(XyzWriter, PositionsOnAGridAreTheirDoubles)
+// 7 times 0.1 is 0.7: the decimal that the integer stands for, whose double may differ from 7 * 0.1 in the last bit.
+TEST(XyzWriter, PositionsOnAGridAreTheirDecimals)
 {
     FileInfo cloud;
     cloud.grid = Grid{{0.001, 0.01, 0.1}, {5e6, -3e6, 0.3}};
@@ -137,8 +140,17 @@ TEST(XyzWriter, PositionsOnAGridAreTheirDoubles)
     for (std::size_t i = 0; i < batch.size; ++i) {
         const auto fields = fields_of(lines[i + 1], ' ');
         ASSERT_EQ(fields.size(), 3u);
-        for (std::size_t a = 0; a < 3; ++a)
-            ASSERT_TRUE(same(parsed<double>(fields[a]), cloud.grid->to_source(batch.grid_xyz[a][i], a)));
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double value = parsed<double>(fields[a]);
+            ASSERT_EQ(nearest_on_grid(*cloud.grid, a, value), batch.grid_xyz[a][i]);
+            ASSERT_LE(std::fabs(value - cloud.grid->to_source(batch.grid_xyz[a][i], a)),
+                      1e-15 * std::fabs(value) + 2e-9);
+            const std::size_t point = fields[a].find('.');
+            ASSERT_LE(point == std::string::npos ? 0 : fields[a].size() - point - 1, a == 0   ? 3u
+                                                                                     : a == 1 ? 2u
+                                                                                              : 1u)
+                << fields[a];
+        }
     }
 }
 
