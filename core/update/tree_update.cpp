@@ -52,7 +52,7 @@ std::vector<fs::path> leftovers(const fs::path& folder, std::size_t data_files)
 void warn_of_scratch(const fs::path& tree, Outcome& outcome)
 {
     std::error_code error;
-    const fs::path scratch = folder_of(tree) / update_scratch_name;
+    const fs::path scratch = tree_folder_of(tree) / update_scratch_name;
     if (fs::exists(scratch, error))
         outcome.warnings.push_back(scratch.string() +
                                    ": the update is complete, but its scratch files could not be removed; the next "
