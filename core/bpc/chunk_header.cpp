@@ -246,7 +246,7 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
         rest.read_segments(attributes, node);
     else
         rest.read_whole_columns(attributes);
-    check_decoded_size(header, path);
+    if (of_tree) check_decoded_size(header, path);
     return header;
 }
 
