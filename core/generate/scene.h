@@ -40,11 +40,12 @@ struct SceneReport {
     std::vector<std::string> notes;  // of the writer
 };
 
-// Writes the scene to `file` in the format of its extension (for las and laz: LAS 1.2, 1.4 from 4,294,967,296 points on,
-// point format 2), and, when write_truth, the primitives as JSON next to it (`file` with the extension .truth.json). The
-// same options give the same bytes on every machine and for any number of threads. Throws what create_writer() throws,
-// Error(exists) when one of the files exists and is not to be overwritten, and Error(invalid_argument) for options out
-// of range and for a scene that does not fit its grid. Progress is reported on the calling thread.
+// Writes the scene to `file` in the format of its extension (for las and laz: LAS 1.2, 1.4 from 4,294,967,296 points
+// on, point format 2), and, when write_truth, the primitives as JSON next to it (`file` with the extension
+// .truth.json). The same options give the same bytes on every machine and for any number of threads. Throws what
+// create_writer() throws, Error(exists) when one of the files exists and is not to be overwritten, and
+// Error(invalid_argument) for options out of range and for a scene that does not fit its grid. Progress is reported on
+// the calling thread.
 SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions& options, bool write_truth = true);
 
 }  // namespace pcm
