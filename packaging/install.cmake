@@ -21,8 +21,8 @@ set(public_headers
   view/camera.h view/camera_path.h view/clearance.h view/first_person.h view/frustum.h view/level_of_detail.h view/motion.h)
 set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
-  cache/load_times.h cloud/matrix.h io/text/text_layout.h system/file.h system/page_allocator.h tree/chunk_size.h
-  tree/selected_nodes.h threads/task_pool.h)
+  cache/load_times.h cloud/matrix.h cloud/nearest_float.h io/text/text_layout.h system/file.h system/page_allocator.h
+  system/tree_folder.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/l1_cache.h)
 set(reachable_gl_headers gl/colour_modes.h gl/l1_table.h gl/splat_modes.h gl/vertex_format.h gl/vertex_groups.h view/point_colours.h)
 set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)

@@ -30,13 +30,16 @@ constexpr std::array<std::array<const char*, 2>, reasons> reason_texts = {{
 bool belongs_to_tree(const fs::path& folder)
 {
     const std::string name = lower_case(folder.filename().string());
-    return extension_of(folder) == "pct" || name.find(".pct.") != std::string::npos || is_tree_folder(folder);
+    std::error_code ignored;
+    return extension_of(folder) == "pct" || name.find(".pct.") != std::string::npos || is_tree_folder(folder) ||
+           fs::is_regular_file(folder / index_file_name, ignored);
 }
 
-void refuse_tree(const fs::path& input)
+void refuse_tree(const fs::path& input, bool is_folder)
 {
     const fs::path folder = tree_folder_of(input);
-    if (is_tree_folder(folder))
+    if (is_tree_folder(folder) ||
+        (is_folder && belongs_to_tree(input.filename().empty() ? input.parent_path() : input)))
         throw Error(ErrorCode::unsupported, input,
                     folder == input ? "this is a point cloud tree; files were expected"
                                     : "this is a file of the point cloud tree " + folder.string() +
@@ -136,7 +139,7 @@ std::vector<fs::path> expand_inputs(const std::vector<fs::path>& inputs, std::ve
         if (status.type() == fs::file_type::not_found)
             throw Error(ErrorCode::not_found, input, "no such file or folder");
         if (error) throw Error::from_errno(error.value(), input, "looking at it");
-        refuse_tree(input);
+        refuse_tree(input, fs::is_directory(status));
         if (!fs::is_directory(status)) {
             files.push_back(input);
             continue;

@@ -12,7 +12,8 @@ def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False
         "LargestCoordinate": ("RichFloat", largest), "Threads": ("RichInt", threads), "ChunkPoints": ("RichInt", chunk),
         "Overwrite": ("RichBool", "true" if overwrite else "false"), "Fast": ("RichBool", "true" if fast else "false"),
         "Open": ("RichBool", "true" if opened else "false"),
-        "IgnoreCrs": ("RichBool", "true" if ignore_crs else "false")})
+        "IgnoreCrs": ("RichBool", "true" if ignore_crs else "false"),
+        "SkipBadLines": ("RichBool", "false"), "SkipBadFiles": ("RichBool", "false")})
 
 
 def information(tree=""):

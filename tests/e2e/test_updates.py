@@ -10,6 +10,7 @@ def add(tree, inputs, output="", in_place=False):
     return ("Append to Point Cloud Tree", {
         "Tree": ("RichString", tree), "Inputs": ("RichString", inputs), "Output": ("RichString", output),
         "InPlace": ("RichBool", "true" if in_place else "false"), "IgnoreCrs": ("RichBool", "false"),
+        "SkipBadLines": ("RichBool", "false"), "SkipBadFiles": ("RichBool", "false"), "LargestCoordinate": ("RichFloat", 0),
         "MemoryMB": ("RichInt", 256), "Threads": ("RichInt", 2)})
 
 

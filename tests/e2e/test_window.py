@@ -87,7 +87,7 @@ class Window(MeshLabTest):
             wait-status complete
             open {las}
             wait-layers 2
-            wait-log 50,000 points, LAS 1.4
+            wait-log 50,000 points, LAS 1.2
             expect-no-dialog
             picture {usable}
             screen {self.result("screen.png")}
