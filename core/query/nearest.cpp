@@ -8,6 +8,7 @@
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
+#include "pcm/tree/source_rounding.h"
 
 #include <algorithm>
 #include <atomic>
@@ -85,7 +86,9 @@ void squares_of(const PointBlocks::Boxes& boxes, std::size_t begin, std::size_t 
 class Search {
 public:
     Search(L2Cache& cache, BlockCache& blocks, const NearestOptions& options)
-        : chunks_(cache, blocks, options.level), limit_(options.max_distance * options.max_distance)
+        : chunks_(cache, blocks, options.level),
+          rounding_(chunks_.tree().info()),
+          limit_(options.max_distance * options.max_distance)
     {
     }
 
@@ -108,7 +111,15 @@ public:
                     if (child != no_node) queue_node(child, q, k);
             }
         }
-        std::sort_heap(best_.begin(), best_.end(), before);
+        if (rounding_.single_precision() || rounding_.has_decimals()) {
+            for (Neighbour& found : best_) {
+                found.position = rounding_(found.position);
+                found.squared_distance = squared_distance(found.position, q);
+            }
+            std::sort(best_.begin(), best_.end(), before);
+        } else {
+            std::sort_heap(best_.begin(), best_.end(), before);
+        }
         result = best_;
     }
     std::uint64_t compared() const { return compared_; }
@@ -219,6 +230,7 @@ private:
     }
 
     HeldChunks chunks_;
+    const SourceRounding rounding_;
     double limit_;
     std::vector<Neighbour> best_;  // a heap, worst first
     std::vector<std::pair<double, NodeId>> nodes_;
@@ -386,6 +398,10 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
         }
         for (const NodeId child : tree.node(id).children)
             if (child != no_node) queue(child);
+    }
+    if (result.hit) {
+        result.hit->position = SourceRounding(tree.info())(result.hit->position);
+        result.hit->along = beam.along(result.hit->position);
     }
     result.outcome.points_out = result.hit ? 1 : 0;
     result.outcome.error = spacing_at(tree, level);

@@ -3,7 +3,9 @@
 // Distances are computed in double: with p the source coordinates of a point and q the query point, the squared
 // distance is (dx * dx + dy * dy) + dz * dz with dx = p.x - q.x and so on. Order is by (squared distance, node, index),
 // so results depend on the tree alone. The only approximation is what the level leaves out, and the results report its
-// size.
+// size. Where a tree rounds its coordinates to the source's numbers (tree/source_rounding.h), points are chosen by
+// their places on the grid, which differ from those by less than the last bits of the axis' largest coordinate;
+// positions and distances of the results are those of the source's numbers.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"

@@ -200,6 +200,20 @@ TEST(PointCursor, DecimalsAreThoseOfTheSource)
     ASSERT_EQ(view.size(), 1u);
     EXPECT_EQ(view.position(0), (Vec3d{-0.007, 1, 2}));
     EXPECT_NE(tree->info().grid.to_source(view.grid_position(0)), view.position(0));
+
+    // Neighbours and hits too.
+    const Vec3d at = {-0.007, 1, 2};
+    const NearestResult nearest = tree->nearest(at, 3, {});
+    ASSERT_EQ(nearest.points.size(), 3u);
+    EXPECT_EQ(nearest.points[0].position, at);
+    EXPECT_EQ(nearest.points[0].distance(), 0);
+    EXPECT_EQ(nearest.points[1].position, (Vec3d{0.1, 0.7, 3}));
+    EXPECT_EQ(nearest.points[1].squared_distance, squared_distance(nearest.points[1].position, at));
+    const Region ray = Region::ray({-0.007, 0, 2}, {0, 1, 0}, 0.01);
+    const HitResult hit = tree->first_hit(ray, {});
+    ASSERT_TRUE(hit.hit);
+    EXPECT_EQ(hit.hit->position, at);
+    EXPECT_EQ(hit.hit->along, ray.along(at));
 }
 
 }  // namespace

@@ -9,8 +9,9 @@ import struct
 from trial import Trial, good, pcmlab
 
 POINTS = 5000
-# What may be refused: coordinates that no grid of 32 bits can hold beside the others, and sizes at the ends of doubles.
-REFUSABLE = ("box of 2^-10", "box of 2^10", "denormals", "no data", "far point", "nanometres")
+# What may be refused: coordinates that no grid can hold beside the others, and sizes whose squares are no doubles.
+REFUSABLE = ("box of 2^-1060", "box of 2^-1000", "box of 2^-600", "box of 2^-500", "box of 2^600", "box of 2^1000", "box of 2^1020",
+             "denormals", "no data")
 
 
 def clouds(chance):
