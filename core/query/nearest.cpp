@@ -250,6 +250,12 @@ void require(const std::vector<Vec3d>& points, const NearestOptions& options)
                     "the largest distance of neighbours is " + exact(options.max_distance) + "; it must be 0 or more");
 }
 
+void give_source_numbers(Hit& hit, const Region& beam, const TreeInfo& info)
+{
+    hit.position = SourceRounding(info)(hit.position);
+    hit.along = beam.along(hit.position);
+}
+
 double spacing_at(const Tree& tree, const std::optional<std::uint16_t>& level)
 {
     return level ? level_spacing(tree, *level) : 0;
@@ -399,10 +405,7 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
         for (const NodeId child : tree.node(id).children)
             if (child != no_node) queue(child);
     }
-    if (result.hit) {
-        result.hit->position = SourceRounding(tree.info())(result.hit->position);
-        result.hit->along = beam.along(result.hit->position);
-    }
+    if (result.hit) give_source_numbers(*result.hit, beam, tree.info());
     result.outcome.points_out = result.hit ? 1 : 0;
     result.outcome.error = spacing_at(tree, level);
     result.outcome.error_meaning =
