@@ -77,9 +77,9 @@ class Copy:
             if old.is_file() and not (new.is_file() and new.read_bytes() == old.read_bytes()):
                 new.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(old, new)
-        options = ["-DPCM_WITH_MESHLAB=OFF", "-DPCM_BUILD_BENCHMARKS=OFF", f"-DPCM_DECODERS_FOLDER={root / 'build' / 'decoders'}",
+        options = ["-DPCM_WITH_MESHLAB=OFF", "-DPCM_BUILD_BENCHMARKS=OFF", f"-DPCM_DECODERS_FOLDER={folder / 'decoders'}",
                    f"-DPCM_TEST_DATA={root.parent / 'shared' / 'data'}", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
-                   "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -DNDEBUG"]
+                   "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -g1 -DNDEBUG"]  # as in release, whose objects the compiler cache has
         subprocess.run(["cmake", "-G", "Ninja", "-S", self.source, "-B", self.build, *options], check=True,
                        stdout=subprocess.DEVNULL)
 
