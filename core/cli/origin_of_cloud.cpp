@@ -80,7 +80,8 @@ void print(const LasSummary& header)
     const std::vector<std::uint64_t> counts = counts_by_return(header);
     if (counts.empty()) return;
     std::printf("returns    ");
-    for (std::size_t r = 0; r < counts.size(); ++r) std::printf(" %zu: %s ", r + 1, grouped(counts[r]).c_str());
+    for (std::size_t r = 0; r < counts.size(); ++r)
+        std::printf("%s %zu: %s", r ? " " : "", r + 1, grouped(counts[r]).c_str());
     std::printf("\n");
 }
 
