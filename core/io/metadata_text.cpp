@@ -51,7 +51,10 @@ std::string unwritten_note(const std::string& format, const std::vector<Metadata
     std::string names;
     for (const Metadata& block : metadata) {
         const std::string& key = block.key;
-        if (key == "las.header" || key == "pcm.grid" || key == "pcd.viewpoint" || key == crs_comment) continue;
+        // The description of extra bytes is in the names of the columns.
+        if (key == "las.header" || key == "pcm.grid" || key == "pcm.decimals" || key == "pcd.viewpoint" ||
+            key == crs_comment || key.rfind("las.vlr/LASF_Spec/4/", 0) == 0)
+            continue;
         if (is_written && is_written(block)) continue;
         if (count++ < most_named) names += (names.empty() ? "" : ", ") + key;
     }

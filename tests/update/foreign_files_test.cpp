@@ -29,7 +29,8 @@ protected:
 
     void append()
     {
-        MemoryReader reader(surface(300, 0, 0, 50, 8));
+        const MemoryCloud more = surface(300, 0, 0, 50, 8);
+        MemoryReader reader(more);
         AppendOptions options;
         options.memory_bytes = 64 << 20;
         append_points(tree_, reader, {"second.las"}, options);
