@@ -70,7 +70,8 @@ class Copy:
     """The sources and their build, in a folder that is kept from run to run."""
 
     def __init__(self, root, folder, jobs):
-        self.source, self.build, self.jobs = folder / "source", folder / "build", jobs
+        # Laid out like a clone, so that the compiler cache has the objects of release.
+        self.source, self.build, self.jobs = folder / "source", folder / "source" / "build" / "release", jobs
         listed = subprocess.run(["git", "-C", root, "ls-files", "-z"], capture_output=True, check=True).stdout
         for name in filter(None, listed.decode().split("\0")):
             old, new = root / name, self.source / name
