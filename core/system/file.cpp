@@ -14,13 +14,9 @@
 namespace pcm {
 namespace {
 
-bool same_file(const struct stat& a, const struct stat& b) { return a.st_dev == b.st_dev && a.st_ino == b.st_ino; }
-
-}  // namespace
-
-namespace {
-
 namespace fs = std::filesystem;
+
+bool same_file(const struct stat& a, const struct stat& b) { return a.st_dev == b.st_dev && a.st_ino == b.st_ino; }
 
 const char* name_of(mode_t mode)
 {

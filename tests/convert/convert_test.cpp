@@ -8,6 +8,7 @@
 #include "pcm/tree/tree_reader.h"
 #include "pcm/tree/verify.h"
 #include "tests/clouds.h"
+#include "tests/convert/refusal.h"
 #include "tests/memory_reader.h"
 #include "tests/support.h"
 
@@ -99,18 +100,6 @@ std::vector<fs::path> names_in(const fs::path& folder)
     for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
     std::sort(names.begin(), names.end());
     return names;
-}
-
-std::string refusal(ErrorCode code, const std::function<void()>& f)
-{
-    try {
-        f();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), code) << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << "nothing was refused";
-    return {};
 }
 
 // ------------------------------------------------------------------------------------------ formats

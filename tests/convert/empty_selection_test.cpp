@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "tests/clouds.h"
+#include "tests/convert/refusal.h"
 #include "tests/support.h"
 
 #include <fstream>
@@ -15,18 +16,6 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 namespace fs = std::filesystem;
-
-std::string refusal(ErrorCode code, const std::function<void()>& f)
-{
-    try {
-        f();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), code) << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << "nothing was refused";
-    return {};
-}
 
 TEST(Convert, ASelectionWithoutPointsIsRefusedWithTheCloudsBox)
 {

@@ -2,7 +2,7 @@
 
 import shutil
 
-from trial import Trial, good, pcmlab
+from trial import Trial, make_tree, pcmlab
 
 MEMORY = 4 << 30
 QUESTIONS = (("--sphere", 500030, 4800030, 100, 9), ("--box", 500000, 4800000, 90, 500020, 4800020, 120),
@@ -48,11 +48,7 @@ def damage(path, chance):
 
 def run(folder, rounds, seconds, seed):
     trial = Trial("damage", rounds, seconds, seed)
-    good("generate", "--points", 20000, folder / "site.las")
-    good("generate", "--points", 5000, "--seed", 2, folder / "more.las")
-    good("build", folder / "site.las", "-o", folder / "site.pct", "--chunk-points", 1000)
-    good("append", folder / "site.pct", folder / "more.las")
-    good("delete", folder / "site.pct", "--sphere", 500005, 4800005, 100, 3)
+    make_tree(folder / "site.pct", 20000, 5000, 1000, 3)
     right = answers(folder / "site.pct")
     assert all(code == 0 for code, *_ in right), right
     tree = folder / "work.pct"

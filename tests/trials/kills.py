@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import time
 
-from trial import COMMAND, Trial, good, pcmlab
+from trial import COMMAND, Trial, good, make_tree, pcmlab
 
 BOX = ("--box", "500000", "4800000", "90", "500025", "4800025", "120")
 
@@ -45,12 +45,7 @@ def kill_after(command, seconds):
 
 def run(folder, rounds, seconds, seed):
     trial = Trial("kills", rounds, seconds, seed)
-    good("generate", "--points", 150000, folder / "site.las")
-    good("generate", "--points", 100000, "--seed", 2, folder / "more.las")
-    good("build", folder / "site.las", "-o", folder / "first.pct", "--chunk-points", 2000)
-    good("append", folder / "first.pct", folder / "more.las")
-    good("delete", folder / "first.pct", "--sphere", 500030, 4800030, 100, 5)
-    shutil.copytree(folder / "first.pct", folder / "site.pct")
+    make_tree(folder / "site.pct", 150000, 100000, 2000, 5)
     tree = folder / "work.pct"
     commands = operations(folder)
     before, after, duration = {}, {}, {}
@@ -78,7 +73,7 @@ def run(folder, rounds, seconds, seed):
         else:
             result = pcmlab(*commands[name])
             trial.expect(result.code == 0 and state(tree) == after[name], f"{name} again: {result} {state(tree)}")
-        left = {path.name for path in folder.iterdir()} - {"site.las", "more.las", "site.pct", "first.pct", "work.pct", "out.laz"}
+        left = {path.name for path in folder.iterdir()} - {"site.las", "more.las", "site.pct", "work.pct", "out.laz"}
         left = {name for name in left if not name.endswith(".json") and "truth" not in name}
         trial.expect(not left, f"{name} left {left} beside the tree, even after it was given again")
     return trial.report("kills")

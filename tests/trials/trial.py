@@ -39,6 +39,16 @@ def good(*arguments):
     return result.json()
 
 
+def make_tree(tree, points, more_points, chunk_points, radius):
+    """A tree with points that were appended and deleted: site.las and more.las beside it are its points."""
+    site, more = tree.parent / "site.las", tree.parent / "more.las"
+    good("generate", "--points", points, site)
+    good("generate", "--points", more_points, "--seed", 2, more)
+    good("build", site, "-o", tree, "--chunk-points", chunk_points)
+    good("append", tree, more)
+    good("delete", tree, "--sphere", 500030, 4800030, 100, radius)
+
+
 class Trial:
     """Rounds until a number of them or a time is reached; what went wrong is collected, not thrown."""
 
