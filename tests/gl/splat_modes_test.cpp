@@ -60,10 +60,10 @@ TEST(SplatModes, TheNearestModeReadsOnlyWhatIsThere)
                 EXPECT_TRUE(normal || !drawn.reads_normal) << row.name;
                 if ((radius || !row.reads_radius) && (normal || !row.reads_normal)) EXPECT_EQ(drawn.mode, row.mode);
             }
-    EXPECT_EQ(drawable_mode(SplatMode::perspective, true, false), SplatMode::dynamic);
+    EXPECT_EQ(drawable_mode(SplatMode::perspective, true, false), SplatMode::adaptive);
     EXPECT_EQ(drawable_mode(SplatMode::perspective, false, true), SplatMode::constant);
     EXPECT_EQ(drawable_mode(SplatMode::affine, false, false), SplatMode::constant);
-    EXPECT_EQ(drawable_mode(SplatMode::dynamic, false, true), SplatMode::constant);
+    EXPECT_EQ(drawable_mode(SplatMode::adaptive, false, true), SplatMode::constant);
 }
 
 TEST(SplatModes, TheNoticeNamesWhatTheCloudLacks)
@@ -82,5 +82,5 @@ TEST(SplatModes, TheNoticeNamesWhatTheCloudLacks)
     EXPECT_EQ(notice_of(SplatMode::perspective, {radius}), "the cloud has no normals: dynamic splats are drawn");
     EXPECT_EQ(notice_of(SplatMode::affine, {normal}), "the cloud has no radii: constant splats are drawn");
     EXPECT_EQ(notice_of(SplatMode::affine, {}), "the cloud has no radii: constant splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::dynamic, {normal}), "the cloud has no radii: constant splats are drawn");
+    EXPECT_EQ(notice_of(SplatMode::adaptive, {normal}), "the cloud has no radii: constant splats are drawn");
 }

@@ -48,7 +48,7 @@ TEST(VertexFormat, AStyleUploadsWhatItReadsAndNothingElse)
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, false, false}));
     style.colour = ColourMode::height;
     EXPECT_EQ(format_of(style).stride(), 12u);
-    style.splats = SplatMode::dynamic;
+    style.splats = SplatMode::adaptive;
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::none, true, false}));
     EXPECT_EQ(format_of(style).stride(), 16u);
     style.colour = ColourMode::classification;
