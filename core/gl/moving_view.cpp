@@ -257,7 +257,8 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     if (selection.order.empty() && selection.budget_reached)
         report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
     // A view that will rest shows its full resolution when its splats are those of a resting view.
-    const bool is_final = progress.everything && !(frame.options.converge && differs_at_rest(frame));
+    const bool is_final =
+        progress.everything && !(frame.options.converge && report.nodes_drawn > 0 && differs_at_rest(frame));
     report.full_resolution = is_final;
     if (frame.options.converge && !report.refining && can_converge(frame)) {
         // Another frame of this view continues from here.

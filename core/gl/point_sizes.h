@@ -14,7 +14,8 @@ public:
     explicit PointSizes(const Tree& tree);
 
     // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
-    // the spacing of the finest level below the node.
+    // the spacing of the finest level below the node. No size is larger than a twentieth of the cloud, so that a
+    // handful of points stay points.
     void fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const;
 
 private:

@@ -102,9 +102,9 @@ std::vector<Splat> splats_of(SplatMode mode, const Camera& view, const std::vect
 {
     std::vector<Splat> splats;
     for (const Disc& disc : discs)
-        splats.push_back(mode == SplatMode::constant  ? constant_splat(view, disc, point_size)
+        splats.push_back(mode == SplatMode::constant   ? constant_splat(view, disc, point_size)
                          : mode == SplatMode::adaptive ? dynamic_splat(view, disc)
-                                                      : affine_splat(view, disc));
+                                                       : affine_splat(view, disc));
     return splats;
 }
 

@@ -34,7 +34,7 @@ TEST(SplatModes, RowsAreInTheOrderOfTheEnumeratorsAndNamesAreUnique)
     }
     // Scripts, and the settings that MeshLab stores by number.
     EXPECT_STREQ(splat_modes()[0].name, "constant");
-    EXPECT_STREQ(splat_modes()[1].name, "dynamic");
+    EXPECT_STREQ(splat_modes()[1].name, "adaptive");
     EXPECT_STREQ(splat_modes()[2].name, "affine");
     EXPECT_STREQ(splat_modes()[3].name, "perspective");
     EXPECT_EQ(static_cast<int>(SplatMode::perspective), 3);
@@ -79,8 +79,9 @@ TEST(SplatModes, TheNoticeNamesWhatTheCloudLacks)
     const Attribute radius{"radius", ScalarType::f32}, normal{"normal", ScalarType::f32, 3};
     EXPECT_EQ(notice_of(SplatMode::perspective, {radius, normal}), "");
     EXPECT_EQ(notice_of(SplatMode::constant, {}), "");
-    EXPECT_EQ(notice_of(SplatMode::perspective, {radius}), "the cloud has no normals: dynamic splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::affine, {normal}), "the cloud has no radii: constant splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::affine, {}), "the cloud has no radii: constant splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::adaptive, {normal}), "the cloud has no radii: constant splats are drawn");
+    EXPECT_EQ(notice_of(SplatMode::perspective, {radius}), "the cloud has no normals: adaptive splats are drawn");
+    // Every point has a size, which stands for a radius.
+    EXPECT_EQ(notice_of(SplatMode::affine, {normal}), "");
+    EXPECT_EQ(notice_of(SplatMode::affine, {}), "the cloud has no normals: adaptive splats are drawn");
+    EXPECT_EQ(notice_of(SplatMode::adaptive, {}), "");
 }

@@ -45,6 +45,8 @@ TEST(VertexFormat, StridesDivideThePageAndMembersDoNotOverlap)
 TEST(VertexFormat, AStyleUploadsWhatItReadsAndNothingElse)
 {
     CloudStyle style;
+    EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, true, false}));
+    style.splats = SplatMode::constant;
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, false, false}));
     style.colour = ColourMode::height;
     EXPECT_EQ(format_of(style).stride(), 12u);
