@@ -144,10 +144,24 @@ ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
     if (format.colour != ColourSource::none) names.emplace_back(attribute_of(format.colour));
     if (format.radius) names.emplace_back(attribute_name::radius);
     if (format.normal) names.emplace_back(attribute_name::normal);
-    return ColumnSet::named(cloud_->info().schema, names);
+    ColumnSet columns = ColumnSet::named(cloud_->info().schema, names);
+    columns.sizes = format.radius;
+    return columns;
 }
 
-VertexAttributes ChunkFeed::attributes_of(const Chunk& chunk, const VertexFormat& format)
+// A point's own radius; where it has none, its size.
+void ChunkFeed::find_radii(NodeId node, const Chunk& chunk)
+{
+    const Schema& schema = cloud_->info().schema;
+    if (const auto place = schema.find(attribute_name::radius); place && schema[*place].components > 0)
+        make_radii(*chunk.attributes[*place], schema[*place], radii_);
+    else
+        radii_.assign(chunk.points, 0);
+    if (!sizes_) sizes_.emplace(*cloud_->tree());
+    sizes_->fill_in(node, *chunk.sizes, radii_);
+}
+
+VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format)
 {
     const Schema& schema = cloud_->info().schema;
     VertexAttributes attributes;
@@ -163,8 +177,7 @@ VertexAttributes ChunkFeed::attributes_of(const Chunk& chunk, const VertexFormat
         attributes.rgba = rgba_.data();
     }
     if (format.radius) {
-        const std::size_t place = *schema.find(attribute_name::radius);
-        make_radii(*chunk.attributes[place], schema[place], radii_);
+        find_radii(node, chunk);
         attributes.radii = radii_.data();
     }
     if (format.normal) {
@@ -187,7 +200,7 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
     return l1_->request(window, budget_ms, supply, [&](NodeId node) {
         const auto found = arrivals_.find(node);
         const L2Cache::Handle chunk = found->second.chunk;
-        const VertexAttributes attributes = attributes_of(*chunk, format);
+        const VertexAttributes attributes = attributes_of(node, *chunk, format);
         if (!l1_->upload(owner_, node, *chunk->positions, cloud_->info().grid.scale, format, attributes)) return false;
         arrivals_.erase(found);
         return true;

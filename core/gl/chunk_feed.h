@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/gl/l1_cache.h"
+#include "pcm/gl/point_sizes.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/point_cloud.h"
 #include "pcm/view/level_of_detail.h"
@@ -78,7 +79,8 @@ private:
     };
 
     ColumnSet columns_of(const VertexFormat& format) const;
-    VertexAttributes attributes_of(const Chunk& chunk, const VertexFormat& format);
+    VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
+    void find_radii(NodeId node, const Chunk& chunk);
     void fail(NodeId node, std::string error);
 
     const std::shared_ptr<PointCloud> cloud_;
@@ -93,6 +95,7 @@ private:
     std::map<ColourSource, ColourScale> scales_;
     std::vector<std::uint8_t> rgba_;
     std::vector<float> radii_, normals_;
+    std::optional<PointSizes> sizes_;  // when first needed
 };
 
 }  // namespace pcm

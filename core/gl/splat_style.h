@@ -11,10 +11,10 @@
 namespace pcm {
 
 struct CloudStyle {
-    SplatMode splats = SplatMode::constant;
+    SplatMode splats = SplatMode::adaptive;
     ColourMode colour = ColourMode::rgb;
     float point_size_px = 2;  // SplatShape::pixels: side of the square, clamped to the driver's range
-    float radius_scale = 1;   // the other shapes: factor on the points' radii
+    float radius_scale = 1;   // the other shapes: factor on the points' radii or sizes
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
 };
 inline bool operator==(const CloudStyle& a, const CloudStyle& b)
@@ -24,7 +24,7 @@ inline bool operator==(const CloudStyle& a, const CloudStyle& b)
 }
 inline bool operator!=(const CloudStyle& a, const CloudStyle& b) { return !(a == b); }
 
-// The nearest style that a cloud of this schema supports: without normals dynamic splats, without radii constant ones;
+// The nearest style that a cloud of this schema supports: without normals adaptive splats;
 // without rgb intensity, without intensity or classes height. `notice`, which may be null, becomes a sentence that says
 // what is missing and what is shown instead; empty when nothing is missing.
 CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice);

@@ -151,6 +151,7 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
     Chunk chunk;
     chunk.attributes.resize(info_.schema.size());
     if (columns.positions) chunk.positions = std::make_shared<ChunkPositions>();
+    if (columns.sizes) chunk.sizes = std::make_shared<Column>(attribute_of_sizes());
     for (std::size_t i = 0; i < info_.schema.size(); ++i)
         if (columns.attributes.test(i)) chunk.attributes[i] = std::make_shared<Column>(info_.schema[i]);
     return chunk;

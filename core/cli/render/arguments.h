@@ -16,7 +16,7 @@ namespace pcm::cli {
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
-    std::string output, size = "1280x720", splats = "constant", colour = "rgb", uniform_colour,
+    std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour,
                         background = "transparent", until = "full", path;
     std::vector<double> eye, target, up;
     std::optional<double> angle, height, frame_budget_ms;
