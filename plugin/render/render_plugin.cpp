@@ -53,11 +53,10 @@ bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const
 void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
                                        GLArea* area, QPainter*, GLLogStream& document_log)
 {
-    const auto tree = Registry::instance().find(layer);
-    if (!tree) return;
+    if (!Registry::instance().find(layer)) return;
     QString text;
     try {
-        text = View::of(area, action)->draw(layer, *tree, read_settings(*parameters));
+        text = View::of(area, action)->draw(read_settings(*parameters));
     } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
@@ -72,7 +71,7 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
         });
     }
     // MeshLab clears these lines only when it shows them.
-    if (area->infoAreaVisible) document_log.RealTimeLog("Point Cloud", layer.label(), text);
+    if (area->infoAreaVisible && !text.isEmpty()) document_log.RealTimeLog("Point Cloud", QString(), text);
 }
 
 void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)

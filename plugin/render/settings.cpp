@@ -17,6 +17,7 @@ const char* const colour = "MeshLab::PointCloud::Colour";
 const char* const uniform_colour = "MeshLab::PointCloud::UniformColour";
 const char* const samples = "MeshLab::PointCloud::Samples";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
+const char* const details = "MeshLab::PointCloud::Details";
 const char* const target_spacing = "MeshLab::PointCloud::TargetSpacing";
 const char* const frame_budget = "MeshLab::PointCloud::FrameBudget";
 const char* const point_budget = "MeshLab::PointCloud::PointBudget";
@@ -71,7 +72,17 @@ void add_style(RichParameterList& parameters)
                                   "Colour of all points if Colour by is Uniform. Default light grey."));
 }
 
-// Quality of the picture: multisampling, lighting, level of detail.
+void add_lighting(RichParameterList& parameters)
+{
+    const RenderOptions render;
+    parameters.addParam(RichFloat(
+        eye_dome, render.eye_dome, "Eye-dome lighting",
+        QString("Darkens points that lie behind their neighbours on the screen, with a strength from 0 (off) to 10. "
+                "It shows shapes in clouds without normals or colours. Default %1.")
+            .arg(static_cast<double>(render.eye_dome))));
+}
+
+// Quality of the picture: multisampling, level of detail.
 void add_quality(RichParameterList& parameters)
 {
     const RenderOptions render;
@@ -82,15 +93,17 @@ void add_quality(RichParameterList& parameters)
         samples, default_samples, sample_counts, "Samples per pixel",
         "Multisampling of edges (MSAA), in samples per pixel, limited to what the graphics card supports. Default " +
             sample_counts[default_samples] + "."));
-    parameters.addParam(RichFloat(
-        eye_dome, render.eye_dome, "Eye-dome lighting",
-        QString("Darkens points that lie behind their neighbours on the screen, with a strength from 0 (off) to 10. "
-                "It shows shapes in clouds without normals or colours. Default %1.")
-            .arg(static_cast<double>(render.eye_dome))));
     parameters.addParam(RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
                                   QString("Largest distance between neighbouring points on the screen while the view "
                                           "moves, in pixels, from 0.1 to 1000. Default %1.")
                                       .arg(render.target_spacing_px)));
+}
+
+void add_details(RichParameterList& parameters)
+{
+    parameters.addParam(RichBool(details, false, "Show details",
+                                 "Whether the text in the view also has the time per frame, in milliseconds, the "
+                                 "screen error, in pixels, and how full the caches are. Default off."));
 }
 
 // Limits of time and memory.
@@ -131,7 +144,10 @@ void add_budgets(RichParameterList& parameters)
 
 void add_settings(RichParameterList& parameters)
 {
+    // What a user looks for comes first.
     add_style(parameters);
+    add_lighting(parameters);
+    add_details(parameters);
     add_quality(parameters);
     add_budgets(parameters);
 }
@@ -160,6 +176,7 @@ Settings read_settings(const RichParameterList& parameters)
     render.frame_budget_ms = number(frame_budget, 1, 1e6);
     render.point_budget = static_cast<std::uint64_t>(number(point_budget, 0.01, 1e6) * 1e6);
     render.upload_budget_ms = number(upload_budget, 0.1, 1e6);
+    settings.details = parameters.getBool(details);
     settings.l1_bytes = mebibytes(parameters, l1_size, 8);
     settings.l2_bytes = mebibytes(parameters, l2_size, 16);
     return settings;

@@ -13,6 +13,7 @@ struct Settings {
     CloudStyle style;
     std::uint64_t l1_bytes = 0;
     std::uint64_t l2_bytes = 0;
+    bool details = false;  // in the text about the clouds
 };
 
 void add_settings(RichParameterList& parameters);

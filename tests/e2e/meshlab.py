@@ -35,6 +35,10 @@ class Run:
         """What the driver's print-layers printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: layer (\{.*\})", self.text)]
 
+    def boxes(self):
+        """What the driver's print-boxes printed."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: box (\{.*\})", self.text)]
+
     def cameras(self):
         """What the driver's print-camera printed, by name."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))

@@ -1,3 +1,4 @@
+#include "tests/e2e/driver/box_witness.h"
 #include "tests/e2e/driver/commands.h"
 
 #include <meshlab/glarea.h>
@@ -93,6 +94,20 @@ Done print_camera(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
+// print-boxes: the boxes of text in the view
+Done print_boxes(TestDriver& driver, const QString&)
+{
+    GLArea* area = driver.area();
+    BoxWitness witness;
+    QAction action("Box witness", &witness);
+    area->iPerDocDecoratorlist << &action;
+    area->repaint();
+    area->iPerDocDecoratorlist.removeAll(&action);
+    for (auto box = witness.boxes.cbegin(); box != witness.boxes.cend(); ++box)
+        say("box " + compact({{"title", box.key()}, {"layer", box->first}, {"text", box->second}}));
+    return Done::yes;
+}
+
 // picture FILE: the view without MeshLab's texts
 Done picture(TestDriver& driver, const QString& file)
 {
@@ -129,6 +144,7 @@ std::vector<Command> output_commands()
          [](TestDriver& driver, const QString&) { return say("log " + driver.log().replace('\n', " | ")), Done::yes; }},
         {"print-layers", print_layers},
         {"print-camera", print_camera},
+        {"print-boxes", print_boxes},
         {"picture", picture},
         {"screen", screen},
     };
