@@ -2,6 +2,7 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
+#include "plugin/render/opening.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -19,6 +20,7 @@ PointCloudDecorator::PointCloudDecorator()
     actionList << action;
 
     Registry& registry = Registry::instance();
+    connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_at_first_paint);
     connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_when_idle);
     connect(&registry, &Registry::detached, this, [](MeshDocument* document, int mesh_id) {
         for (GLArea* area : views_of(*document))
@@ -87,6 +89,12 @@ void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParamet
     if (View* view = View::find(area)) view->close();
 }
 
+void PointCloudDecorator::show_at_first_paint(MeshDocument* document, int mesh_id)
+{
+    for (GLArea* area : views_of(*document))
+        Opening::expect(*area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
+}
+
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
 {
     constexpr int wait_ms = 20;
@@ -99,14 +107,19 @@ void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
     });
 }
 
-void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
+// Like GLArea::setDecorator, but for this layer: the current layer may have changed in the meantime.
+void PointCloudDecorator::list(GLArea& area, MeshModel& layer)
 {
     QAction* const action = actionList.front();
-    // Like GLArea::setDecorator, but for this layer: the current layer may have changed in the meantime.
     QList<QAction*>& decorators = area.iPerMeshDecoratorsListMap[layer.id()];
     area.makeCurrent();
     if (startDecorate(action, layer, area.glas.currentGlobalParamSet, &area) && !decorators.contains(action))
         decorators.push_back(action);
+}
+
+void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
+{
+    list(area, layer);
     area.update();
     QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
     // Makes the layer panel list our parameters.

@@ -18,6 +18,7 @@ const char* const uniform_colour = "MeshLab::PointCloud::UniformColour";
 const char* const samples = "MeshLab::PointCloud::Samples";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
 const char* const details = "MeshLab::PointCloud::Details";
+const char* const first_view = "MeshLab::PointCloud::FirstView";
 const char* const target_spacing = "MeshLab::PointCloud::TargetSpacing";
 const char* const frame_budget = "MeshLab::PointCloud::FrameBudget";
 const char* const point_budget = "MeshLab::PointCloud::PointBudget";
@@ -106,6 +107,13 @@ void add_details(RichParameterList& parameters)
                                  "screen error, in pixels, and how full the caches are. Default off."));
 }
 
+void add_first_view(RichParameterList& parameters)
+{
+    parameters.addParam(RichEnum(first_view, 0, {"Obliquely from above", "From above"}, "First view",
+                                 "Where a view looks from when a cloud is opened in it and it shows nothing else: "
+                                 "obliquely from above, or straight down as MeshLab does. Default obliquely."));
+}
+
 // Limits of time and memory.
 void add_budgets(RichParameterList& parameters)
 {
@@ -149,6 +157,7 @@ void add_settings(RichParameterList& parameters)
     add_lighting(parameters);
     add_details(parameters);
     add_quality(parameters);
+    add_first_view(parameters);
     add_budgets(parameters);
 }
 
@@ -176,6 +185,7 @@ Settings read_settings(const RichParameterList& parameters)
     render.frame_budget_ms = number(frame_budget, 1, 1e6);
     render.point_budget = static_cast<std::uint64_t>(number(point_budget, 0.01, 1e6) * 1e6);
     render.upload_budget_ms = number(upload_budget, 0.1, 1e6);
+    settings.oblique_first_view = parameters.getEnum(first_view) == 0;
     settings.details = parameters.getBool(details);
     settings.l1_bytes = mebibytes(parameters, l1_size, 8);
     settings.l2_bytes = mebibytes(parameters, l2_size, 16);

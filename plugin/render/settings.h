@@ -14,6 +14,7 @@ struct Settings {
     std::uint64_t l1_bytes = 0;
     std::uint64_t l2_bytes = 0;
     bool details = false;  // in the text about the clouds
+    bool oblique_first_view = true;
 };
 
 void add_settings(RichParameterList& parameters);

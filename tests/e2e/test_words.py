@@ -6,6 +6,8 @@ from meshlab import NO_TIME_LIMIT, MeshLabTest
 
 
 class Words(MeshLabTest):
+    first_view = 0  # as a user sees it
+
     def test_one_box_for_all_layers(self):
         _, first = self.generate("first", 60000, "--seed", 6)
         _, second = self.generate("second", 40000, "--seed", 7)
@@ -30,6 +32,85 @@ class Words(MeshLabTest):
         for line in ("all points shown<br>", " ms per frame", "first.pct: ", "second.pct: ", "video memory: ", "main memory: "):
             self.assertIn(line, detailed["text"])
         self.assertNotIn("<t", detailed["text"])
+
+    def test_first_paint_shows_the_tree(self):
+        """MeshLab's own points, dark without normals, are not even shown for an instant."""
+        _, tree = self.generate("first", 60000, "--seed", 6)
+        opening = f"open {tree}\nwait-layers %d\nwait-status complete\n"
+        run = self.gui(f"""
+            wait-view
+            count-paints
+            {opening % 1}
+            print-paints
+            count-paints
+            {opening % 2}
+            trigger Reload
+            pause 300
+            wait-status complete
+            print-paints
+            quit
+            """)
+        self.assertDriven(run)
+        for paints in run.paints():
+            self.assertGreater(paints["all"], 0)
+            self.assertEqual(paints["native"], 0)
+
+    def test_first_view(self):
+        """Opened alone, a tree is seen obliquely; a camera that was moved, or that shows something else, is left alone."""
+        las, tree = self.generate("first", 60000, "--seed", 6)
+        _, other = self.generate("other", 40000, "--seed", 7)
+        run = self.gui(f"""
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            print-camera oblique
+            screen {self.result("oblique.png")}
+            drag 0.4 0.5 0.6 0.6
+            print-camera moved
+            trigger Reload
+            pause 200
+            wait-status complete
+            print-camera reloaded
+            open {other}
+            wait-layers 2
+            wait-status 2 clouds
+            print-camera both
+            trigger Close Project
+            pause 300
+            trigger New Empty Project...
+            wait-view
+            open {las}
+            wait-layers 1
+            open {tree}
+            wait-layers 2
+            wait-status complete
+            print-camera beside
+            parameter MeshLab::PointCloud::FirstView = 1
+            trigger Delete Current Mesh
+            trigger Delete Current Mesh
+            wait-layers 0
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            print-camera above
+            quit
+            """)
+        self.assertDriven(run)
+        cameras = run.cameras()
+
+        def slope(name):
+            """How far down the camera looks: 1 straight down."""
+            eye, centre = cameras[name]["eye"], cameras[name]["centre"]
+            away = [e - c for e, c in zip(eye, centre)]
+            return away[2] / sum(a * a for a in away) ** 0.5
+
+        self.assertAlmostEqual(slope("oblique"), 0.58, delta=0.01)
+        self.assertNotAlmostEqual(slope("moved"), 0.58, delta=0.01)
+        self.assertEqual(cameras["moved"]["eye"], cameras["reloaded"]["eye"])
+        self.assertAlmostEqual(slope("both"), 0.58, delta=0.01)  # MeshLab has put it straight above
+        self.assertAlmostEqual(slope("beside"), 1, delta=0.001)
+        self.assertAlmostEqual(slope("above"), 1, delta=0.001)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-#include "tests/e2e/driver/box_witness.h"
 #include "tests/e2e/driver/commands.h"
+#include "tests/e2e/driver/paint_witness.h"
 
 #include <meshlab/glarea.h>
 
@@ -97,14 +97,24 @@ Done print_camera(TestDriver& driver, const QString& name)
 // print-boxes: the boxes of text in the view
 Done print_boxes(TestDriver& driver, const QString&)
 {
-    GLArea* area = driver.area();
-    BoxWitness witness;
-    QAction action("Box witness", &witness);
-    area->iPerDocDecoratorlist << &action;
-    area->repaint();
-    area->iPerDocDecoratorlist.removeAll(&action);
+    const PaintWitness witness(driver.area());
+    driver.area()->repaint();
     for (auto box = witness.boxes.cbegin(); box != witness.boxes.cend(); ++box)
         say("box " + compact({{"title", box.key()}, {"layer", box->first}, {"text", box->second}}));
+    return Done::yes;
+}
+
+// count-paints: from now on, until print-paints
+Done count_paints(TestDriver& driver, const QString&)
+{
+    driver.witness = std::make_unique<PaintWitness>(driver.area());
+    return Done::yes;
+}
+
+Done print_paints(TestDriver& driver, const QString&)
+{
+    say("paints " + compact({{"all", driver.witness->paints}, {"native", driver.witness->native_paints}}));
+    driver.witness.reset();
     return Done::yes;
 }
 
@@ -145,6 +155,8 @@ std::vector<Command> output_commands()
         {"print-layers", print_layers},
         {"print-camera", print_camera},
         {"print-boxes", print_boxes},
+        {"count-paints", count_paints},
+        {"print-paints", print_paints},
         {"picture", picture},
         {"screen", screen},
     };
