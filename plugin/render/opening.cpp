@@ -84,11 +84,27 @@ bool Opening::eventFilter(QObject* receiver, QEvent* event)
 
 void Opening::before_paint()
 {
+    set_background();
     MeshDocument* document = area_->md();
     if (!document || document->isBusy()) return;  // MeshLab draws no layer
     for (const int mesh_id : std::exchange(waiting_, {}))
         if (MeshModel* layer = document->getMesh(mesh_id)) show_(*area_, *layer);
     look();
+}
+
+void Opening::set_background()
+{
+    GLAreaSetting& view = area_->glas;
+    const auto colour = read_settings(*view.currentGlobalParamSet).background;
+    if (colour) {
+        const vcg::Color4b bytes(static_cast<unsigned char>(colour->red()), static_cast<unsigned char>(colour->green()),
+                                 static_cast<unsigned char>(colour->blue()), 255);
+        view.backgroundTopColor = view.backgroundBotColor = bytes;
+    } else if (own_background_) {
+        view.backgroundTopColor = view.currentGlobalParamSet->getColor4b(GLAreaSetting::backgroundTopColorParam());
+        view.backgroundBotColor = view.currentGlobalParamSet->getColor4b(GLAreaSetting::backgroundBotColorParam());
+    }
+    own_background_ = colour.has_value();
 }
 
 void Opening::look()

@@ -34,6 +34,7 @@ private:
     explicit Opening(GLArea* area);
     void before_paint();
     void look();
+    void set_background();
 
     GLArea* area_;
     Show show_;
@@ -42,6 +43,7 @@ private:
     bool to_look_ = false;
     std::optional<vcg::Similarityf> looked_;  // until the camera is moved
     QSize looked_size_;
+    bool own_background_ = false;
 };
 
 }  // namespace pcm::host

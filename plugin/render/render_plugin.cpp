@@ -2,6 +2,7 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
+#include "plugin/render/dock.h"
 #include "plugin/render/opening.h"
 #include "plugin/render/view.h"
 
@@ -120,6 +121,7 @@ void PointCloudDecorator::list(GLArea& area, MeshModel& layer)
 void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
 {
     list(area, layer);
+    Dock::show_for(area);
     area.update();
     QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
     // Makes the layer panel list our parameters.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace pcm::host {
 
@@ -19,6 +20,7 @@ const char* const samples = "MeshLab::PointCloud::Samples";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
 const char* const details = "MeshLab::PointCloud::Details";
 const char* const first_view = "MeshLab::PointCloud::FirstView";
+const char* const background = "MeshLab::PointCloud::Background";
 const char* const target_spacing = "MeshLab::PointCloud::TargetSpacing";
 const char* const frame_budget = "MeshLab::PointCloud::FrameBudget";
 const char* const point_budget = "MeshLab::PointCloud::PointBudget";
@@ -26,6 +28,7 @@ const char* const upload_budget = "MeshLab::PointCloud::UploadBudget";
 const char* const l1_size = "MeshLab::PointCloud::VideoMemory";
 const char* const l2_size = "MeshLab::PointCloud::Memory";
 
+const QColor backgrounds[] = {Qt::black, QColor(64, 64, 64), Qt::white};  // of the choices after MeshLab's
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
 
 // The choices of a table of modes: splat_modes() or colour_modes().
@@ -100,6 +103,13 @@ void add_quality(RichParameterList& parameters)
                                       .arg(render.target_spacing_px)));
 }
 
+void add_background(RichParameterList& parameters)
+{
+    parameters.addParam(RichEnum(background, 0, {"MeshLab's", "Black", "Grey", "White"}, "Background",
+                                 "What is behind the clouds: the gradient of MeshLab's Tools > Options, or one colour. "
+                                 "Default MeshLab's."));
+}
+
 void add_details(RichParameterList& parameters)
 {
     parameters.addParam(RichBool(details, false, "Show details",
@@ -150,16 +160,23 @@ void add_budgets(RichParameterList& parameters)
 
 }  // namespace
 
-void add_settings(RichParameterList& parameters)
+void add_first_settings(RichParameterList& parameters)
 {
-    // What a user looks for comes first.
     add_style(parameters);
     add_lighting(parameters);
+    add_background(parameters);
+}
+
+void add_settings(RichParameterList& parameters)
+{
+    add_first_settings(parameters);
     add_details(parameters);
     add_quality(parameters);
     add_first_view(parameters);
     add_budgets(parameters);
 }
+
+bool zero_is_off(const QString& name) { return name == eye_dome; }
 
 Settings read_settings(const RichParameterList& parameters)
 {
@@ -186,6 +203,8 @@ Settings read_settings(const RichParameterList& parameters)
     render.point_budget = static_cast<std::uint64_t>(number(point_budget, 0.01, 1e6) * 1e6);
     render.upload_budget_ms = number(upload_budget, 0.1, 1e6);
     settings.oblique_first_view = parameters.getEnum(first_view) == 0;
+    if (const int i = parameters.getEnum(background); i > 0 && i <= int(std::size(backgrounds)))
+        settings.background = backgrounds[i - 1];
     settings.details = parameters.getBool(details);
     settings.l1_bytes = mebibytes(parameters, l1_size, 8);
     settings.l2_bytes = mebibytes(parameters, l2_size, 16);

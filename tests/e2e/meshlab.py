@@ -39,6 +39,11 @@ class Run:
         """What the driver's print-boxes printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: box (\{.*\})", self.text)]
 
+    def parameters(self):
+        """What the driver's print-parameters printed, by name."""
+        found = (json.loads(m[1]) for m in re.finditer(r"driver: parameters (\{.*\})", self.text))
+        return {values["name"]: values for values in found}
+
     def paints(self):
         """What the driver's print-paints printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: paints (\{.*\})", self.text)]

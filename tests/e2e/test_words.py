@@ -2,7 +2,7 @@
 
 import unittest
 
-from meshlab import NO_TIME_LIMIT, MeshLabTest
+from meshlab import NO_TIME_LIMIT, MeshLabTest, different
 
 
 class Words(MeshLabTest):
@@ -111,6 +111,69 @@ class Words(MeshLabTest):
         self.assertAlmostEqual(slope("both"), 0.58, delta=0.01)  # MeshLab has put it straight above
         self.assertAlmostEqual(slope("beside"), 1, delta=0.001)
         self.assertAlmostEqual(slope("above"), 1, delta=0.001)
+
+    def test_panel(self):
+        """The panel appears with the first tree, its settings apply at once, and it shows what MeshLab's own panel changes."""
+        _, tree = self.generate("first", 60000, "--seed", 6)
+        names = ("plain", "lit", "unlit", "large", "height", "black")
+        pictures = {name: self.result(f"{name}.png") for name in names}
+        run = self.gui(f"""
+            wait-view
+            {NO_TIME_LIMIT}
+            open {tree}
+            wait-layers 1
+            panel EyeDomeLightingOn = off
+            wait-status full resolution
+            picture {pictures["plain"]}
+            panel EyeDomeLightingOn = on
+            wait-status full resolution
+            picture {pictures["lit"]}
+            panel EyeDomeLightingOn = off
+            wait-status full resolution
+            picture {pictures["unlit"]}
+            panel Splats = Squares of one size
+            panel SplatSize = 9
+            wait-status full resolution
+            picture {pictures["large"]}
+            panel Colour = Height
+            wait-status full resolution
+            picture {pictures["height"]}
+            panel Background = Black
+            wait-status full resolution
+            picture {pictures["black"]}
+            print-parameters changed
+            screen {self.result("screen.png")}
+            pause 600
+            unfold
+            press Reset
+            pause 300
+            print-parameters reset
+            panel SplatSize = 5
+            press Keep as default
+            pause 100
+            trigger Point Cloud
+            pause 300
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(different(pictures["plain"], pictures["unlit"]), 0)
+        for before, after in (("plain", "lit"), ("unlit", "large"), ("large", "height"), ("height", "black")):
+            self.assertGreater(different(pictures[before], pictures[after]), 0.01, f"{before}, {after}")
+        changed, reset = run.parameters()["changed"], run.parameters()["reset"]
+        self.assertEqual((changed["SplatSize"], changed["EyeDomeLighting"]), (9, 0))
+        self.assertEqual((reset["SplatSize"], reset["Background"]), (2, 0))
+        # What was kept is there at the next start, and the panel stays hidden.
+        run = self.gui(f"""
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            print-parameters kept
+            screen {self.result("hidden.png")}
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(run.parameters()["kept"]["SplatSize"], 5)
 
 
 if __name__ == "__main__":

@@ -104,6 +104,25 @@ Done print_boxes(TestDriver& driver, const QString&)
     return Done::yes;
 }
 
+// print-parameters NAME: the settings of point clouds
+Done print_parameters(TestDriver& driver, const QString& name)
+{
+    QJsonObject values{{"name", name}};
+    for (const RichParameter& parameter : *driver.area()->glas.currentGlobalParamSet) {
+        if (!parameter.name().startsWith("MeshLab::PointCloud::")) continue;
+        const Value& value = parameter.value();
+        values[parameter.name().section("::", -1)] = value.isFloat()    ? QJsonValue(double(value.getFloat()))
+                                                     : value.isEnum()   ? QJsonValue(value.getEnum())
+                                                     : value.isBool()   ? QJsonValue(value.getBool())
+                                                     : value.isInt()    ? QJsonValue(value.getInt())
+                                                     : value.isColor()  ? QJsonValue(value.getColor().name())
+                                                     : value.isString() ? QJsonValue(value.getString())
+                                                                        : QJsonValue();
+    }
+    say("parameters " + compact(values));
+    return Done::yes;
+}
+
 // count-paints: from now on, until print-paints
 Done count_paints(TestDriver& driver, const QString&)
 {
@@ -155,6 +174,7 @@ std::vector<Command> output_commands()
         {"print-layers", print_layers},
         {"print-camera", print_camera},
         {"print-boxes", print_boxes},
+        {"print-parameters", print_parameters},
         {"count-paints", count_paints},
         {"print-paints", print_paints},
         {"picture", picture},

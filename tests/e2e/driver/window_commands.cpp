@@ -7,6 +7,8 @@
 #include <QApplication>
 #include <QCheckBox>
 #include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
@@ -141,6 +143,27 @@ Done parameter(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
+Done panel(TestDriver& driver, const QString& argument)
+{
+    const QString name = "MeshLab::PointCloud::" + argument.section('=', 0, 0).trimmed();
+    const QString value = argument.section('=', 1).trimmed();
+    const auto* dock = driver.window()->findChild<QDockWidget*>("PointCloudDock");
+    auto* widget = dock ? dock->findChild<QWidget*>(name) : nullptr;
+    if (!widget || !dock->isVisible()) driver.fail("the panel has no '" + name + "'");
+    if (auto* choice = qobject_cast<QComboBox*>(widget)) {
+        if (choice->findText(value) < 0) driver.fail("'" + name + "' offers no '" + value + "'");
+        choice->setCurrentText(value);
+    } else if (auto* number = qobject_cast<QDoubleSpinBox*>(widget)) {
+        number->setValue(value.toDouble());
+    } else if (auto* tick = qobject_cast<QCheckBox*>(widget)) {
+        if (tick->isChecked() != (value == "on")) tick->click();
+    } else {
+        driver.fail("'" + name + "' is of an unknown kind");
+    }
+    return Done::yes;
+}
+
 // Opens all folded items of the layer panel, such as the parameters of decorators.
 Done unfold(TestDriver& driver, const QString&)
 {
@@ -174,6 +197,7 @@ std::vector<Command> window_commands()
         {"press", press},
         {"set", set},
         {"parameter", parameter},
+        {"panel", panel},
         {"unfold", unfold},
         {"escape", escape},
         {"quit", quit},
