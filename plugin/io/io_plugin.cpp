@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/host/field_buttons.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/shading.h"
@@ -64,6 +65,7 @@ void PointCloudIo::initPreOpenParameter(const QString& format, const QString& fi
         add_file_settings(parameters, path);
     else if (auto* stock = stock_importer(format, this))
         stock->initPreOpenParameter(format, file_name, parameters);
+    add_field_buttons(parameters, nullptr);
 }
 
 void PointCloudIo::initOpenParameter(const QString&, MeshModel& layer, RichParameterList&)
@@ -153,6 +155,7 @@ void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, Ri
         stock->initSaveParameter(format, layer, parameters);
     else
         add_export_settings(parameters, format.toLower().toStdString(), layer);
+    add_field_buttons(parameters, layer.parent);
 }
 
 // MeshLab does not pass the layer, so this is what either exporter can write.

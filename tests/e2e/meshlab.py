@@ -44,6 +44,10 @@ class Run:
         found = (json.loads(m[1]) for m in re.finditer(r"driver: parameters (\{.*\})", self.text))
         return {values["name"]: values for values in found}
 
+    def fields(self):
+        """What the driver's print-field printed, in order."""
+        return re.findall(r"driver: field [^:]*: (.*)", self.text)
+
     def paints(self):
         """What the driver's print-paints printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: paints (\{.*\})", self.text)]

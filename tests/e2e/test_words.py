@@ -2,7 +2,7 @@
 
 import unittest
 
-from meshlab import NO_TIME_LIMIT, MeshLabTest, different
+from meshlab import NO_TIME_LIMIT, MeshLabTest, different, pcmlab
 
 
 class Words(MeshLabTest):
@@ -174,6 +174,85 @@ class Words(MeshLabTest):
             """)
         self.assertDriven(run)
         self.assertEqual(run.parameters()["kept"]["SplatSize"], 5)
+
+    def test_files_are_picked(self):
+        first, second = (self.generate_file(name, 30000, "--seed", 6) for name in ("first", "second file"))
+        _, tree = self.generate("t", 30000, "--seed", 6)
+        made = self.folder / "made.pct"
+        run = self.gui(f"""
+            wait-view
+            trigger Build Point Cloud Tree
+            field-button Input files = Add files
+            pick {first}
+            field-button Input files = Add files
+            pick {second}
+            print-field Input files
+            field-button Output folder = Name a tree
+            pick {self.folder / "made"}
+            print-field Output folder
+            screen {self.result("dialog.png")}
+            press Apply
+            wait-layers 1
+            wait-log 60,000 points
+            press Close
+            trigger Point Cloud Tree Information
+            field-button Tree folder = Choose a tree
+            pick {tree / "index.pct"}
+            pause 200
+            print-field Tree folder
+            press Apply
+            wait-log Tree: {tree}
+            set Tree folder = {tree / "index.pct"}
+            press Apply
+            pause 300
+            press Close
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(run.fields(), [f"{first}; {second}", str(made), str(tree)])
+        self.assertEqual(pcmlab("info", made)["points"], 60000)
+        self.assertEqual(run.text.count(f"LOG: 2 Tree: {tree}\n"), 2, "an index.pct stands for its tree")
+
+    def test_box_is_taken_from_the_view(self):
+        _, tree = self.generate("t", 200000, "--seed", 6)
+        run = self.gui(f"""
+            wait-view
+            view-size 480 360
+            parameter MeshLab::PointCloud::FirstView = 1
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            trigger Delete Points of Point Cloud Tree
+            field-button Box = Box of what the view shows
+            print-field Box
+            wheel -8
+            pause 100
+            field-button Box = Box of what the view shows
+            print-field Box
+            field-button Box = Box of the selected vertices
+            press OK
+            expect-message No vertex of the current layer is selected
+            set Count only = on
+            press Apply
+            wait-log would be deleted
+            press Close
+            trigger Select All
+            press Apply
+            trigger Delete Points of Point Cloud Tree
+            field-button Box = Box of the selected vertices
+            print-field Box
+            quit
+            """)
+        self.assertDriven(run)
+        whole, part, selected = ([float(n) for n in text.split()] for text in run.fields())
+        bounds = pcmlab("info", tree)["bounds"]
+        expected = [*bounds["min"], *bounds["max"]]
+        for box in (whole, selected):
+            for found, value in zip(box, expected):
+                self.assertAlmostEqual(found, value, delta=0.02)
+        for axis in (0, 1):
+            self.assertGreater(part[axis], whole[axis])
+            self.assertLess(part[3 + axis], whole[3 + axis])
 
 
 if __name__ == "__main__":

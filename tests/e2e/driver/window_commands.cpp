@@ -9,6 +9,7 @@
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
+#include <QFileDialog>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
@@ -143,6 +144,43 @@ Done parameter(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// field-button LABEL = TEXT: a button in a field of the open dialog
+Done field_button(TestDriver& driver, const QString& argument)
+{
+    QWidget* widget = field(argument.section('=', 0, 0).trimmed());
+    if (widget)
+        for (QAction* action : widget->actions())
+            if (action->text() == argument.section('=', 1).trimmed()) {
+                QTimer::singleShot(0, action, SLOT(trigger()));
+                return Done::yes;
+            }
+    return driver.until(false, "a button '" + argument + "'");
+}
+
+// print-field LABEL: the text of a field of the open dialog
+Done print_field(TestDriver& driver, const QString& argument)
+{
+    const auto* edit = qobject_cast<QLineEdit*>(field(argument));
+    if (!edit) driver.fail("no field '" + argument + "'");
+    say("field " + argument + ": " + edit->text());
+    return Done::yes;
+}
+
+// pick PATH [; PATH...]: in the open dialog for files; nothing keeps the name that it proposes
+Done pick(TestDriver& driver, const QString& argument)
+{
+    auto* dialog = qobject_cast<QFileDialog*>(qApp->activeModalWidget());
+    auto* name = dialog ? dialog->findChild<QLineEdit*>("fileNameEdit") : nullptr;
+    if (!name) return driver.until(false, "a dialog for files");
+    driver.message = dialog->windowTitle() + " " + dialog->selectedNameFilter() + " " + name->text();
+    say("file dialog: " + driver.message);
+    QStringList names;
+    for (const QString& path : argument.split("; ", Qt::SkipEmptyParts)) names << path.trimmed();
+    if (!names.empty()) name->setText(names.size() == 1 ? names.first() : '"' + names.join("\" \"") + '"');
+    QMetaObject::invokeMethod(dialog, "accept", Qt::QueuedConnection);
+    return Done::yes;
+}
+
 // panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
 Done panel(TestDriver& driver, const QString& argument)
 {
@@ -197,6 +235,9 @@ std::vector<Command> window_commands()
         {"press", press},
         {"set", set},
         {"parameter", parameter},
+        {"field-button", field_button},
+        {"print-field", print_field},
+        {"pick", pick},
         {"panel", panel},
         {"unfold", unfold},
         {"escape", escape},
