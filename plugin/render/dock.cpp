@@ -1,5 +1,6 @@
 #include "plugin/render/dock.h"
 
+#include "plugin/host/registry.h"
 #include "plugin/render/settings.h"
 
 #include <meshlab/glarea.h>
@@ -23,13 +24,6 @@ namespace {
 const char* const object_name = "PointCloudDock";
 const char* const hidden_key = "PointCloud/panelHidden";
 constexpr int panel_delay_ms = 400;  // MeshLab's panel is made anew; not at every step of a spin box
-
-QMainWindow* window_of(const GLArea& area)
-{
-    for (QWidget* widget = area.parentWidget(); widget; widget = widget->parentWidget())
-        if (widget->inherits("MainWindow")) return qobject_cast<QMainWindow*>(widget);
-    return nullptr;
-}
 
 void add_to_menu(QMainWindow& window, QAction* action)
 {

@@ -4,6 +4,7 @@
 #include "plugin/host/text.h"
 #include "plugin/render/dock.h"
 #include "plugin/render/opening.h"
+#include "plugin/render/project_settings.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -92,8 +93,10 @@ void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParamet
 
 void PointCloudDecorator::show_at_first_paint(MeshDocument* document, int mesh_id)
 {
-    for (GLArea* area : views_of(*document))
+    for (GLArea* area : views_of(*document)) {
+        ProjectSettings::follow(*area);
         Opening::expect(*area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
+    }
 }
 
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)

@@ -176,6 +176,8 @@ void add_settings(RichParameterList& parameters)
     add_budgets(parameters);
 }
 
+bool is_memory(const QString& name) { return name == l1_size || name == l2_size; }
+
 bool zero_is_off(const QString& name) { return name == eye_dome; }
 
 Settings read_settings(const RichParameterList& parameters)

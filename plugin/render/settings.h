@@ -26,6 +26,8 @@ struct Settings {
 void add_settings(RichParameterList& parameters);
 // The first of them: what points are drawn as, their size and colour, lighting, background.
 void add_first_settings(RichParameterList& parameters);
+// Whether this is an amount of memory.
+bool is_memory(const QString& name);
 // Whether the number 0 switches this setting off.
 bool zero_is_off(const QString& name);
 

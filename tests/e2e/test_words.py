@@ -1,5 +1,6 @@
 """What MeshLab shows and says about clouds, in a user's words: the text in the view, the settings, the first view, messages."""
 
+import shutil
 import unittest
 
 from meshlab import NO_TIME_LIMIT, MeshLabTest, different, pcmlab
@@ -253,6 +254,58 @@ class Words(MeshLabTest):
         for axis in (0, 1):
             self.assertGreater(part[axis], whole[axis])
             self.assertLess(part[3 + axis], whole[3 + axis])
+
+    def test_project_keeps_settings(self):
+        """Saved and opened in another session, a project looks the same; a save that is cancelled changes nothing."""
+        _, tree = self.generate("city", 60000, "--seed", 6)
+        project = self.folder / "p.mlp"
+        before, after = self.result("before.png"), self.result("after.png")
+        run = self.gui(f"""
+            wait-view
+            {NO_TIME_LIMIT}
+            view-size 480 360
+            open {tree}
+            wait-layers 1
+            panel SplatSize = 6
+            panel Colour = Height
+            panel EyeDomeLightingOn = on
+            panel EyeDomeLighting = 2.5
+            panel Background = Grey
+            parameter MeshLab::PointCloud::Memory = 300
+            wait-status full resolution
+            picture {before}
+            print-parameters before
+            trigger Save Project As...
+            pick {project}
+            pause 300
+            panel SplatSize = 7
+            trigger Save Project As...
+            press Cancel
+            pause 300
+            quit
+            """)
+        self.assertDriven(run)
+        saved = project.read_text()
+        self.assertEqual(saved.count("<PointCloudSettings>"), 1)
+        self.assertLess(saved.index("city.pct"), saved.index("<PointCloudSettings>"))
+        shutil.rmtree(self.folder / "config" / "VCG")
+        run = self.gui(f"""
+            wait-view
+            view-size 480 360
+            open-project {project}
+            wait-layers 1
+            wait-log the settings of the view are those of {project}
+            wait-status full resolution
+            picture {after}
+            print-parameters after
+            screen {self.result("screen.png")}
+            quit
+            """)
+        self.assertDriven(run)
+        found = run.parameters()["after"]
+        self.assertEqual((found["SplatSize"], found["EyeDomeLighting"], found["Background"], found["FrameBudget"]), (6, 2.5, 2, 100000))
+        self.assertEqual(found["Memory"], 512, "memory belongs to the computer")
+        self.assertLess(different(before, after), 0.02)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,13 @@ Done open(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// open-project FILE
+Done open_project(TestDriver& driver, const QString& file)
+{
+    QMetaObject::invokeMethod(driver.window(), "openProject", Qt::QueuedConnection, Q_ARG(QString, file));
+    return Done::yes;
+}
+
 // Saves the current layer, with or without the dialog about what is to be written.
 void save(TestDriver& driver, const QString& file, bool everything)
 {
@@ -229,6 +236,7 @@ std::vector<Command> window_commands()
 {
     return {
         {"open", open},
+        {"open-project", open_project},
         {"export", [](TestDriver& driver, const QString& file) { return save(driver, file, true), Done::yes; }},
         {"export-asking", [](TestDriver& driver, const QString& file) { return save(driver, file, false), Done::yes; }},
         {"trigger", trigger},
