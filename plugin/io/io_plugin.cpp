@@ -10,6 +10,7 @@
 #include "plugin/host/shading.h"
 #include "plugin/host/text.h"
 #include "plugin/io/export.h"
+#include "plugin/io/export_dialog.h"
 #include "plugin/io/formats.h"
 #include "plugin/io/import.h"
 #include "plugin/io/stock.h"
@@ -52,6 +53,12 @@ std::string error_about(const std::filesystem::path& path)
 }
 
 }  // namespace
+
+PointCloudIo::PointCloudIo()
+{
+    connect(&Registry::instance(), &Registry::attached, this,
+            [](const MeshDocument* document) { ExportDialog::take_over(*document); });
+}
 
 QList<MeshIOInterface::Format> PointCloudIo::importFormats() const { return import_formats(); }
 
@@ -183,6 +190,7 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         Operation operation(callback);
         for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
             say(GLLogStream::FILTER, line, parent);
+        keep_file_of(layer);
         return true;
     } catch (...) {
         const std::string error = error_about(path);

@@ -18,6 +18,7 @@ class PointCloudIo : public QObject, public MeshIOInterface {
     Q_INTERFACES(MeshIOInterface)
 
 public:
+    PointCloudIo();
     QString pluginName() const override { return "IOPointCloud"; }
     QList<Format> importFormats() const override;
     QList<Format> exportFormats() const override;

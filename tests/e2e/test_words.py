@@ -307,6 +307,43 @@ class Words(MeshLabTest):
         self.assertEqual(found["Memory"], 512, "memory belongs to the computer")
         self.assertLess(different(before, after), 0.02)
 
+    def test_export_proposes_what_works(self):
+        """Both entries of the menu propose a new file of a type that can be written; the layer stays that of the tree."""
+        las, tree = self.generate("city", 60000, "--seed", 6)
+        project = self.folder / "p.mlp"
+        run = self.gui(f"""
+            wait-view
+            open {tree}
+            wait-layers 1
+            wait-status complete
+            trigger Export Mesh...
+            pick
+            expect-message city.laz
+            expect-message LAZ
+            press OK
+            wait-log Wrote 60,000 points
+            trigger Export Mesh As...
+            pick
+            expect-message city-export.laz
+            press OK
+            wait-log city-export.laz in
+            trigger Reload
+            wait-status complete
+            trigger Save Project As...
+            pick {project}
+            pause 300
+            open {las}
+            wait-layers 2
+            trigger Export Mesh...
+            press Cancel
+            expect-no-dialog
+            quit
+            """)
+        self.assertDriven(run)
+        for name in ("city.laz", "city-export.laz"):
+            self.assertEqual(pcmlab("info", self.folder / name)["points"], 60000)
+        self.assertIn('filename="city.pct"', project.read_text())
+
 
 if __name__ == "__main__":
     unittest.main()
