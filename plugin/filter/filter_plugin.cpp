@@ -1,6 +1,7 @@
 #include "plugin/filter/filter_plugin.h"
 
 #include "plugin/filter/filter.h"
+#include "plugin/host/cancelled.h"
 #include "plugin/host/field_buttons.h"
 #include "plugin/host/text.h"
 
@@ -70,6 +71,12 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     } catch (...) {
         // An exception that leaves this function would leave the document busy for ever. Windows show errorMessage,
         // meshlabserver prints only the log.
+        if (const auto text = cancelled_text(filter.name)) {
+            errorMessage = *text;
+            Log(GLLogStream::FILTER, text->toStdString());
+            say_cancelled(*text);
+            return false;
+        }
         const std::string error = current_error();
         errorMessage = QString::fromStdString(error);
         Log(GLLogStream::WARNING, std::string(filter.name) + ": " + error);

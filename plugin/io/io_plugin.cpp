@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/host/cancelled.h"
 #include "plugin/host/field_buttons.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
@@ -102,9 +103,7 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
         mask |= mask_of(layer);
         return true;
     } catch (...) {
-        const std::string error = error_about(path);
-        errorMessage = QString::fromStdString(error);
-        say(GLLogStream::WARNING, "Cannot open " + error, parent);
+        report_failure("Opening", "open", path, parent);
         return false;
     }
 }
@@ -139,6 +138,22 @@ bool PointCloudIo::hand_over_open(MeshIOInterface& stock, const QString& format,
                 exact(*origin) + ".",
             parent);
     return opened;
+}
+
+// Inside a catch block.
+void PointCloudIo::report_failure(const char* doing, const char* verb, const std::filesystem::path& path,
+                                  const QWidget* window)
+{
+    const QString what = QString(doing) + " " + QString::fromStdString(path.string());
+    if (const auto text = cancelled_text(what)) {
+        errorMessage = *text;
+        say(GLLogStream::FILTER, text->toStdString(), window);
+        if (window) say_cancelled(*text);
+        return;
+    }
+    const std::string error = error_about(path);
+    errorMessage = QString::fromStdString(error);
+    say(GLLogStream::WARNING, std::string("Cannot ") + verb + " " + error, window);
 }
 
 void PointCloudIo::say(GLLogStream::Levels level, const std::string& line, const QWidget* window)
@@ -193,9 +208,7 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         keep_file_of(layer);
         return true;
     } catch (...) {
-        const std::string error = error_about(path);
-        errorMessage = QString::fromStdString(error);
-        say(GLLogStream::WARNING, "Cannot save " + error, parent);
+        report_failure("Saving", "save", path, parent);
         return false;
     }
 }

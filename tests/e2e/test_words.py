@@ -344,6 +344,57 @@ class Words(MeshLabTest):
             self.assertEqual(pcmlab("info", self.folder / name)["points"], 60000)
         self.assertIn('filename="city.pct"', project.read_text())
 
+    def test_escape_is_no_failure(self):
+        """Of an import, a filter and an export."""
+        las = self.generate_file("large", 3000000, "--seed", 4)
+        _, tree = self.generate("t", 2000000, "--seed", 6)
+        run = self.gui(f"""
+            wait-view
+            open {las}
+            wait-building
+            escape
+            press OK
+            expect-message Cancelled: Opening {las} was cancelled.
+            wait-log Opening {las} was cancelled.
+            trigger Build Point Cloud Tree
+            set Input files = {las}
+            press Apply
+            wait-building
+            escape
+            press OK
+            expect-message Cancelled: Build Point Cloud Tree was cancelled.
+            press Close
+            open {tree}
+            wait-layers 1
+            export {self.folder / "out.laz"}
+            wait-building
+            escape
+            press OK
+            expect-message Cancelled: Saving {self.folder / "out.laz"} was cancelled.
+            expect-no-dialog
+            print-log
+            quit
+            """)
+        self.assertDriven(run)
+        for word in ("Cannot", "Failure", "warning"):
+            self.assertNotIn(word, "\n".join(line for line in run.text.splitlines() if "driver: log" in line))
+
+    def test_damaged_index_says_how_to_repair(self):
+        _, tree = self.generate("t t", 50000, "--seed", 6)
+        index = (tree / "index.pct").read_bytes()
+        (tree / "index.pct").write_bytes(index[:200] + b"x" + index[201:])
+        run = self.gui(f"""
+            wait-view
+            open {tree / "index.pct"}
+            press OK
+            expect-message pcmlab repair "{tree}"
+            wait-log pcmlab repair "{tree}"
+            quit
+            """)
+        self.assertDriven(run)
+        pcmlab("repair", tree)
+        self.assertEqual(pcmlab("info", tree)["points"], 50000)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -102,7 +102,7 @@ Done press(TestDriver& driver, const QString& argument)
         auto* button = qobject_cast<QAbstractButton*>(widget);
         if (!button || !button->isVisible() || button->text().remove('&') != argument) continue;
         if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
-            driver.message = box->text() + " " + box->informativeText();
+            driver.message = box->windowTitle() + ": " + box->text() + " " + box->informativeText();
             say("message: " + driver.message);
         }
         QTimer::singleShot(0, button, SLOT(click()));
