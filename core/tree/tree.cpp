@@ -35,9 +35,9 @@ std::string repair_command(const fs::path& folder)
 // The error of an index that cannot be decoded, with what to do about it.
 Error with_repair(const Error& error, const fs::path& folder)
 {
-    if (error.code() != ErrorCode::corrupt && error.code() != ErrorCode::truncated &&
-        error.code() != ErrorCode::bad_format)
-        return error;
+    const bool is_damage = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated ||
+                           error.code() == ErrorCode::bad_format || error.code() == ErrorCode::not_a_tree;
+    if (!is_damage) return error;
     std::string what = error.what();
     if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
         what.erase(0, path.size());

@@ -1,4 +1,4 @@
-// What a user sees who has cancelled an operation: MeshLab reports every operation that returns false as a failure.
+// How a cancelled operation is shown: MeshLab reports every operation that returns false as a failure.
 #pragma once
 
 #include <QString>

@@ -98,7 +98,9 @@ TEST_F(ForeignFiles, ADamagedIndexNamesTheCommandThatRepairsIt)
     write_file(index_path(), changed);
     expect_refused(ErrorCode::corrupt, command);
     write_file(index_path(), std::vector<std::byte>(index.begin(), index.begin() + 5));
-    expect_refused(ErrorCode::truncated, command);
+    expect_refused(ErrorCode::not_a_tree, command);
+    write_file(index_path(), std::vector<std::byte>(index.begin(), index.begin() + 100));
+    expect_refused(ErrorCode::corrupt, command);
     fs::remove(index_path());
     expect_refused(ErrorCode::not_a_tree, command);
     write_file(index_path(), index);
