@@ -199,7 +199,6 @@ class Words(MeshLabTest):
             trigger Point Cloud Tree Information
             field-button Tree folder = Choose a tree
             pick {tree / "index.pct"}
-            pause 200
             print-field Tree folder
             press Apply
             wait-log Tree: {tree}

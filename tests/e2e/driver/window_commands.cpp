@@ -16,6 +16,7 @@
 #include <QMainWindow>
 #include <QMenu>
 #include <QMessageBox>
+#include <QPointer>
 #include <QTimer>
 #include <QTreeWidget>
 
@@ -176,7 +177,13 @@ Done print_field(TestDriver& driver, const QString& argument)
 // pick PATH [; PATH...]: in the open dialog for files; nothing keeps the name that it proposes
 Done pick(TestDriver& driver, const QString& argument)
 {
+    static QPointer<QFileDialog> picked;
+    static bool waits_for_end = false;
     auto* dialog = qobject_cast<QFileDialog*>(qApp->activeModalWidget());
+    if (waits_for_end) {
+        waits_for_end = picked && picked == dialog;
+        return driver.until(!waits_for_end, "the end of a dialog for files");
+    }
     auto* name = dialog ? dialog->findChild<QLineEdit*>("fileNameEdit") : nullptr;
     if (!name) return driver.until(false, "a dialog for files");
     driver.message = dialog->windowTitle() + " " + dialog->selectedNameFilter() + " " + name->text();
@@ -184,8 +191,10 @@ Done pick(TestDriver& driver, const QString& argument)
     QStringList names;
     for (const QString& path : argument.split("; ", Qt::SkipEmptyParts)) names << path.trimmed();
     if (!names.empty()) name->setText(names.size() == 1 ? names.first() : '"' + names.join("\" \"") + '"');
+    picked = dialog;
+    waits_for_end = true;
     QMetaObject::invokeMethod(dialog, "accept", Qt::QueuedConnection);
-    return Done::yes;
+    return Done::not_yet;
 }
 
 // panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
