@@ -22,7 +22,9 @@ PointCloudDecorator::PointCloudDecorator()
     actionList << action;
 
     Registry& registry = Registry::instance();
-    connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_at_first_paint);
+    connect(&registry, &Registry::attached, this, [this](MeshDocument* document, int mesh_id) {
+        for (GLArea* area : views_of(*document)) show_at_first_paint(*area, mesh_id);
+    });
     connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_when_idle);
     connect(&registry, &Registry::detached, this, [](MeshDocument* document, int mesh_id) {
         for (GLArea* area : views_of(*document))
@@ -71,7 +73,9 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
         // The log belongs to the document: if the document is destroyed, Qt drops this call.
         QTimer::singleShot(0, &layer.parent->Log, [this, alive, other, document = layer.parent, mesh_id = layer.id()] {
             MeshModel* shown = alive ? document->getMesh(mesh_id) : nullptr;
-            if (shown) switch_on(*other, *shown);
+            if (!shown) return;
+            show_at_first_paint(*other, mesh_id);
+            switch_on(*other, *shown);
         });
     }
     // MeshLab clears these lines only when it shows them.
@@ -91,12 +95,10 @@ void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParamet
     if (View* view = View::find(area)) view->close();
 }
 
-void PointCloudDecorator::show_at_first_paint(MeshDocument* document, int mesh_id)
+void PointCloudDecorator::show_at_first_paint(GLArea& area, int mesh_id)
 {
-    for (GLArea* area : views_of(*document)) {
-        ProjectSettings::follow(*area);
-        Opening::expect(*area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
-    }
+    ProjectSettings::follow(area);
+    Opening::expect(area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
 }
 
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)

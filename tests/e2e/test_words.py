@@ -113,6 +113,36 @@ class Words(MeshLabTest):
         self.assertAlmostEqual(slope("beside"), 1, delta=0.001)
         self.assertAlmostEqual(slope("above"), 1, delta=0.001)
 
+    def test_split_views(self):
+        """A view that is split off looks obliquely too, with the same background."""
+        _, tree = self.generate("first", 60000, "--seed", 6)
+        one, other = self.result("one.png"), self.result("other.png")
+        run = self.gui(f"""
+            wait-view
+            {NO_TIME_LIMIT}
+            open {tree}
+            wait-layers 1
+            panel Background = White
+            wait-status full resolution
+            trigger Vertically
+            wait-views 2
+            wait-status full resolution
+            view-size 400 400
+            wait-status full resolution
+            print-camera one
+            picture {one}
+            screen {self.result("screen.png")}
+            trigger Close current view
+            wait-views 1
+            view-size 400 400
+            wait-status full resolution
+            print-camera other
+            picture {other}
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertLess(different(one, other), 0.02)
+
     def test_panel(self):
         """The panel appears with the first tree, its settings apply at once, and it shows what MeshLab's own panel changes."""
         _, tree = self.generate("first", 60000, "--seed", 6)
@@ -324,6 +354,8 @@ class Words(MeshLabTest):
             trigger Export Mesh As...
             pick
             expect-message city-export.laz
+            field-button Box = Box of what the view shows
+            print-field Box
             press OK
             wait-log city-export.laz in
             trigger Reload
@@ -339,6 +371,7 @@ class Words(MeshLabTest):
             quit
             """)
         self.assertDriven(run)
+        self.assertEqual(len(run.fields()[0].split()), 6)
         for name in ("city.laz", "city-export.laz"):
             self.assertEqual(pcmlab("info", self.folder / name)["points"], 60000)
         self.assertIn('filename="city.pct"', project.read_text())
