@@ -101,15 +101,21 @@ std::vector<Vec3d> placed_vertices(const MeshModel& layer)
     return points;
 }
 
-std::optional<vcg::Similarityf> first_view(const std::vector<Vec3d>& points, float fov, int width, int height)
+std::optional<vcg::Similarityf> first_view(const std::vector<Vec3d>& points, float fov, int width, int height,
+                                           int covered)
 {
-    if (points.empty() || width < 1 || height < 1 || is_orthographic(fov)) return std::nullopt;
+    if (points.empty() || width < 1 || height < 1 || covered < 0 || 2 * covered > height || is_orthographic(fov))
+        return std::nullopt;
     EyePose pose;
     pose.back = normalised({-0.5, -1, 0.8});
     pose.right = normalised(cross({0, 0, 1}, pose.back));
     pose.up = cross(pose.back, pose.right);
     const Vec3d middle = median_of(points);
-    const double slope = filled * std::tan(static_cast<double>(fov) * pi / 360);
+    // Half the height over the distance; above the covered part, whose middle is by `raised` higher.
+    const double half = std::tan(static_cast<double>(fov) * pi / 360), hidden = static_cast<double>(covered) / height;
+    const double slope = filled * half * (1 - hidden), raised = half * hidden;
+    // A point is as far above the middle of the free part as it is above that of the picture along this axis.
+    const Vec3d free_up = pose.up + raised * pose.back;
     std::vector<Vec3d> offsets;
     std::vector<double> depths, distances;
     for (const Vec3d& point : points) {
@@ -120,12 +126,12 @@ std::optional<vcg::Similarityf> first_view(const std::vector<Vec3d>& points, flo
     const double extent = largest_but_few(distances);
     // A single point is seen from a distance that is a number beside its coordinates.
     const double least = std::max({0.01 * extent, 1e-5 * largest_magnitude(middle), 1e-6});
-    const double away = std::max({least_distance(offsets, pose.back, pose.right, slope * width / height),
-                                  least_distance(offsets, pose.back, pose.up, slope),
+    const double away = std::max({least_distance(offsets, pose.back, pose.right, filled * half * width / height),
+                                  least_distance(offsets, pose.back, free_up, slope),
                                   largest_but_few(depths) + least});  // not within the cloud
-    pose.eye = middle + away * pose.back;
-    for (const Vec3d& axis : {pose.right, pose.up})
-        pose.eye = pose.eye + centred(offsets, pose.back, axis, away, extent) * axis;
+    const double across = centred(offsets, pose.back, pose.right, away, extent);
+    const double upright = centred(offsets, pose.back, free_up, away, 2 * extent) - raised * away;
+    pose.eye = middle + away * pose.back + across * pose.right + upright * pose.up;
     pose.focus = std::max(focus_of(points, pose, slope), least);
     return trackball_of(pose, fov);
 }

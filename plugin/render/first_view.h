@@ -19,6 +19,7 @@ std::vector<Vec3d> placed_vertices(const MeshModel& layer);
 // seen from the direction of pcmlab render. It turns about what is seen in the centre. The few points that lie far
 // outside may be out of view: one in 500 on each side. `fov` is MeshLab's, in degrees, above 5. Nothing without points
 // or pixels.
-std::optional<vcg::Similarityf> first_view(const std::vector<Vec3d>& points, float fov, int width, int height);
+std::optional<vcg::Similarityf> first_view(const std::vector<Vec3d>& points, float fov, int width, int height,
+                                           int covered = 0);
 
 }  // namespace pcm::host

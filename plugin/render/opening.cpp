@@ -7,6 +7,8 @@
 #include <meshlab/glarea.h>
 
 #include <QEvent>
+#include <QFont>
+#include <QFontMetrics>
 
 #include <cmath>
 #include <utility>
@@ -48,6 +50,18 @@ bool is_reset(GLArea& area)
     const float rounding = 1e-5f;
     return std::fabs(track.sca - reset.sca) <= rounding * reset.sca &&
            (track.tra - reset.tra).Norm() <= rounding * box.Diag();
+}
+
+// The pixels at the bottom of the view that MeshLab's information about the layer covers (glarea.cpp: displayInfo). Not
+// in a view that would have little left.
+int covered_by_info(const GLArea& area)
+{
+    if (!area.infoAreaVisible) return 0;
+    QFont font("Helvetica");
+    font.setPixelSize(12);
+    const QFontMetrics metrics(font);
+    const int height = 6 * (metrics.height() + metrics.leading()) + 4;
+    return height < area.height() / 3 ? height : 0;
 }
 
 // The vertices of everything that the view shows; nothing if it shows anything but trees.
@@ -118,7 +132,7 @@ void Opening::look()
     if (!may_move || area_->isRaster() || !read_settings(*area_->glas.currentGlobalParamSet).oblique_first_view) return;
     const auto points = points_of_trees(*area_);
     if (!points) return;
-    if (const auto view = first_view(*points, area_->fov, area_->width(), area_->height())) {
+    if (const auto view = first_view(*points, area_->fov, area_->width(), area_->height(), covered_by_info(*area_))) {
         track = *view;
         looked_ = track;
         looked_size_ = area_->size();

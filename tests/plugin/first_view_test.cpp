@@ -71,6 +71,20 @@ TEST(FirstView, FillsTheViewObliquelyFromAbove)
     }
 }
 
+TEST(FirstView, LeavesTheCoveredPartFree)
+{
+    const auto points = hills({0, 0, 0});
+    for (const int width : {500, 1600}) {
+        const auto view = first_view(points, fov, width, 800, 200);
+        ASSERT_TRUE(view);
+        const Seen all = seen(points, *view, width, 800);
+        EXPECT_GT(all.bottom, -0.5);
+        // The free part is from -0.5 to 1, which is 0.75 as high as the picture.
+        EXPECT_NEAR(all.bottom + all.top, 0.5, 0.01);
+        EXPECT_NEAR(std::max((all.right - all.left) / 2, (all.top - all.bottom) / 1.5), 0.85, 0.01);
+    }
+}
+
 TEST(FirstView, TurnsAboutWhatIsSeenInTheCentre)
 {
     const auto view = first_view(hills({0, 0, 0}), fov, 800, 600);
