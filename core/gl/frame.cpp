@@ -68,7 +68,8 @@ DetailLimits Frame::current_limits()
 
 void Frame::begin(const FrameCloud& cloud)
 {
-    splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples());
+    splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples(),
+                 cloud.values);
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

@@ -183,6 +183,7 @@ void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost&
             strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry.points;
+            report.clouds[place.tree].points_hidden += entry.hidden;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
         }
     });
@@ -212,7 +213,8 @@ Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnO
         }
         progress.everything = progress.everything && wanted.beyond.empty();
         // Chunks that failed to load are missing at present and not waited for.
-        progress.more_to_come = progress.more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
+        progress.more_to_come = progress.more_to_come || cloud.feed->awaits_facts() ||
+                                !cloud.feed->window_of(wanted, cloud.current).empty();
         progress.waits = progress.waits || cloud.feed->waits();
     }
     return progress;
