@@ -10,7 +10,7 @@ using Colour = std::array<float, 3>;
 Colour between(const Colour& a, const Colour& b, float part)
 {
     Colour colour{};
-    for (std::size_t c = 0; c < 3; ++c) colour[c] = a[c] + part * (b[c] - a[c]);
+    for (std::size_t c = 0; c < 3; ++c) colour[c] = (1 - part) * a[c] + part * b[c];
     return colour;
 }
 
@@ -78,7 +78,7 @@ const std::vector<RampTraits>& colour_ramps()
          table_of(viridis)},
         {Ramp::grey, "grey", "Grey", "dark to white, in even steps of lightness", true, table_of(grey)},
         {Ramp::turbo, "turbo", "Turbo (rainbow)",
-         "blue, cyan, green, yellow, red: many hues to tell values apart, lightest in the middle", false,
+         "blue, cyan, green, yellow, red: many hues to distinguish values, lightest in the middle", false,
          table_of(turbo)},
         {Ramp::diverging, "diverging", "Diverging",
          "blue, light grey, red: for values on both sides of a middle, which is lightest", false, table_of(diverging)},
