@@ -5,6 +5,7 @@
 #pragma once
 
 #include "plugin/host/registry.h"
+#include "plugin/render/legend_box.h"
 #include "plugin/render/painter.h"
 #include "plugin/render/settings.h"
 
@@ -62,6 +63,8 @@ private:
     void show_native(int mesh_id, bool show);
     void draw_scene(const Settings& settings);
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
+    void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
+    bool click_legend(const QEvent& event);
     void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
@@ -78,6 +81,10 @@ private:
     bool drawn_ = false;             // in the current paint event
     FrameReport report_;             // of the last paint event
     bool look_again_ = false;
+    LegendBox legend_box_;
+    std::vector<Legend> legends_;  // of the last paint event
+    QString problem_;              // with the settings; logged once
+    bool clicked_legend_ = false;  // the mouse button is down there
     int frame_ = 0;
 };
 
