@@ -61,7 +61,8 @@ struct Renderer::Impl {
         CloudReport report;
         ChunkFeed& feed = *cloud.feed;
         cloud.style = usable_style(asked, schema, &report.notice, [&](const CloudStyle& style) {
-            if (has_range(style.colour) && style.range) return false;
+            // With a range of its own a value says something where it is the same everywhere.
+            if (has_range(asked.colour) && style.range) return false;
             const CloudFact* const fact = feed.fact_of(style);
             return fact && fact->is_blank;
         });

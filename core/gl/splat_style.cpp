@@ -70,7 +70,7 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
         if (!is_absent && !(is_blank && is_blank(style))) return style;
         const std::string what = absent_text(style);
         style.colour = traits.when_absent;
-        style.range.reset();  // of another quantity
+        if (has_range(asked.colour)) style.range.reset();  // of another quantity
         add(notice, is_absent ? "the cloud has no " + what : "all points have the same " + what,
             std::string(name_of(style.colour)) + " is shown");
     }

@@ -23,7 +23,8 @@ struct CloudStyle {
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
     std::string attribute;  // for ColourMode::attribute, as place_of() reads it: "gps_time", "rgb[0]"
     ColourRamp ramp = ColourRamp::automatic;
-    // For modes that has_range(): the values at the ramp's ends. Absent: found in a sample of the cloud.
+    // For modes that has_range(), or what is shown in place of others: the values at the ramp's ends. Absent: found in
+    // a sample of the cloud.
     std::optional<ValueRange> range;
     // Only points that meet all of these are shown. One on an attribute that a cloud lacks leaves that cloud as it is.
     std::vector<Condition> where;

@@ -120,7 +120,7 @@ ColourSettings read_colour_settings(const RichParameterList& parameters, CloudSt
                             static_cast<float>(uniform.blueF())};
     settings.legend = parameters.getBool(legend);
     const QString ends = parameters.getString(range).simplified().remove(' ');
-    if (!ends.isEmpty() && has_range(style.colour))
+    if (!ends.isEmpty())
         attempt(settings.problem, "Colour range", [&] { style.range = parse_value_range(ends.toStdString()); });
     for (const QString& text : parameters.getString(conditions).split(';', Qt::SkipEmptyParts))
         if (!text.trimmed().isEmpty())

@@ -111,6 +111,7 @@ QString status_text(const FrameReport& report, const CloudReport& cloud, std::ui
                     const std::string& caches)
 {
     std::string points = grouped(cloud.points_drawn) + " of " + grouped(total) + " points";
+    if (cloud.points_hidden > 0) points += "; " + grouped(cloud.points_hidden) + " hidden by the conditions";
     if (report.clouds.size() > 1) points += "; all layers: " + grouped(report.points_drawn);
     const std::string detail = report.full_resolution       ? std::string("full resolution")
                                : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
@@ -382,6 +383,9 @@ void View::publish_state()
     }
     QVariantMap state;
     state["drawing"] = any;
+    qulonglong hidden = 0;
+    for (const CloudReport& cloud : report_.clouds) hidden += cloud.points_hidden;
+    state["hidden"] = hidden;
     state["points"] = any ? static_cast<qulonglong>(report_.points_drawn) : 0;
     state["complete"] = any && !report_.refining;
     state["full_resolution"] = any && report_.full_resolution;

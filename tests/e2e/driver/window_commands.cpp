@@ -133,6 +133,8 @@ Done parameter(TestDriver& driver, const QString& argument)
         parameters->setValue(name, EnumValue(static_cast<int>(number)));
     else if (value.isString())
         parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
+    else if (value.isBool())
+        parameters->setValue(name, BoolValue(argument.section('=', 1).trimmed() == "true"));
     else
         parameters->setValue(name, IntValue(static_cast<int>(number)));
     driver.area()->update();
