@@ -23,7 +23,7 @@ struct CloudFact {
     ValueSummary values;  // as users see them; of rgb those of the first component
     ColourScale scale;    // of rgb
     bool is_blank =
-        false;  // all points have the same value; of rgb, the same shade of grey: the default of many writers
+        false;  // all sampled points have the same value; of rgb, the same shade of grey: the default of many writers
     // Of intensities balanced, else linear.
     ValueRange range;
 };

@@ -74,7 +74,10 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         expected = take(count);
     }
     if (count == strokes.size()) {
-        budget.all(frame.work, available / expected);
+        // The budget is in points of the tree: those that conditions hide cost nothing, and belong to the chunks.
+        FrameWork chosen = frame.work;
+        for (const Stroke& stroke : strokes) chosen.points += stroke.entry->hidden;
+        budget.all(chosen, available / expected);
     } else {
         // Chunks still being loaded count too: they will be drawn.
         std::uint64_t points = 0;

@@ -90,7 +90,7 @@ struct CloudReport {
     std::optional<ValueRange> range;  // at the ends of the ramp; absent for other colours, and while it is not known
     ClassSet classes;                 // that occur in video memory, for colours by class
     std::string
-        notice;         // the attributes that the style asked for and the cloud lacks, or which are the same everywhere
+        notice;  // the attributes that the style asked for and the cloud lacks, or which are the same in a sample of it
     std::string error;  // why some chunks cannot be loaded at present
 };
 

@@ -71,7 +71,7 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
         const std::string what = absent_text(style);
         style.colour = traits.when_absent;
         if (has_range(asked.colour)) style.range.reset();  // of another quantity
-        add(notice, is_absent ? "the cloud has no " + what : "all points have the same " + what,
+        add(notice, is_absent ? "the cloud has no " + what : "all sampled points have the same " + what,
             std::string(name_of(style.colour)) + " is shown");
     }
 }

@@ -49,7 +49,7 @@ ColourRamp ramp_of(const CloudStyle& style);
 
 // The nearest style that a cloud of this schema supports: without normals dynamic splats, without radii constant ones;
 // without rgb intensity, without intensity, classes or the named attribute height. The same where `is_blank`, which may
-// be empty, says that all points of the cloud would have one colour. `notice`, which may be null, becomes a sentence
+// be empty, says that all points of a sample would have one colour. `notice`, which may be null, becomes a sentence
 // that says what is missing and what is shown instead; empty when nothing is missing.
 CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice,
                         const std::function<bool(const CloudStyle&)>& is_blank = {});

@@ -97,7 +97,8 @@ void add_colour_settings(RichParameterList& parameters)
     parameters.addParam(RichString(
         conditions, "", "Show only",
         "Only points that satisfy all of these conditions are shown, separated by ; as in classification=2,6; "
-        "intensity>=100; z=400..450; rgb[0]!=0. The cloud is not changed. Default: empty, all points."));
+        "intensity>=100; z=400..450; rgb[0]!=0. Coordinates are the cloud's own. The cloud is not changed. Default: "
+        "empty, all points."));
     parameters.addParam(RichString(hidden_classes, "", "Hidden classes",
                                    "Points of these classes are not shown: numbers from 0 to 255, as in 7, 18. The "
                                    "cloud is not changed. Default: none."));

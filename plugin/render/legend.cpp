@@ -1,8 +1,5 @@
 #include "plugin/render/legend.h"
 
-#include "pcm/cloud/las_class.h"
-#include "plugin/host/units.h"
-
 #include <QFont>
 #include <QFontMetrics>
 #include <QPainter>
@@ -25,35 +22,7 @@ QFont legend_font(bool bold)
     return font;
 }
 
-QString with_unit(const QString& name, const std::string& unit)
-{
-    return unit.empty() ? name : name + " (" + QString::fromStdString(unit) + ")";
-}
-
-QString title_of(const CloudReport& report, const std::vector<Metadata>& metadata)
-{
-    switch (report.style.colour) {
-        case ColourMode::height:
-            return with_unit("Height", height_unit(metadata));
-        case ColourMode::attribute:
-            return with_unit(QString::fromStdString(report.style.attribute), attribute_unit(report.style.attribute));
-        default:
-            return traits_of(report.style.colour).label;
-    }
-}
-
-std::vector<Legend::Row> rows_of(const ClassSet& classes, const std::set<unsigned>& hidden)
-{
-    std::vector<Legend::Row> rows;
-    for (unsigned number = 0; number < 256; ++number) {
-        if (!classes[number] && !hidden.count(number)) continue;
-        const auto colour = class_colour(number);
-        rows.push_back({number, QColor(colour[0], colour[1], colour[2]),
-                        QString::number(number) + "  " + QString::fromStdString(las_class_name(number)),
-                        hidden.count(number) != 0});
-    }
-    return rows;
-}
+QString text_of(const std::string& text) { return QString::fromStdString(text); }
 
 // Where the parts of one legend are, relative to its upper left corner.
 struct Layout {
@@ -64,11 +33,11 @@ struct Layout {
         line = std::max(text.height(), swatch) + 2;
         width = std::min(title.horizontalAdvance(heading), most_title);
         for (const Legend::Row& row : legend.rows)
-            width = std::max(width, swatch + gap + text.horizontalAdvance(row.name));
-        for (const QString& value : {legend.low, legend.middle, legend.high})
-            width = std::max(width, bar_width + gap + text.horizontalAdvance(value));
+            width = std::max(width, swatch + gap + text.horizontalAdvance(text_of(row.name)));
+        for (const std::string& value : {legend.low, legend.middle, legend.high})
+            width = std::max(width, bar_width + gap + text.horizontalAdvance(text_of(value)));
         width += 2 * margin;
-        height = 2 * margin + line + (legend.low.isEmpty() ? line * int(legend.rows.size()) : bar_height + line);
+        height = 2 * margin + line + (legend.low.empty() ? line * int(legend.rows.size()) : bar_height + line);
     }
 };
 
@@ -81,8 +50,9 @@ void draw_bar(QPainter& painter, const Legend& legend, int line)
                          QColor::fromRgbF(static_cast<double>(colour[0]), static_cast<double>(colour[1]),
                                           static_cast<double>(colour[2])));
     }
-    const auto write = [&](int y, const QString& value) {
-        painter.drawText(QRect(bar_width + gap, y - line / 2, 400, line), Qt::AlignLeft | Qt::AlignVCenter, value);
+    const auto write = [&](int y, const std::string& value) {
+        painter.drawText(QRect(bar_width + gap, y - line / 2, 400, line), Qt::AlignLeft | Qt::AlignVCenter,
+                         text_of(value));
     };
     write(top, legend.high);
     write(top + bar_height / 2, legend.middle);
@@ -97,8 +67,9 @@ std::vector<std::pair<QRect, unsigned>> draw_rows(QPainter& painter, const Legen
     for (const Legend::Row& row : legend.rows) {
         painter.setOpacity(row.hidden ? 0.4 : 1);
         const QRect square(0, y + (line - swatch) / 2, swatch, swatch);
-        row.hidden ? painter.drawRect(square) : painter.fillRect(square, row.colour);
-        painter.drawText(QRect(swatch + gap, y, 400, line), Qt::AlignLeft | Qt::AlignVCenter, row.name);
+        row.hidden ? painter.drawRect(square)
+                   : painter.fillRect(square, QColor(row.colour[0], row.colour[1], row.colour[2]));
+        painter.drawText(QRect(swatch + gap, y, 400, line), Qt::AlignLeft | Qt::AlignVCenter, text_of(row.name));
         places.emplace_back(QRect(0, y, width, line), row.number);
         y += line;
     }
@@ -108,67 +79,34 @@ std::vector<std::pair<QRect, unsigned>> draw_rows(QPainter& painter, const Legen
 
 }  // namespace
 
-std::optional<Legend> legend_of(const CloudReport& report, const std::vector<Metadata>& metadata,
-                                const std::set<unsigned>& hidden)
+void add_legend(std::vector<LayerLegend>& legends, Legend legend, const QString& layer)
 {
-    Legend legend;
-    if (report.style.colour == ColourMode::classification) {
-        legend.rows = rows_of(report.classes, hidden);
-        if (legend.rows.empty()) return std::nullopt;
-    } else if (report.range && has_range(report.style.colour)) {
-        const ValueRange& range = *report.range;
-        const double width = range.high - range.low;
-        legend.ramp = ramp_of(report.style);
-        legend.low = value_text(range.low, width);
-        legend.middle = value_text(range.value_at(0.5), width);
-        legend.high = value_text(range.high, width);
-    } else {
-        return std::nullopt;
-    }
-    legend.title = title_of(report, metadata);
-    return legend;
-}
-
-void add_legend(std::vector<Legend>& legends, Legend legend, const QString& layer)
-{
-    for (Legend& other : legends)
-        if (lines_of(other) == lines_of(legend) && other.ramp == legend.ramp) {
+    for (LayerLegend& other : legends)
+        if (other.legend.lines() == legend.lines() && other.legend.ramp == legend.ramp) {
             other.layers << layer;
             return;
         }
-    legend.layers << layer;
-    legends.push_back(std::move(legend));
+    legends.push_back({std::move(legend), {layer}});
 }
 
-QString value_text(double value, double width)
+QStringList lines_of(const std::vector<LayerLegend>& legends)
 {
-    if (!(width > 0) || std::fabs(value) >= 1e12 || width < 1e-6) return QString::number(value, 'g', 8);
-    const int digits = 2 - static_cast<int>(std::floor(std::log10(width)));
-    QString text = QString::number(value, 'f', std::clamp(digits, 0, 8));
-    if (text.contains('.')) {
-        while (text.endsWith('0')) text.chop(1);
-        if (text.endsWith('.')) text.chop(1);
-    }
-    return text == "-0" ? "0" : text;
-}
-
-QStringList lines_of(const Legend& legend)
-{
-    QStringList lines{legend.title};
-    if (!legend.low.isEmpty()) lines << legend.low << legend.middle << legend.high;
-    for (const Legend::Row& row : legend.rows) lines << row.name + (row.hidden ? " (hidden)" : "");
+    QStringList lines;
+    for (const LayerLegend& shown : legends)
+        for (const std::string& line : shown.legend.lines()) lines << text_of(line);
     return lines;
 }
 
-LegendPicture draw_legends(const std::vector<Legend>& legends, int most_height, double ratio)
+LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_height, double ratio)
 {
     std::vector<Layout> layouts;
     QStringList titles;
     int width = 0, height = 0;
-    for (const Legend& legend : legends) {
+    for (const LayerLegend& shown : legends) {
         // Of several, each names its layers.
-        titles << (legends.size() == 1 ? legend.title : legend.layers.join(", ") + ": " + legend.title);
-        const Layout layout(legend, titles.last());
+        const QString title = text_of(shown.legend.title);
+        titles << (legends.size() == 1 ? title : shown.layers.join(", ") + ": " + title);
+        const Layout layout(shown.legend, titles.last());
         if (height + layout.height > most_height && !layouts.empty()) break;
         layouts.push_back(layout);
         width = std::max(width, layout.width);
@@ -191,8 +129,9 @@ LegendPicture draw_legends(const std::vector<Legend>& legends, int most_height, 
         painter.drawText(QRect(0, 0, 400, layout.line), Qt::AlignLeft | Qt::AlignVCenter,
                          QFontMetrics(painter.font()).elidedText(titles[i], Qt::ElideLeft, layout.width - 2 * margin));
         painter.setFont(legend_font(false));
-        if (!legends[i].low.isEmpty()) draw_bar(painter, legends[i], layout.line);
-        for (const auto& [place, number] : draw_rows(painter, legends[i], layout.line, layout.width - 2 * margin))
+        const Legend& legend = legends[i].legend;
+        if (!legend.low.empty()) draw_bar(painter, legend, layout.line);
+        for (const auto& [place, number] : draw_rows(painter, legend, layout.line, layout.width - 2 * margin))
             picture.classes.emplace_back(place.translated(margin, top + margin), number);
         painter.restore();
         top += layout.height;

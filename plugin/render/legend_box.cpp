@@ -45,7 +45,7 @@ void blend(const QImage& image, int x, int y)
 
 }  // namespace
 
-void LegendBox::draw(const std::vector<Legend>& legends, const QSize& view, double ratio)
+void LegendBox::draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio)
 {
     picture_ = draw_legends(legends, std::max(0, view.height() - info_height), ratio);
     if (picture_.image.isNull()) return;

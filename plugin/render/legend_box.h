@@ -16,7 +16,7 @@ public:
     // Draws the legends into the current framebuffer of a compatibility context, over what is there; depth is not
     // written. `view` is the view's size in Qt's pixels, `ratio` of which are one of them on the screen. Leaves the GL
     // state as it was. None: nothing is drawn.
-    void draw(const std::vector<Legend>& legends, const QSize& view, double ratio);
+    void draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio);
 
     // The class whose row is at this place of the view.
     std::optional<unsigned> class_at(const QPoint& place) const;

@@ -1,6 +1,7 @@
 #include "plugin/render/view.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/io/crs/height_unit.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
@@ -258,7 +259,7 @@ void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettin
     legends_.clear();
     for (std::size_t i = 0; i < drawn.size() && settings.legend; ++i) {
         const auto tree = Registry::instance().find(*drawn[i]);
-        auto legend = legend_of(report_.clouds[i], tree->cloud->info().metadata, settings.hidden_classes);
+        auto legend = legend_of(report_.clouds[i], height_unit(tree->cloud->info().metadata), settings.hidden_classes);
         if (legend) add_legend(legends_, std::move(*legend), drawn[i]->label());
     }
     legend_box_.draw(legends_, area_->size(), area_->devicePixelRatioF());
@@ -393,9 +394,7 @@ void View::publish_state()
     state["clouds"] = static_cast<int>(report_.clouds.size());
     state["error"] = error;
     state["notice"] = notice;
-    QStringList legend;
-    for (const Legend& shown : legends_) legend += lines_of(shown);
-    state["legend"] = any ? legend : QStringList();
+    state["legend"] = any ? lines_of(legends_) : QStringList();
     state["frame"] = ++frame_;
     area_->setProperty("pcm_state", state);
 }

@@ -82,9 +82,9 @@ private:
     FrameReport report_;             // of the last paint event
     bool look_again_ = false;
     LegendBox legend_box_;
-    std::vector<Legend> legends_;  // of the last paint event
-    QString problem_;              // with the settings; logged once
-    bool clicked_legend_ = false;  // the mouse button is down there
+    std::vector<LayerLegend> legends_;  // of the last paint event
+    QString problem_;                   // with the settings; logged once
+    bool clicked_legend_ = false;       // the mouse button is down there
     int frame_ = 0;
 };
 

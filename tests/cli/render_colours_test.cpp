@@ -6,6 +6,9 @@
 
 #include "pcm/offscreen/image.h"
 
+#include <algorithm>
+#include <set>
+
 namespace {
 
 using namespace pcm::test;
@@ -30,7 +33,7 @@ protected:
     // Of the only cloud in a picture.
     Json drawn(const std::string& options)
     {
-        const Result result = pcmlab("render --json --overwrite --size 160x120 " + path("in.pct") + " -o " +
+        const Result result = pcmlab("render --json --overwrite --size 640x360 " + path("in.pct") + " -o " +
                                      path("a.png") + " " + options);
         EXPECT_EQ(result.code, 0) << options << ": " << result.err;
         return result.code == 0 ? Json::parse(result.out)["pictures"][0]["clouds"][0] : Json();
@@ -65,6 +68,29 @@ TEST_F(RenderColours, AnAttributeIsNamedAndItsRangeReported)
     expect_refusal("--colour rgb --range 1:2", "--colour height");
     expect_refusal("--colour height --range 2:1", "'2:1'");
     expect_refusal("--colour height --ramp pink", "pink");
+}
+
+TEST_F(RenderColours, TheLegendIsInTheCorner)
+{
+    const auto drawn_as = [&](const std::string& options) {
+        drawn(options);
+        return pcm::read_png(folder_ / "a.png");
+    };
+    for (const std::string background : {"transparent", "white"}) {
+        const std::string options = "--colour height --background " + background;
+        const pcm::Image without = drawn_as(options), with = drawn_as(options + " --legend");
+        std::set<std::array<std::uint8_t, 3>> colours;
+        for (int y = 0; y < 360; ++y)
+            for (int x = 0; x < 640; ++x) {
+                const std::uint8_t *a = without.pixel(x, y), *b = with.pixel(x, y);
+                const bool same = std::equal(a, a + 4, b);
+                EXPECT_TRUE(same || (x > 440 && y < 140)) << x << ' ' << y;
+                if (!same) colours.insert({b[0], b[1], b[2]});
+            }
+        EXPECT_GT(colours.size(), 80u);  // the bar
+        EXPECT_TRUE(colours.count({68, 1, 84})) << "the ramp's beginning";
+    }
+    EXPECT_TRUE(drawn_as("--uniform-colour 9,9,9 --legend") == drawn_as("--uniform-colour 9,9,9"));
 }
 
 TEST_F(RenderColours, ConditionsChooseWhatIsShown)

@@ -117,10 +117,10 @@ TEST(ColourValues, CloudsWithoutColoursShowTheirShape)
         return std::string(name_of(report.style.colour)) + " | " + report.notice;
     };
     EXPECT_EQ(shown("coloured", 1000, 60000, true), "rgb | ");
-    EXPECT_EQ(shown("black", 0, 0, true), "intensity | all points have the same colours: intensity is shown");
-    EXPECT_EQ(shown("white", 65535, 65535, true), "intensity | all points have the same colours: intensity is shown");
+    EXPECT_EQ(shown("black", 0, 0, true), "intensity | all sampled points have the same colours: intensity is shown");
+    EXPECT_EQ(shown("white", 65535, 65535, true), "intensity | all sampled points have the same colours: intensity is shown");
     EXPECT_EQ(shown("blank", 0, 0, false),
-              "height | all points have the same colours: intensity is shown; all points have the same intensity: "
+              "height | all sampled points have the same colours: intensity is shown; all sampled points have the same intensity: "
               "height is shown");
 }
 

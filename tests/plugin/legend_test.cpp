@@ -1,7 +1,7 @@
 #include "plugin/render/legend.h"
 
 #include "pcm/io/crs/coordinate_system.h"
-#include "plugin/host/units.h"
+#include "pcm/io/crs/height_unit.h"
 #include "plugin/render/colour_settings.h"
 
 #include <gtest/gtest.h>
@@ -31,30 +31,34 @@ CloudReport values(ColourMode mode, double low, double high)
 
 std::string text_of(const std::optional<Legend>& legend)
 {
-    return legend ? lines_of(*legend).join(" | ").toStdString() : "none";
+    if (!legend) return "none";
+    std::string text;
+    for (const std::string& line : legend->lines()) text += (text.empty() ? "" : " | ") + line;
+    return text;
 }
 
 }  // namespace
 
 TEST(Legend, NamesValuesAndUnits)
 {
-    EXPECT_EQ(text_of(legend_of(values(ColourMode::height, 398.75, 450.25), {}, {})),
+    EXPECT_EQ(text_of(legend_of(values(ColourMode::height, 398.75, 450.25), "source units")),
               "Height (source units) | 398.8 | 424.5 | 450.3");
     const char* const feet =
         R"(PROJCS["a",GEOGCS["b",DATUM["c",SPHEROID["d",6378137,298.25]],PRIMEM["e",0],UNIT["degree",0.0174532925199433]],)"
         R"(PROJECTION["Transverse_Mercator"],UNIT["foot",0.3048]])";
     EXPECT_EQ(height_unit(crs(feet)), "ft");
     EXPECT_EQ(height_unit({}), "source units");
-    EXPECT_EQ(text_of(legend_of(values(ColourMode::intensity, 0, 255), {}, {})), "Intensity | 0 | 128 | 255");
+    EXPECT_EQ(text_of(legend_of(values(ColourMode::intensity, 0, 255), "source units")), "Intensity | 0 | 128 | 255");
     CloudReport report = values(ColourMode::attribute, 0.001, 0.002);
     report.style.attribute = "gps_time";
-    EXPECT_EQ(text_of(legend_of(report, {}, {})), "gps_time (s) | 0.001 | 0.0015 | 0.002");
+    EXPECT_EQ(text_of(legend_of(report, "source units")), "gps_time (s) | 0.001 | 0.0015 | 0.002");
     // The middle is what the ramp's middle shows.
     report.range->exponent = 0.5;
-    EXPECT_EQ(text_of(legend_of(report, {}, {})), "gps_time (s) | 0.001 | 0.00125 | 0.002");
+    EXPECT_EQ(text_of(legend_of(report, "source units")), "gps_time (s) | 0.001 | 0.00125 | 0.002");
     for (const ColourMode mode : {ColourMode::rgb, ColourMode::uniform, ColourMode::level})
-        EXPECT_EQ(text_of(legend_of(values(mode, 0, 1), {}, {})), "none");
-    EXPECT_EQ(text_of(legend_of(values(ColourMode::classification, 0, 1), {}, {})), "none");  // nothing was drawn yet
+        EXPECT_EQ(text_of(legend_of(values(mode, 0, 1), "source units")), "none");
+    EXPECT_EQ(text_of(legend_of(values(ColourMode::classification, 0, 1), "source units")),
+              "none");  // nothing was drawn yet
 }
 
 TEST(Legend, OnlyClassesThatOccurAndThoseThatAreHidden)
@@ -64,9 +68,9 @@ TEST(Legend, OnlyClassesThatOccurAndThoseThatAreHidden)
     report.classes.set(2);
     report.classes.set(6);
     report.classes.set(200);
-    const auto legend = legend_of(report, {}, {9});
+    const auto legend = legend_of(report, "m", {9});
     EXPECT_EQ(text_of(legend), "Classification | 2  ground | 6  building | 9  water (hidden) | 200  user defined");
-    EXPECT_EQ(legend->rows[0].colour, QColor(166, 116, 70));
+    EXPECT_EQ(legend->rows[0].colour, class_colour(2));
 }
 
 TEST(Legend, ValuesHaveTheDigitsThatTheirRangeNeeds)
@@ -81,10 +85,10 @@ TEST(Legend, ValuesHaveTheDigitsThatTheirRangeNeeds)
 
 TEST(Legend, ItsPictureHasTheRampAndPlacesOfClasses)
 {
-    std::vector<Legend> legends;
+    std::vector<LayerLegend> legends;
     CloudReport report = values(ColourMode::height, 0, 10);
-    add_legend(legends, *legend_of(report, {}, {}), "a");
-    add_legend(legends, *legend_of(report, {}, {}), "b");  // the same
+    add_legend(legends, *legend_of(report, "source units"), "a");
+    add_legend(legends, *legend_of(report, "source units"), "b");  // the same
     ASSERT_EQ(legends.size(), 1u);
     EXPECT_EQ(legends[0].layers, (QStringList{"a", "b"}));
     LegendPicture picture = draw_legends(legends, 1000, 1);
@@ -106,7 +110,7 @@ TEST(Legend, ItsPictureHasTheRampAndPlacesOfClasses)
     report.style.colour = ColourMode::classification;
     report.classes.set(2);
     report.classes.set(5);
-    add_legend(legends, *legend_of(report, {}, {}), "c");
+    add_legend(legends, *legend_of(report, "source units"), "c");
     picture = draw_legends(legends, 1000, 1);
     ASSERT_EQ(picture.classes.size(), 2u);
     EXPECT_EQ(picture.classes[1].second, 5u);

@@ -154,6 +154,8 @@ void add_look(Options& options, RenderArguments& a)
         .option("--range", a.range,
                 "LOW:HIGH, the values at the ramp's ends (default: those between which 98 % of the cloud's points lie)")
         .group(group);
+    options.flag("--legend", a.legend, "Write into the picture what its colours mean: values of the ramp, or classes")
+        .group(group);
     options
         .option(
             "--where", a.where,

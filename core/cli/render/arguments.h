@@ -22,7 +22,7 @@ struct RenderArguments {
     std::vector<std::string> where;
     std::vector<double> eye, target, up;
     std::optional<double> angle, height, frame_budget_ms;
-    bool orthographic = false, overwrite = false;
+    bool orthographic = false, overwrite = false, legend = false;
     CloudStyle style;
     RenderOptions options;
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;

@@ -1,5 +1,7 @@
 // pcmlab render: draws trees to PNG without a window. `pcmlab` starts it; exit codes are those of `pcmlab`.
 #include "pcm/cli/render/arguments.h"
+#include "pcm/cli/render/draw_legend.h"
+#include "pcm/io/crs/height_unit.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
@@ -80,13 +82,15 @@ public:
     }
 
     // Writes the picture that was drawn last, and counts its pixels.
-    void write(const std::filesystem::path& file, Drawn& drawn, Outcome& outcome) const
+    void write(const std::filesystem::path& file, const std::vector<Legend>& legends, Drawn& drawn,
+               Outcome& outcome) const
     {
         Image image = screen_.read();
         drawn.pixels = 0;
         for (std::size_t at = 0; at < image.rgba.size(); at += 4)
             drawn.pixels += std::memcmp(&image.rgba[at], &empty_.rgba[at], 4) != 0;
         if (background_.transparent) unpremultiply(image);
+        if (!legends.empty()) draw_legends(image, legends);
         run_last_step(outcome, [&] { write_png(file, image, background_.transparent); });
     }
 
@@ -209,6 +213,20 @@ void print(const Summary& summary, const RenderArguments& arguments, const Offsc
     std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
 }
 
+// Of the trees; one where several mean the same.
+std::vector<Legend> legends_of(const RenderArguments& arguments, const FrameReport& report, const OffscreenScene& scene)
+{
+    std::vector<Legend> legends;
+    for (std::size_t t = 0; t < report.clouds.size() && arguments.legend; ++t) {
+        auto legend = legend_of(report.clouds[t], height_unit(scene.clouds()[t]->info().metadata));
+        if (!legend) continue;
+        const bool is_new = std::none_of(legends.begin(), legends.end(),
+                                         [&](const Legend& other) { return other.lines() == legend->lines(); });
+        if (is_new) legends.push_back(std::move(*legend));
+    }
+    return legends;
+}
+
 int render(const RenderArguments& arguments)
 {
     const auto start = Clock::now();
@@ -236,7 +254,7 @@ int render(const RenderArguments& arguments)
     Job job(arguments, screen, scene);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         Drawn drawn = job.draw(cameras[i], i, cameras.size());
-        job.write(summary.files[i], drawn, summary.outcome);
+        job.write(summary.files[i], legends_of(arguments, drawn.report, scene), drawn, summary.outcome);
         summary.add(drawn);
     }
     end_progress(arguments.common);
