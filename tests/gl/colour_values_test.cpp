@@ -118,9 +118,11 @@ TEST(ColourValues, CloudsWithoutColoursShowTheirShape)
     };
     EXPECT_EQ(shown("coloured", 1000, 60000, true), "rgb | ");
     EXPECT_EQ(shown("black", 0, 0, true), "intensity | all sampled points have the same colours: intensity is shown");
-    EXPECT_EQ(shown("white", 65535, 65535, true), "intensity | all sampled points have the same colours: intensity is shown");
+    EXPECT_EQ(shown("white", 65535, 65535, true),
+              "intensity | all sampled points have the same colours: intensity is shown");
     EXPECT_EQ(shown("blank", 0, 0, false),
-              "height | all sampled points have the same colours: intensity is shown; all sampled points have the same intensity: "
+              "height | all sampled points have the same colours: intensity is shown; all sampled points have the same "
+              "intensity: "
               "height is shown");
 }
 
