@@ -19,10 +19,20 @@ void add(std::string* notice, const std::string& reason, const std::string& inst
     *notice += reason + ": " + instead;
 }
 
-std::string absent_text(const CloudStyle& style)
+// What the colours of a style are made from.
+std::string source_of(const CloudStyle& style)
 {
     if (style.colour == ColourMode::attribute) return "attribute '" + style.attribute + "'";
     return traits_of(style.colour).absent;
+}
+
+std::string absent_text(const CloudStyle& style, const Schema& schema)
+{
+    if (style.colour != ColourMode::attribute) return "the cloud has no " + source_of(style);
+    std::string names;
+    for (const std::string& name : component_names(schema)) names += (names.empty() ? "" : ", ") + name;
+    return (style.attribute.empty() ? "no attribute is named" : "the cloud has no " + source_of(style)) +
+           (names.empty() ? "" : " (attributes: " + names + ")");
 }
 
 }  // namespace
@@ -68,11 +78,11 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
         if (traits.source == ColourSource::none) return style;
         const bool is_absent = !colour_place(style, schema);
         if (!is_absent && !(is_blank && is_blank(style))) return style;
-        const std::string what = absent_text(style);
+        const std::string reason =
+            is_absent ? absent_text(style, schema) : "all sampled points have the same " + source_of(style);
         style.colour = traits.when_absent;
         if (has_range(asked.colour)) style.range.reset();  // of another quantity
-        add(notice, is_absent ? "the cloud has no " + what : "all sampled points have the same " + what,
-            std::string(name_of(style.colour)) + " is shown");
+        add(notice, reason, std::string(name_of(style.colour)) + " is shown");
     }
 }
 

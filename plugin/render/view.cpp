@@ -285,7 +285,8 @@ void View::log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& a
 {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const std::string& notice = report_.clouds[i].notice;
-        if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour).second) continue;
+        if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour, notice).second)
+            continue;
         area_->md()->Log.Log(GLLogStream::SYSTEM,
                              qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
     }

@@ -16,7 +16,8 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <utility>
+#include <string>
+#include <tuple>
 #include <vector>
 
 class GLArea;
@@ -55,8 +56,9 @@ private:
     struct Layer {
         std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
-        std::optional<std::size_t> report;                   // its index in report_.clouds, if it is in the picture
-        std::set<std::pair<SplatMode, ColourMode>> noticed;  // styles whose notice about missing attributes was logged
+        std::optional<std::size_t> report;  // its index in report_.clouds, if it is in the picture
+        // Styles whose notice about missing attributes was logged, and that notice.
+        std::set<std::tuple<SplatMode, ColourMode, std::string>> noticed;
     };
 
     View(GLArea* area, QAction* decorator);

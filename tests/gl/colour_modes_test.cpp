@@ -75,7 +75,11 @@ TEST(ColourModes, AttributesAreNamedByComponent)
     const CloudStyle shown = usable_style(style, schema, &notice);
     EXPECT_EQ(shown.colour, ColourMode::height);
     EXPECT_FALSE(shown.range);  // it was of the attribute
-    EXPECT_EQ(notice, "the cloud has no attribute 'rgb[3]': height is shown");
+    EXPECT_EQ(notice,
+              "the cloud has no attribute 'rgb[3]' (attributes: gps_time, rgb[0], rgb[1], rgb[2]): height is shown");
+    style.attribute.clear();
+    usable_style(style, {}, &notice);
+    EXPECT_EQ(notice, "no attribute is named: height is shown");
 }
 
 TEST(ColourModes, StylesAreEqualInAllTheirMembers)
