@@ -1,6 +1,6 @@
 #version 330 core
 // A point becomes a splat. Permutations:
-//   colour: VERTEX_COLOUR, HEIGHT_COLOUR, or neither for one colour;
+//   colour: VERTEX_COLOUR, VALUE_COLOUR, HEIGHT_COLOUR, or none for one colour;
 //   kind: none for a square of a constant size; ADAPTIVE a square as large as the point's sphere; AFFINE and DISC the point's disc,
 //     found in splat.frag;
 //   PARABOLOID (of ADAPTIVE): a round splat whose depth grows from the centre on, so that of several splats the one whose centre is nearest
@@ -38,21 +38,24 @@ flat out vec3 splat_colour;
 #if defined(VERTEX_COLOUR)
 layout(location = 1) in vec4 colour;
 vec3 colour_of_point() { return colour.rgb; }
-#elif defined(HEIGHT_COLOUR)
-uniform vec2 height;  // position.z * height.x + height.y is 0 at the cloud's bottom, 1 at its top
+#elif defined(HEIGHT_COLOUR) || defined(VALUE_COLOUR)
+uniform vec3 ramp[17];     // at even steps
+uniform vec3 ramp_place;   // a value is at the place (value * x + y) ^ z, from 0 to 1
 
-// A ramp of even lightness steps (dark blue, teal, green, yellow), so that equal steps of height look equal.
-vec3 colour_of_point()
+vec3 ramp_colour(float value)
 {
-    float t = clamp(position.z * height.x + height.y, 0.0, 1.0);
-    const vec3 c0 = vec3(0.267, 0.005, 0.329), c1 = vec3(0.230, 0.322, 0.546), c2 = vec3(0.128, 0.567, 0.551),
-               c3 = vec3(0.369, 0.789, 0.383), c4 = vec3(0.993, 0.906, 0.144);
-    float s = t * 4.0;
-    if (s < 1.0) return mix(c0, c1, s);
-    if (s < 2.0) return mix(c1, c2, s - 1.0);
-    if (s < 3.0) return mix(c2, c3, s - 2.0);
-    return mix(c3, c4, s - 3.0);
+    float t = clamp(value * ramp_place.x + ramp_place.y, 0.0, 1.0);
+    if (ramp_place.z != 1.0) t = pow(t, ramp_place.z);
+    float s = t * 16.0;
+    int i = int(min(s, 15.0));
+    return mix(ramp[i], ramp[i + 1], s - float(i));
 }
+#if defined(VALUE_COLOUR)
+layout(location = 1) in float value;
+vec3 colour_of_point() { return value < -1e25 ? vec3(0.4) : ramp_colour(value); }  // not a number: grey
+#else
+vec3 colour_of_point() { return ramp_colour(position.z); }
+#endif
 #else
 uniform vec3 uniform_colour;
 vec3 colour_of_point() { return uniform_colour; }

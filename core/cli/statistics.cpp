@@ -1,5 +1,6 @@
 #include "pcm/cli/statistics.h"
 
+#include "pcm/cloud/las_class.h"
 #include "pcm/io/las_summary.h"
 #include "pcm/system/error.h"
 

@@ -2,6 +2,7 @@
 
 #include "pcm/gl/vertex_discs.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace pcm {
@@ -13,7 +14,7 @@ constexpr std::chrono::seconds retry_after{5};
 }  // namespace
 
 ChunkFeed::ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
-    : cloud_(std::move(cloud)), l1_(std::move(l1)), owner_(l1_->add_owner())
+    : cloud_(std::move(cloud)), l1_(std::move(l1)), owner_(l1_->add_owner()), facts_(cloud_)
 {
 }
 
@@ -50,6 +51,34 @@ void ChunkFeed::release()
     arrivals_.clear();
     l1_->remove_owner(owner_);
     owner_ = l1_->add_owner();
+    facts_.forget();
+    classes_.reset();
+}
+
+const CloudFact* ChunkFeed::fact_of(const CloudStyle& usable)
+{
+    return facts_.find(usable, [this](NodeId node) { return has_failed(node); });
+}
+
+VertexFormat ChunkFeed::format_of(const CloudStyle& usable, std::string& notice)
+{
+    VertexFormat format = pcm::format_of(usable);
+    const Schema& schema = cloud_->info().schema;
+    if (format.colour == ColourSource::attribute) {
+        const AttributePlace place = *colour_place(usable, schema);
+        const auto found = std::find(attributes_.begin(), attributes_.end(), place);
+        format.attribute = static_cast<std::uint32_t>(found - attributes_.begin()) + 1;
+        if (found == attributes_.end()) attributes_.push_back(place);
+    }
+    if (usable.where.empty()) return format;
+    std::string text;
+    for (const Condition& condition : usable.where) text += condition.text + "\n";
+    const auto [place, is_new] = filter_numbers_.try_emplace(text, static_cast<std::uint32_t>(filters_.size()) + 1);
+    if (is_new) filters_.emplace_back(usable.where, schema);
+    format.filter = place->second;
+    const std::string& more = filters_[format.filter - 1].notice();
+    if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
+    return format;
 }
 
 bool ChunkFeed::has_failed(NodeId node)
@@ -101,10 +130,12 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
     arrivals_ = std::move(kept);
     arrivals_format_ = format;
 
-    const ColumnSet columns = columns_of(format);
+    const ColumnSet columns = load_columns_of(format);
     // Taken before the search: a chunk that arrives from here on wakes the owner again.
     const std::set<NodeId> arrived = inbox_->take();
     std::vector<ChunkRequest> list;
+    request_facts(arrived, list);
+    const std::size_t first = list.size();
     for (const NodeId node : window) {
         Arrival& arrival = arrivals_[node];
         if (!arrival.chunk) arrival.chunk = cloud_->cache().find(node, columns);
@@ -120,7 +151,13 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
                 continue;
             }
         }
-        list.push_back({node, columns});
+        // One request per chunk.
+        const auto asked = std::find_if(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(first),
+                                        [&](const ChunkRequest& request) { return request.node == node; });
+        if (asked != list.begin() + static_cast<std::ptrdiff_t>(first))
+            asked->columns |= columns;
+        else
+            list.push_back({node, columns});
     }
     const std::set<NodeId> wanted(window.begin(), window.end());
     std::set<NodeId> silent;  // loaded ahead: their arrival wakes no one
@@ -138,15 +175,64 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
     }
 }
 
+void ChunkFeed::request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list)
+{
+    const auto failed = [this](NodeId node) { return has_failed(node); };
+    for (const auto& [node, columns] : facts_.missing(failed)) {
+        const auto error = arrived.count(node) ? cloud_->cache().error_of(node) : std::nullopt;
+        if (error)
+            fail(node, *error);
+        else
+            list.push_back({node, columns});
+    }
+}
+
+AttributePlace ChunkFeed::colour_place_of(const VertexFormat& format) const
+{
+    if (format.colour == ColourSource::attribute) return attributes_[format.attribute - 1];
+    return {*cloud_->info().schema.find(attribute_of(format.colour)), 0};
+}
+
+ColumnSet ChunkFeed::load_columns_of(const VertexFormat& format) const
+{
+    ColumnSet columns = columns_of(format);
+    if (format.filter) columns |= filters_[format.filter - 1].tested();
+    return columns;
+}
+
 ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
 {
     std::vector<std::string> names;
-    if (format.colour != ColourSource::none) names.emplace_back(attribute_of(format.colour));
     if (format.radius) names.emplace_back(attribute_name::radius);
     if (format.normal) names.emplace_back(attribute_name::normal);
     ColumnSet columns = ColumnSet::named(cloud_->info().schema, names);
     columns.sizes = format.radius;
+    if (format.colour != ColourSource::none) columns.attributes.set(colour_place_of(format).attribute);
     return columns;
+}
+
+VertexAttributes ChunkFeed::colours_of(const Chunk& chunk, const VertexFormat& format)
+{
+    const AttributePlace place = colour_place_of(format);
+    const Column& column = *chunk.attributes[place.attribute];
+    const Attribute& attribute = cloud_->info().schema[place.attribute];
+    const CloudFact* const known = facts_.known(format.colour, place);
+    const CloudFact fact = known ? *known : CloudFact{};
+    VertexAttributes attributes;
+    if (is_value(format.colour)) {
+        make_values(column, attribute, place.component, fact.range.low, fact.range.high, values_);
+        attributes.colours = reinterpret_cast<const std::uint8_t*>(values_.data());
+        return attributes;
+    }
+    if (format.colour == ColourSource::rgb) {
+        make_colours(column, fact.scale, rgba_);
+    } else {
+        make_class_colours(column, attribute, rgba_);
+        if (std::exchange(classes_filter_, format.filter) != format.filter) classes_.reset();
+        add_classes(column, attribute, classes_);
+    }
+    attributes.colours = rgba_.data();
+    return attributes;
 }
 
 // A point's own radius; where it has none, its size.
@@ -165,17 +251,7 @@ VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const
 {
     const Schema& schema = cloud_->info().schema;
     VertexAttributes attributes;
-    if (format.colour != ColourSource::none) {
-        const std::size_t place = *schema.find(attribute_of(format.colour));
-        const Column& column = *chunk.attributes[place];
-        if (is_scaled(format.colour)) {
-            if (!scales_.count(format.colour)) scales_[format.colour] = ColourScale::of(column, format.colour);
-            make_colours(column, scales_[format.colour], rgba_);
-        } else {
-            make_class_colours(column, schema[place], rgba_);
-        }
-        attributes.rgba = rgba_.data();
-    }
+    if (format.colour != ColourSource::none) attributes = colours_of(chunk, format);
     if (format.radius) {
         find_radii(node, chunk);
         attributes.radii = radii_.data();
@@ -190,28 +266,35 @@ VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const
 
 Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms)
 {
+    // The range of the colours is that of the whole cloud, and must be known first.
+    if (facts_.lacks()) return {};
     const auto supply = [&](NodeId node) {
         const auto found = arrivals_.find(node);
-        if (found != arrivals_.end() && found->second.chunk) return Supply::ready;
-        // The coarsest chunk sets the colour scale for all, so it must come first.
-        return is_scaled(format.colour) && !scales_.count(format.colour) && !has_failed(node) ? Supply::stop
-                                                                                              : Supply::absent;
+        return found != arrivals_.end() && found->second.chunk ? Supply::ready : Supply::absent;
     };
     return l1_->request(window, budget_ms, supply, [&](NodeId node) {
         const auto found = arrivals_.find(node);
-        const L2Cache::Handle chunk = found->second.chunk;
-        const VertexAttributes attributes = attributes_of(node, *chunk, format);
-        if (!l1_->upload(owner_, node, *chunk->positions, cloud_->info().grid.scale, format, attributes)) return false;
+        const Chunk& whole = *found->second.chunk;
+        const Grid& grid = cloud_->info().grid;
+        const Chunk shown = format.filter ? filters_[format.filter - 1].apply(whole, grid, columns_of(format)) : whole;
+        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes_of(node, shown, format),
+                         whole.points - shown.points))
+            return false;
         arrivals_.erase(found);
         return true;
     });
+}
+
+bool ChunkFeed::awaits_facts()
+{
+    return facts_.lacks() && !facts_.missing([this](NodeId node) { return has_failed(node); }).empty();
 }
 
 bool ChunkFeed::waits()
 {
     for (const auto& [node, arrival] : arrivals_)
         if (!arrival.chunk && !has_failed(node)) return true;
-    return false;
+    return awaits_facts();
 }
 
 }  // namespace pcm

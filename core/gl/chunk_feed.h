@@ -1,6 +1,8 @@
 // Moves the chunks that a view wants from L2 into L1: requests them, uploads loaded ones, remembers failures.
 #pragma once
 
+#include "pcm/gl/chunk_filter.h"
+#include "pcm/gl/cloud_facts.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/point_sizes.h"
 #include "pcm/gl/vertex_format.h"
@@ -47,12 +49,24 @@ public:
     // Whether loading the node failed recently.
     bool has_failed(NodeId node);
 
+    // Begins a frame: what was asked of fact_of() before counts no more.
+    void begin_frame() { facts_.begin_frame(); }
+    // What the colours of a usable style depend on as a whole; null for a style without such a fact, and while it is
+    // not known: nothing is uploaded then.
+    const CloudFact* fact_of(const CloudStyle& usable);
+    // The format of a usable style. `notice` is extended by the conditions that do not apply to this cloud.
+    VertexFormat format_of(const CloudStyle& usable, std::string& notice);
+    // The classes among the points that were uploaded with colours by class.
+    const ClassSet& classes() const { return classes_; }
+
     // Takes loaded chunks of the window from L2 and requests the others, then those of `ahead`.
     void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
     // Uploads loaded chunks into L1 within the time budget.
     Served upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms);
-    // Whether a chunk of the window is being loaded.
+    // Whether a chunk of the window is being loaded, or one that a fact needs.
     bool waits();
+    // Whether a fact that this frame asked for will be known later.
+    bool awaits_facts();
     // Why a chunk cannot be loaded at present; empty when all can.
     std::string error() const { return failed_.empty() ? std::string() : error_; }
 
@@ -78,7 +92,13 @@ private:
         unsigned lost = 0;      // times that it arrived and L2 evicted it before it was found
     };
 
+    // Of what is uploaded; load_columns_of() also has what conditions test.
     ColumnSet columns_of(const VertexFormat& format) const;
+    ColumnSet load_columns_of(const VertexFormat& format) const;
+    void request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list);
+    // The attribute that colours are made from.
+    AttributePlace colour_place_of(const VertexFormat& format) const;
+    VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
     VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
     void find_radii(NodeId node, const Chunk& chunk);
     void fail(NodeId node, std::string error);
@@ -92,9 +112,14 @@ private:
     bool asked_last_ = false;
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
-    std::map<ColourSource, ColourScale> scales_;
+    CloudFacts facts_;
+    std::map<std::string, std::uint32_t> filter_numbers_;  // by the conditions' text
+    std::vector<ChunkFilter> filters_;                     // by number - 1
+    std::vector<AttributePlace> attributes_;               // that colours were made from, by number - 1
+    ClassSet classes_;
+    std::uint32_t classes_filter_ = 0;  // that the points of these meet
     std::vector<std::uint8_t> rgba_;
-    std::vector<float> radii_, normals_;
+    std::vector<float> values_, radii_, normals_;
     std::optional<PointSizes> sizes_;  // when first needed
 };
 

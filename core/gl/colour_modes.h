@@ -4,6 +4,7 @@
 // (view/point_colours.h); a new colouring a permutation of shaders/splat.vert.
 #pragma once
 
+#include "pcm/view/colour_ramps.h"
 #include "pcm/view/point_colours.h"
 
 #include <array>
@@ -19,17 +20,19 @@ struct CloudStyle;
 enum class ColourMode : std::uint8_t {
     rgb,
     intensity,
-    height,          // z, over the box of the whole cloud
+    height,          // z
     classification,  // the classes of LAS 1.4, each in its own colour
     level,           // the coarsest level of detail among the chunk's points
     error,           // on the screen, the distance between points where no finer chunk is drawn below this one
     uniform,
+    attribute,  // any other, named in the style
 };
 
 // Where the shader finds the colour.
 enum class Colouring : std::uint8_t {
     vertex,  // in the vertex, made from the mode's source
-    height,  // from the vertex's z
+    value,   // on the style's ramp, by the number in the vertex, made from the mode's source
+    height,  // on the ramp, by the vertex's z
     chunk,   // one colour for all points of a chunk
 };
 
@@ -39,9 +42,9 @@ struct ColourTraits {
     const char* label;        // for lists that people choose from
     const char* description;  // for tooltips, after "What the colour of a point shows: "
     Colouring colouring;
-    ColourSource source;     // Colouring::vertex: the attribute that it reads
-    const char* absent;      // Colouring::vertex: what a cloud without it lacks, for messages
-    ColourMode when_absent;  // Colouring::vertex: shown in its place then
+    ColourSource source;     // Colouring::vertex and value: the attribute that it reads
+    const char* absent;      // with a source: what a cloud without it lacks, for messages
+    ColourMode when_absent;  // with a source: shown in its place then, and where it is the same for all points
     // Colouring::chunk; else null.
     std::array<float, 3> (*of_chunk)(const CloudStyle& style, const ChunkLook& look, unsigned levels);
     // The colour of a chunk changes when finer chunks are drawn: nothing can be added to a finished picture.
@@ -53,8 +56,11 @@ const std::vector<ColourTraits>& colour_modes();
 const ColourTraits& traits_of(ColourMode mode);
 inline const char* name_of(ColourMode mode) { return traits_of(mode).name; }
 
-// The ramp of the colours by height, level and error: dark blue, teal, green, yellow, in even steps of lightness. t is
-// clamped to 0..1.
-std::array<float, 3> ramp_colour(float t);
+// Whether its colours are those of a range of values, which the automatic range or the user gives.
+inline bool has_range(ColourMode mode)
+{
+    const Colouring colouring = traits_of(mode).colouring;
+    return colouring == Colouring::value || colouring == Colouring::height;
+}
 
 }  // namespace pcm

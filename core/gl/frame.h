@@ -18,6 +18,7 @@ struct FrameCloud {
     const Tree* tree;
     Camera view;
     CloudStyle style;
+    ShownValues values;
     VertexFormat format;
     std::vector<bool> current;   // per node of `wanted`: in L1 with the attributes of the style
     std::vector<NodeId> window;  // to be loaded

@@ -178,7 +178,7 @@ bool L1Cache::add_block()
 }
 
 bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
-                     const VertexFormat& format, const VertexAttributes& attributes)
+                     const VertexFormat& format, const VertexAttributes& attributes, std::uint32_t hidden)
 {
     const auto start = Clock::now();
     const std::size_t per_page = points_per_page(format);
@@ -192,6 +192,7 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
         VertexEntry& entry = slot->payload.vertices;
         entry.format = format;
         entry.points = static_cast<std::uint32_t>(positions.size());
+        entry.hidden = hidden;
         entry.origin = positions.origin;
         for (std::size_t a = 0; a < 3; ++a)
             entry.extent[a] =

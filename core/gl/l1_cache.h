@@ -71,6 +71,7 @@ struct VertexRange {
 struct VertexEntry {
     VertexFormat format;
     std::uint32_t points = 0;
+    std::uint32_t hidden = 0;  // points of the chunk that were not uploaded
     Vec3i origin{};            // of the chunk, grid coordinates
     Vec3d extent{};            // of the chunk, source units
     float largest_radius = 0;  // of its points, source units; of a format with radii
@@ -82,9 +83,9 @@ struct VertexEntry {
 
 // The attributes of the format beside positions; others may be null.
 struct VertexAttributes {
-    const std::uint8_t* rgba = nullptr;  // 4 bytes per point
-    const float* radii = nullptr;        // 1 per point
-    const float* normals = nullptr;      // 3 per point
+    const std::uint8_t* colours = nullptr;  // 4 bytes per point: RGBA, or a float where is_value() of the source
+    const float* radii = nullptr;           // 1 per point
+    const float* normals = nullptr;         // 3 per point
 };
 
 // Bytes of a buffer object.
@@ -184,13 +185,13 @@ public:
     const ColumnEntry* use_columns(Owner owner, NodeId node);
     const ColumnEntry* find_columns(Owner owner, NodeId node) const;
 
-    // Uploads a chunk, replaces an entry of the same node, and marks it as used in this frame. Reads the members of
-    // `attributes` that `format` has. Evicts by the policy, never a protected entry. False when that does not free
-    // enough, when the driver is out of memory, or when write-backs failed (see write_back_error()); an entry of the
-    // same node is kept then. Changes the binding of GL_COPY_WRITE_BUFFER. Throws Error(invalid_argument) for an
-    // unknown owner.
+    // Uploads a chunk, less its `hidden` points, replaces an entry of the same node, and marks it as used in this
+    // frame. Reads the members of `attributes` that `format` has. Evicts by the policy, never a protected entry. False
+    // when that does not free enough, when the driver is out of memory, or when write-backs failed (see
+    // write_back_error()); an entry of the same node is kept then. Changes the binding of GL_COPY_WRITE_BUFFER. Throws
+    // Error(invalid_argument) for an unknown owner.
     bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
-                const VertexFormat& format, const VertexAttributes& attributes);
+                const VertexFormat& format, const VertexAttributes& attributes, std::uint32_t hidden = 0);
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
     // Error(unsupported) for a column of more than max_stride bytes per point.

@@ -19,13 +19,13 @@ void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, cons
 {
     const std::size_t stride = format.stride();
     const std::size_t radius_place = format.radius_place();
-    const std::uint8_t* const rgba = format.colour == ColourSource::none ? nullptr : attributes.rgba;
+    const std::uint8_t* const colours = format.colour == ColourSource::none ? nullptr : attributes.colours;
     for (std::size_t i = 0; i < count; ++i, to += stride) {
         float position[3];
         for (std::size_t a = 0; a < 3; ++a)
             position[a] = static_cast<float>(static_cast<double>(xyz[a][first + i]) * scale[a]);
         std::memcpy(to, position, 12);
-        if (rgba) std::memcpy(to + VertexFormat::colour_place, rgba + 4 * (first + i), 4);
+        if (colours) std::memcpy(to + VertexFormat::colour_place, colours + 4 * (first + i), 4);
         if (format.radius) std::memcpy(to + radius_place, attributes.radii + first + i, 4);
         if (format.normal) std::memcpy(to + VertexFormat::normal_place, attributes.normals + 3 * (first + i), 12);
     }

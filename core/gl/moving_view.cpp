@@ -74,7 +74,10 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         expected = take(count);
     }
     if (count == strokes.size()) {
-        budget.all(frame.work, available / expected);
+        // The budget is in points of the tree: those that conditions hide cost nothing, and belong to the chunks.
+        FrameWork chosen = frame.work;
+        for (const Stroke& stroke : strokes) chosen.points += stroke.entry->hidden;
+        budget.all(chosen, available / expected);
     } else {
         // Chunks still being loaded count too: they will be drawn.
         std::uint64_t points = 0;
@@ -183,6 +186,7 @@ void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost&
             strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry.points;
+            report.clouds[place.tree].points_hidden += entry.hidden;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
         }
     });
@@ -212,7 +216,8 @@ Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnO
         }
         progress.everything = progress.everything && wanted.beyond.empty();
         // Chunks that failed to load are missing at present and not waited for.
-        progress.more_to_come = progress.more_to_come || !cloud.feed->window_of(wanted, cloud.current).empty();
+        progress.more_to_come = progress.more_to_come || cloud.feed->awaits_facts() ||
+                                !cloud.feed->window_of(wanted, cloud.current).empty();
         progress.waits = progress.waits || cloud.feed->waits();
     }
     return progress;

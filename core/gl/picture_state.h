@@ -29,9 +29,11 @@ struct PictureKey {
         Vec3d origin;
         Matrix4d placement;
         CloudStyle style;
+        ShownValues values;
         bool operator==(const Shown& o) const
         {
-            return cloud == o.cloud && origin == o.origin && placement == o.placement && style == o.style;
+            return cloud == o.cloud && origin == o.origin && placement == o.placement && style == o.style &&
+                   values == o.values;
         }
     };
     Matrix4d modelview, projection;
@@ -84,11 +86,11 @@ struct PictureState {
         std::size_t added = 0;              // how many of `all.order` the target holds or were left out
         std::vector<std::size_t> left_out;  // of these: could not be loaded
         std::uint64_t points = 0, nodes = 0;
-        std::vector<std::uint64_t> points_of;  // of each item
-        std::size_t held = 0;                  // how many of `lod.order` are kept in L1
+        std::vector<std::uint64_t> points_of, hidden_of;  // of each item
+        std::size_t held = 0;                             // how many of `lod.order` are kept in L1
         bool behind = false;  // it is drawn into `next`; the members below describe the picture that is shown
         std::uint64_t shown_points = 0, shown_nodes = 0;
-        std::vector<std::uint64_t> shown_points_of;
+        std::vector<std::uint64_t> shown_points_of, shown_hidden_of;
         double shown_error_px = 0;
     };
     std::optional<Rest> rest;

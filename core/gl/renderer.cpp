@@ -24,10 +24,16 @@ struct Renderer::Impl {
     {
         VertexFormat& former = frame.clouds[cloud.leader].format;
         if (former.colour != ColourSource::none && cloud.format.colour != ColourSource::none &&
-            former.colour != cloud.format.colour)
+            (former.colour != cloud.format.colour || former.attribute != cloud.format.attribute))
             throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, in the colours of two attributes",
                         "give it another DrawnCloud for the second, or the same colours");
-        if (former.colour == ColourSource::none) former.colour = cloud.format.colour;
+        if (former.filter != cloud.format.filter)
+            throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, with other conditions",
+                        "give it another DrawnCloud for the second, or the same conditions");
+        if (former.colour == ColourSource::none) {
+            former.colour = cloud.format.colour;
+            former.attribute = cloud.format.attribute;
+        }
         former.radius = former.radius || cloud.format.radius;
         former.normal = former.normal || cloud.format.normal;
         for (FrameCloud& other : frame.clouds)
@@ -49,6 +55,32 @@ struct Renderer::Impl {
                     "scale it with 'pcmlab transform --scale'");
     }
 
+    // Sets style, values and format of a cloud; what is reported of these.
+    static CloudReport look_of(FrameCloud& cloud, const CloudStyle& asked, const Schema& schema)
+    {
+        CloudReport report;
+        ChunkFeed& feed = *cloud.feed;
+        cloud.style = usable_style(asked, schema, &report.notice, [&](const CloudStyle& style) {
+            // With a range of its own a value says something where it is the same everywhere.
+            if (has_range(asked.colour) && style.range) return false;
+            const CloudFact* const fact = feed.fact_of(style);
+            return fact && fact->is_blank;
+        });
+        const CloudFact* const fact = feed.fact_of(cloud.style);
+        const Colouring colouring = traits_of(cloud.style.colour).colouring;
+        if (fact && has_range(cloud.style.colour)) {
+            cloud.values.range = cloud.style.range.value_or(fact->range);
+            cloud.values.stored_low = fact->range.low;
+            cloud.values.stored_high = fact->range.high;
+        } else if (colouring == Colouring::height) {
+            cloud.values.range = cloud.style.range;
+        }
+        cloud.format = feed.format_of(cloud.style, report.notice);
+        report.style = cloud.style;
+        report.range = cloud.values.range;
+        return report;
+    }
+
     // Adds an item to the frame; what is reported of its cloud.
     CloudReport add(Frame& frame, PictureKey& key, const Camera& scene, const SceneItem& item) const
     {
@@ -60,16 +92,15 @@ struct Renderer::Impl {
         const DrawnCloud::Impl& drawn = *item.cloud->impl_;
         cloud.feed = drawn.feed.get();
         cloud.tree = &drawn.cloud->cache().tree();
-        CloudReport report;
-        report.style = cloud.style = usable_style(item.style, drawn.cloud->info().schema, &report.notice);
-        cloud.format = format_of(cloud.style);
-        cloud.view = scene;
-        cloud.view.origin = item.origin;
-        if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
-        key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style});
         cloud.leader = frame.clouds.size();
         for (std::size_t t = frame.clouds.size(); t-- > 0;)
             if (frame.clouds[t].feed == cloud.feed) cloud.leader = t;
+        if (cloud.leader == frame.clouds.size()) cloud.feed->begin_frame();
+        CloudReport report = look_of(cloud, item.style, drawn.cloud->info().schema);
+        cloud.view = scene;
+        cloud.view.origin = item.origin;
+        if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
+        key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style, cloud.values});
         if (cloud.leader == frame.clouds.size())
             frame.owners.push_back(cloud.feed->owner());
         else
@@ -147,6 +178,9 @@ struct Renderer::Impl {
         report.measured_ms = frame.costs().last_measured_ms();
         for (std::size_t t = 0; t < clouds.size(); ++t) {
             clouds[t].points_drawn = report.clouds[t].points_drawn;
+            clouds[t].points_hidden = report.clouds[t].points_hidden;
+            if (clouds[t].style.colour == ColourMode::classification)
+                clouds[t].classes = frame.clouds[t].feed->classes();
             clouds[t].error = frame.clouds[t].feed->error();
             if (!clouds[t].error.empty()) report.error = clouds[t].error;
         }

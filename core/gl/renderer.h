@@ -29,6 +29,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,17 +77,22 @@ private:
 };
 
 struct SceneItem {
-    DrawnCloud* cloud = nullptr;  // may occur twice with other placements, but not with colours of two attributes
-    Vec3d origin{};               // source coordinates of the cloud's local origin
+    // May occur twice with other placements, but not with colours of two attributes, or with other conditions.
+    DrawnCloud* cloud = nullptr;
+    Vec3d origin{};                        // source coordinates of the cloud's local origin
     Matrix4d placement = identity_matrix;  // from (source - origin) to the scene's coordinates; affine and invertible
     CloudStyle style;
 };
 
 struct CloudReport {
     std::uint64_t points_drawn = 0;
-    CloudStyle style;    // as it was drawn
-    std::string notice;  // the attributes that the style asked for and the cloud lacks
-    std::string error;   // why some chunks cannot be loaded at present
+    std::uint64_t points_hidden = 0;  // beside these, by the style's conditions
+    CloudStyle style;                 // as it was drawn
+    std::optional<ValueRange> range;  // at the ends of the ramp; absent for other colours, and while it is not known
+    ClassSet classes;                 // that occur in video memory, for colours by class
+    std::string
+        notice;  // the attributes that the style asked for and the cloud lacks, or which are the same in a sample of it
+    std::string error;  // why some chunks cannot be loaded at present
 };
 
 struct FrameReport {
@@ -101,7 +107,7 @@ struct FrameReport {
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
     unsigned samples = 1;                      // of the picture
-    // Every point in view is in the picture, as large as it is meant to be.
+    // Every point in view is in the picture, less those that conditions hide, and as large as it is meant to be.
     bool full_resolution = false;
     bool refining = false;  // the picture is not final yet
     bool repaint = false;   // ask for another frame at once; implies refining

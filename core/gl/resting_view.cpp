@@ -38,13 +38,17 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
     rest.added = lod.order.size();
     rest.held = lod.order.size();
     rest.points_of.assign(frame.clouds.size(), 0);
+    rest.hidden_of.assign(frame.clouds.size(), 0);
     if (differs_at_rest(frame)) {
         rest.behind = true;
         rest.added = 0;
         const FrameReport& report = frame.report;
         rest.shown_points = report.points_drawn;
         rest.shown_nodes = report.nodes_drawn;
-        for (const CloudReport& cloud : report.clouds) rest.shown_points_of.push_back(cloud.points_drawn);
+        for (const CloudReport& cloud : report.clouds) {
+            rest.shown_points_of.push_back(cloud.points_drawn);
+            rest.shown_hidden_of.push_back(cloud.points_hidden);
+        }
         rest.shown_error_px = report.screen_error_px;
         PictureState& p = frame.picture;
         p.next.prepare(p.target.width(), p.target.height(), p.asked_samples);
@@ -62,6 +66,7 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
         ++rest.nodes;
         rest.points += entry->points;
         rest.points_of[place.tree] += entry->points;
+        rest.hidden_of[place.tree] += entry->hidden;
     }
 }
 
@@ -200,6 +205,7 @@ private:
         ++rest_.nodes;
         rest_.points += entry.points;
         rest_.points_of[place_at(i).tree] += entry.points;
+        rest_.hidden_of[place_at(i).tree] += entry.hidden;
     }
 
     // Another client may hold video memory that this view counted on: then the pages of what a moving view will show
@@ -230,8 +236,10 @@ private:
     void fill_report(double error)
     {
         report_.clouds.resize(frame_.clouds.size());
-        for (std::size_t t = 0; t < frame_.clouds.size(); ++t)
+        for (std::size_t t = 0; t < frame_.clouds.size(); ++t) {
             report_.clouds[t].points_drawn = rest_.behind ? rest_.shown_points_of[t] : rest_.points_of[t];
+            report_.clouds[t].points_hidden = rest_.behind ? rest_.shown_hidden_of[t] : rest_.hidden_of[t];
+        }
         report_.points_drawn = rest_.behind ? rest_.shown_points : rest_.points;
         report_.nodes_drawn = rest_.behind ? rest_.shown_nodes : rest_.nodes;
         report_.nodes_wanted = total();

@@ -76,7 +76,7 @@ struct SplatPass::Impl {
     std::vector<GLsizei> count;
 
     void begin(const Camera& camera, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
-               unsigned framebuffer_samples, bool as_paraboloids)
+               unsigned framebuffer_samples, const ShownValues& values, bool as_paraboloids)
     {
         if (!device) device = Device::ask();
         samples = std::max(framebuffer_samples, 1u);
@@ -89,7 +89,7 @@ struct SplatPass::Impl {
             view.reset();
             return;
         }
-        view = SplatView{*splat_camera, &tree, usable, viewport, 0, device->largest_point};
+        view = SplatView{*splat_camera, &tree, usable, viewport, 0, device->largest_point, values};
         if (paraboloids && traits_of(usable.splats).shape == SplatShape::sphere)
             view->style.radius_scale *= radius_of_paraboloid;
 
@@ -164,8 +164,11 @@ struct SplatPass::Impl {
         p.orthographic = (is_disc || p.paraboloid) && view->camera.orthographic;
         if (p.orthographic) p.mode = traits_of(p.mode).in_parallel;
         p.colouring = traits_of(view->style.colour).colouring;
-        if (p.colouring == Colouring::vertex && entry.format.colour == ColourSource::none)
-            p.colouring = Colouring::chunk;
+        // The entry may still hold what another style shows.
+        if (p.colouring == Colouring::vertex || p.colouring == Colouring::value)
+            p.colouring = entry.format.colour == ColourSource::none ? Colouring::chunk
+                          : is_value(entry.format.colour)           ? Colouring::value
+                                                                    : Colouring::vertex;
         p.samples = is_disc && device->sample_mask ? samples : 1;
         p.doubles = traits_of(p.mode).has_doubles && device->doubles && may_use_doubles;
         return p;
@@ -195,7 +198,7 @@ struct SplatPass::Impl {
                 current = &program;
             }
             program.set_chunk(*view, entry, look);
-            enable(1, p.colouring == Colouring::vertex);
+            enable(1, p.colouring == Colouring::vertex || p.colouring == Colouring::value);
             enable(2, traits.reads_radius);
             enable(3, traits.reads_normal);
             draw_runs(entry, runs, quads);
@@ -220,7 +223,9 @@ struct SplatPass::Impl {
             return reinterpret_cast<const void*>(vertex * format.stride() + byte);
         };
         glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, stride, place(0));
-        if (enabled[1])
+        if (enabled[1] && is_value(format.colour))
+            glVertexAttribPointer(1, 1, GL_FLOAT, GL_FALSE, stride, place(VertexFormat::colour_place));
+        else if (enabled[1])
             glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, place(VertexFormat::colour_place));
         if (enabled[2]) glVertexAttribPointer(2, 1, GL_FLOAT, GL_FALSE, stride, place(format.radius_place()));
         if (enabled[3]) glVertexAttribPointer(3, 3, GL_FLOAT, GL_FALSE, stride, place(VertexFormat::normal_place));
@@ -292,9 +297,9 @@ SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
 void SplatPass::begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed,
-                      unsigned samples, bool paraboloids)
+                      unsigned samples, const ShownValues& values, bool paraboloids)
 {
-    impl_->begin(view, info, usable, reversed, samples, paraboloids);
+    impl_->begin(view, info, usable, reversed, samples, values, paraboloids);
 }
 void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
 std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts)

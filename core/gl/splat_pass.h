@@ -71,8 +71,9 @@ public:
     // and the clear value 0; otherwise OpenGL's defaults. `samples`: of the framebuffer, 1 or 0 for none. The context's
     // viewport is used; its size is the view's. Changes viewport and scissor until end(), and lastingly the state that
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
+    // `values` are those that the style's ramp shows. `paraboloids`: adaptive splats are these.
     void begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples,
-               bool paraboloids = false);
+               const ShownValues& values = {}, bool paraboloids = false);
     // Draws the entry's points in the style, as far as the entry has its attributes: without normals as adaptive
     // splats, without radii as constant ones (drawable_mode()), without colours in the style's uniform colour, with
     // colours of another attribute in these.

@@ -3,6 +3,7 @@
 #include <GL/glew.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace pcm {
@@ -25,6 +26,7 @@ std::vector<std::string> SplatPermutation::defines() const
 {
     std::vector<std::string> list;
     if (colouring == Colouring::vertex) list.emplace_back("VERTEX_COLOUR");
+    if (colouring == Colouring::value) list.emplace_back("VALUE_COLOUR");
     if (colouring == Colouring::height) list.emplace_back("HEIGHT_COLOUR");
     if (const std::string define = traits_of(mode).define; !define.empty()) list.push_back(define);
     if (orthographic) list.emplace_back("ORTHOGRAPHIC");
@@ -49,16 +51,17 @@ Box3d SplatView::box_of(const VertexEntry& entry) const
 
 SplatProgram::SplatProgram(const SplatPermutation& permutation)
     : program_("splat.vert", "splat.frag", permutation.defines()),
+      colouring_(permutation.colouring),
       samples_(permutation.samples),
       doubles_(permutation.doubles)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
-    at_ = {find("projection"),    find("to_eye"),        find("eye_scale"),     find("point_size"),   find("pixels"),
-           find("radius_scale"),  find("viewport"),      find("guard"),         find("focal"),        find("principal"),
-           find("depth_of"),      find("sample_places"), find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
-           find("centre_ray"),    find("centre_pixel"),  find("pixel_bounds"),  find("near"),         find("reference"),
-           find("translation"),   find("from_eye"),      find("least_radius"),  find("least_pixels"), find("height"),
-           find("uniform_colour")};
+    at_ = {find("projection"),   find("to_eye"),        find("eye_scale"),     find("point_size"),   find("pixels"),
+           find("radius_scale"), find("viewport"),      find("guard"),         find("focal"),        find("principal"),
+           find("depth_of"),     find("sample_places"), find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
+           find("centre_ray"),   find("centre_pixel"),  find("pixel_bounds"),  find("near"),         find("reference"),
+           find("translation"),  find("from_eye"),      find("least_radius"),  find("least_pixels"), find("ramp"),
+           find("ramp_place"),   find("uniform_colour")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const
@@ -106,7 +109,32 @@ void SplatProgram::set_view(const SplatView& view) const
     glUniform2f(at_.guard, width / (width + 2 * static_cast<float>(view.guard)),
                 height / (height + 2 * static_cast<float>(view.guard)));
     if (at_.depth_of >= 0) glUniform2fv(at_.depth_of, 1, floats(c.depth_of).data());
+    if (at_.ramp >= 0)
+        glUniform3fv(at_.ramp, static_cast<GLsizei>(ramp_stops), traits_of(ramp_of(view.style)).table.front().data());
     if (at_.focal >= 0) set_disc(view);
+}
+
+// What a vertex holds, its z or a number, is at the place (it * x + y) ^ z of the ramp.
+void SplatProgram::set_values(const SplatView& view, const VertexEntry& entry) const
+{
+    const TreeInfo& info = *view.info;
+    ValueRange range{0, 1, 1};
+    double step = 1, first = 0;  // the value of a vertex that holds 0, and what 1 adds to it
+    if (colouring_ == Colouring::height) {
+        range = view.values.range.value_or(
+            ValueRange{info.grid.to_source(info.box.min[2], 2), info.grid.to_source(info.box.max[2], 2), 1});
+        first = info.grid.to_source(entry.origin[2], 2);
+    } else if (view.values.range) {
+        range = *view.values.range;
+        first = view.values.stored_low;
+        step = view.values.stored_high - first;
+    }
+    const double width = range.high - range.low;
+    const auto factor = static_cast<float>(step / width);
+    const auto added = static_cast<float>((first - range.low) / width);
+    const bool flat = !(width > 0) || !std::isfinite(factor) || !std::isfinite(added);
+    glUniform3f(at_.ramp_place, flat ? 0.0f : factor, flat ? 0.5f : added,
+                flat ? 1.0f : static_cast<float>(range.exponent));
 }
 
 void SplatProgram::set_disc(const SplatView& view) const
@@ -156,15 +184,7 @@ void SplatProgram::set_chunk(const SplatView& view, const VertexEntry& entry, co
     set(at_.from_eye, Vec3d{local[0] - camera.eye[0], local[1] - camera.eye[1], local[2] - camera.eye[2]});
     glUniform1f(at_.least_radius, look.least_radius);
     glUniform1f(at_.least_pixels, std::min(look.least_px, view.largest_point));
-    if (at_.height >= 0) {
-        const double bottom = static_cast<double>(info.box.min[2]);
-        const double top = static_cast<double>(info.box.max[2]);
-        const double range = (top - bottom) * info.grid.scale[2];
-        const double above = (static_cast<double>(entry.origin[2]) - bottom) * info.grid.scale[2];
-        const bool flat = !(range > 0);
-        glUniform2f(at_.height, flat ? 0.0f : static_cast<float>(1 / range),
-                    flat ? 0.5f : static_cast<float>(above / range));
-    }
+    if (at_.ramp_place >= 0) set_values(view, entry);
     if (at_.uniform_colour >= 0) {
         const auto of_chunk = traits_of(view.style.colour).of_chunk;
         glUniform3fv(at_.uniform_colour, 1,

@@ -38,6 +38,7 @@ struct SplatView {
     std::array<int, 4> viewport{};  // x, y, width, height
     int guard = 0;                  // pixels by which the clip volume is extended on each side, for SplatShape::sphere
     float largest_point = 1;        // of the driver, pixels
+    ShownValues values;
 
     // The box of a chunk's positions, relative to the view's origin.
     Box3d box_of(const VertexEntry& entry) const;
@@ -56,6 +57,7 @@ public:
 
 private:
     void set_disc(const SplatView& view) const;
+    void set_values(const SplatView& view, const VertexEntry& entry) const;
     void set(std::int32_t place, const Vec3d& v) const;
     void set(std::int32_t place, const std::array<double, 2>& v) const;
     void set(std::int32_t place, const std::array<double, 9>& matrix) const;
@@ -65,9 +67,10 @@ private:
         std::int32_t projection, to_eye, eye_scale, point_size, pixels, radius_scale, viewport, guard;
         std::int32_t focal, principal, depth_of, sample_places, normal_to_eye;
         std::int32_t pixel_x, pixel_y, centre_ray, centre_pixel, pixel_bounds, near;
-        std::int32_t reference, translation, from_eye, least_radius, least_pixels, height, uniform_colour;
+        std::int32_t reference, translation, from_eye, least_radius, least_pixels, ramp, ramp_place, uniform_colour;
     };
     ShaderProgram program_;
+    Colouring colouring_;
     unsigned samples_;
     bool doubles_;  // its uniforms of type real, rvec2, rvec3 and rmat3 are doubles
     Uniforms at_;

@@ -2,11 +2,16 @@
 #pragma once
 
 #include "pcm/cloud/attribute.h"
+#include "pcm/cloud/condition.h"
 #include "pcm/gl/colour_modes.h"
 #include "pcm/gl/splat_modes.h"
+#include "pcm/view/value_range.h"
 
 #include <array>
+#include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace pcm {
 
@@ -16,17 +21,41 @@ struct CloudStyle {
     float point_size_px = 2;  // SplatShape::pixels: side of the square, clamped to the driver's range
     float radius_scale = 1;   // the other shapes: factor on the points' radii or sizes
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
+    std::string attribute;  // for ColourMode::attribute, as place_of() reads it: "gps_time", "rgb[0]"
+    ColourRamp ramp = ColourRamp::automatic;
+    // For modes that has_range(), or what is shown in place of others: the values at the ramp's ends. Absent: found in
+    // a sample of the cloud.
+    std::optional<ValueRange> range;
+    // Only points that meet all of these are shown. One on an attribute that a cloud lacks leaves that cloud as it is.
+    std::vector<Condition> where;
 };
-inline bool operator==(const CloudStyle& a, const CloudStyle& b)
-{
-    return a.splats == b.splats && a.colour == b.colour && a.point_size_px == b.point_size_px &&
-           a.radius_scale == b.radius_scale && a.uniform_colour == b.uniform_colour;
-}
+bool operator==(const CloudStyle& a, const CloudStyle& b);
 inline bool operator!=(const CloudStyle& a, const CloudStyle& b) { return !(a == b); }
 
+// Where the values of a cloud lie on its ramp.
+struct ShownValues {
+    std::optional<ValueRange>
+        range;  // at the ramp's ends; absent: 0 to 1 of what the vertices hold, or the whole height
+    // The numbers in the vertices are 0 and 1 for these values (Colouring::value).
+    double stored_low = 0, stored_high = 1;
+};
+inline bool operator==(const ShownValues& a, const ShownValues& b)
+{
+    return a.range == b.range && a.stored_low == b.stored_low && a.stored_high == b.stored_high;
+}
+
+// The ramp that a style means by `automatic`, else its own.
+ColourRamp ramp_of(const CloudStyle& style);
+
 // The nearest style that a cloud of this schema supports: without normals adaptive splats;
-// without rgb intensity, without intensity or classes height. `notice`, which may be null, becomes a sentence that says
-// what is missing and what is shown instead; empty when nothing is missing.
-CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice);
+// without rgb intensity, without intensity, classes or the named attribute height. The same where `is_blank`, which may
+// be empty, says that all points of a sample would have one colour. `notice`, which may be null, becomes a sentence
+// that says what is missing and what is shown instead; empty when nothing is missing.
+CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice,
+                        const std::function<bool(const CloudStyle&)>& is_blank = {});
+
+// The attribute that the style's colours are made from; nothing for modes without one, or when the schema lacks it. Of
+// rgb, its first component.
+std::optional<AttributePlace> colour_place(const CloudStyle& style, const Schema& schema);
 
 }  // namespace pcm

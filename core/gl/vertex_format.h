@@ -8,15 +8,20 @@
 
 namespace pcm {
 
-// Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour; float
-// radius, source units; float[3] normal, of length 1 or, where the cloud has none, 0. The format names which of the
-// last three are present; with a normal, the colour's bytes are present too, used or not. Strides are 12, 16, 20 or 32
-// bytes, which all divide L1's page, so that a chunk in consecutive pages is one array. Normals are full floats: at a
-// graze of 0.1 degree an error of 1e-4 would change a disc's visible width by a twentieth.
+// Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour, or a float
+// where is_value() of its source (make_values()); float radius, source units; float[3] normal, of length 1 or, where
+// the cloud has none, 0. The format names which of the last three are present; with a normal, the colour's bytes are
+// present too, used or not. Strides are 12, 16, 20 or 32 bytes, which all divide L1's page, so that a chunk in
+// consecutive pages is one array. Normals are full floats: at a graze of 0.1 degree an error of 1e-4 would change a
+// disc's visible width by a twentieth.
 struct VertexFormat {
     ColourSource colour = ColourSource::none;
     bool radius = false;
     bool normal = false;
+    // Numbers that the owner of the vertices gives, not 0: of the attribute, for ColourSource::attribute; of the
+    // conditions that all points of the chunk's vertices meet.
+    std::uint32_t attribute = 0;
+    std::uint32_t filter = 0;
 
     std::uint32_t stride() const
     {
@@ -27,20 +32,22 @@ struct VertexFormat {
     std::uint32_t radius_place() const { return normal || colour != ColourSource::none ? 16 : 12; }
     static constexpr std::uint32_t normal_place = 20;
 
-    // Whether vertices of this format have all attributes of `wanted`.
+    // Whether vertices of this format have all attributes of `wanted`, of the same points.
     bool serves(const VertexFormat& wanted) const
     {
-        return (wanted.colour == ColourSource::none || wanted.colour == colour) && (radius || !wanted.radius) &&
-               (normal || !wanted.normal);
+        return (wanted.colour == ColourSource::none || (wanted.colour == colour && wanted.attribute == attribute)) &&
+               (radius || !wanted.radius) && (normal || !wanted.normal) && filter == wanted.filter;
     }
-    // Unique for each format, and below L1Table::max_forms.
+    // Unique for each format but for `attribute` and `filter`, and below L1Table::max_forms.
     unsigned number() const { return (radius ? 1u : 0u) + (normal ? 2u : 0u) + 4u * static_cast<unsigned>(colour); }
 };
-inline bool operator==(const VertexFormat& a, const VertexFormat& b) { return a.number() == b.number(); }
+inline bool operator==(const VertexFormat& a, const VertexFormat& b)
+{
+    return a.number() == b.number() && a.attribute == b.attribute && a.filter == b.filter;
+}
 inline bool operator!=(const VertexFormat& a, const VertexFormat& b) { return !(a == b); }
-inline bool operator<(const VertexFormat& a, const VertexFormat& b) { return a.number() < b.number(); }
 
-// Exactly the attributes that a style reads. `usable`: see usable_style().
+// Exactly the attributes that a style reads; without the owner's numbers. `usable`: see usable_style().
 inline VertexFormat format_of(const CloudStyle& usable)
 {
     const SplatTraits& splats = traits_of(usable.splats);

@@ -51,8 +51,4 @@ std::vector<LasSummary> las_summaries(const std::vector<Metadata>& metadata);
 // Of the first LAS header whose points have times.
 std::optional<GpsTime> gps_time_of(const std::vector<Metadata>& metadata);
 
-// The standard's meaning of a classification code, 0 to 255: "ground". Codes 8 and 12 have one in point formats 0 to 5
-// only.
-std::string las_class_name(unsigned code);
-
 }  // namespace pcm

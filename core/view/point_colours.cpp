@@ -1,6 +1,7 @@
 #include "pcm/view/point_colours.h"
 
 #include "pcm/cloud/with_type.h"
+#include "pcm/view/value_range.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,8 @@ std::string_view attribute_of(ColourSource source)
             return attribute_name::intensity;
         case ColourSource::classification:
             return attribute_name::classification;
+        case ColourSource::attribute:
+            return {};
     }
     return {};
 }
@@ -56,17 +59,11 @@ ColourScale ColourScale::of(const Column& column, ColourSource colour)
         if (type_maximum == 1) return {0, most > 1 ? 255.0 : 1.0};
         return {0, type_maximum > 255 && most <= 255 ? 255.0 : type_maximum};
     }
-    const auto ranked = [&](double rank) {
-        const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
-        std::nth_element(values.begin(), place, values.end());
-        return *place;
-    };
-    // Ranks are rounded outwards: with few values, these are the extremes.
-    const auto last = static_cast<double>(values.size() - 1);
-    ColourScale scale{ranked(std::floor(0.005 * last)), ranked(std::ceil(0.995 * last))};
+    const ValueSummary summary = summary_of(values);
     // All values equal: bright rather than black.
-    if (!(scale.high > scale.low)) scale = {scale.low - 1, scale.low};
-    return scale;
+    if (summary.is_constant()) return {summary.least - 1, summary.least};
+    const ValueRange range = linear_range(summary);
+    return {range.low, range.high};
 }
 
 void make_colours(const Column& column, const ColourScale& scale, std::vector<std::uint8_t>& rgba)
@@ -94,7 +91,7 @@ std::array<std::uint8_t, 3> class_colour(double number)
     using Colour = std::array<std::uint8_t, 3>;
     static constexpr Colour named[] = {
         {150, 150, 150},  // 0 never classified
-        {190, 190, 190},  // 1 unassigned
+        {190, 190, 190},  // 1 unclassified
         {166, 116, 70},   // 2 ground
         {178, 223, 138},  // 3 low vegetation
         {102, 189, 99},   // 4 medium vegetation
@@ -141,6 +138,36 @@ void make_class_colours(const Column& column, const Attribute& attribute, std::v
             const auto& colour = number >= 0 && number <= 255 ? palette[static_cast<std::size_t>(number)] : other;
             std::copy(colour.begin(), colour.end(), rgba.begin() + static_cast<std::ptrdiff_t>(4 * p));
             rgba[4 * p + 3] = 255;
+        }
+    });
+}
+
+void make_values(const Column& column, const Attribute& attribute, std::uint32_t component, double low, double high,
+                 std::vector<float>& values)
+{
+    const std::size_t points = column.size();
+    const std::size_t components = column.components();
+    values.resize(points);
+    const double width = high - low;
+    with_values(column, [&](const auto* raw) {
+        for (std::size_t p = 0; p < points; ++p) {
+            const double value =
+                static_cast<double>(raw[p * components + component]) * attribute.scale + attribute.offset;
+            const double place = (value - low) / width;
+            // Far outside of any range that shows something, and larger than no_value.
+            values[p] = std::isnan(place) ? no_value : static_cast<float>(std::clamp(place, -1e20, 1e20));
+        }
+    });
+}
+
+void add_classes(const Column& column, const Attribute& attribute, ClassSet& classes)
+{
+    const std::size_t components = column.components();
+    with_values(column, [&](const auto* raw) {
+        for (std::size_t p = 0; p < column.size(); ++p) {
+            const double number =
+                std::floor(static_cast<double>(raw[p * components]) * attribute.scale + attribute.offset + 0.5);
+            classes.set(number >= 0 && number <= 255 ? static_cast<std::size_t>(number) : 256);
         }
     });
 }

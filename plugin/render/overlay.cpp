@@ -29,11 +29,20 @@ std::string cache_text(const CacheUse& cache)
            (asked ? grouped(100 * cache.hits / asked) : "0") + " % hits";
 }
 
+// By conditions.
+std::uint64_t hidden_points(const FrameReport& report)
+{
+    std::uint64_t sum = 0;
+    for (const CloudReport& cloud : report.clouds) sum += cloud.points_hidden;
+    return sum;
+}
+
 std::string progress_text(const FrameReport& report, const std::vector<OverlayCloud>& clouds)
 {
     std::uint64_t all = 0;
     for (const OverlayCloud& cloud : clouds) all += cloud.points;
-    if (report.full_resolution) return report.points_drawn < all ? "all points in view shown" : "all points shown";
+    if (report.full_resolution)
+        return report.points_drawn + hidden_points(report) < all ? "all points in view shown" : "all points shown";
     return amount_text(std::min(report.points_drawn, all), all) + (report.refining ? ", loading…" : "");
 }
 
@@ -67,6 +76,8 @@ QString overlay_text(const FrameReport& report, const std::vector<OverlayCloud>&
     if (clouds.empty()) return {};
     QStringList lines;
     add(lines, progress_text(report, clouds));
+    if (const std::uint64_t hidden = hidden_points(report); hidden > 0)
+        add(lines, grouped(hidden) + " points hidden by the conditions");
     add(lines, report.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.notice);

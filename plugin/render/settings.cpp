@@ -1,6 +1,5 @@
 #include "plugin/render/settings.h"
 
-#include <QColor>
 #include <QStringList>
 
 #include <algorithm>
@@ -14,8 +13,6 @@ namespace {
 const char* const splat_mode = "MeshLab::PointCloud::Splats";
 const char* const splat_size = "MeshLab::PointCloud::SplatSize";
 const char* const radius_scale = "MeshLab::PointCloud::RadiusScale";
-const char* const colour = "MeshLab::PointCloud::Colour";
-const char* const uniform_colour = "MeshLab::PointCloud::UniformColour";
 const char* const samples = "MeshLab::PointCloud::Samples";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
 const char* const details = "MeshLab::PointCloud::Details";
@@ -68,13 +65,7 @@ void add_style(RichParameterList& parameters)
     parameters.addParam(
         RichFloat(radius_scale, style.radius_scale, "Radius scale",
                   "Factor on the points' radii or sizes, from 0.001 to 1000, for the other splats. Default 1."));
-    parameters.addParam(
-        RichEnum(colour, static_cast<int>(style.colour), labels_of(colour_modes()), "Colour by",
-                 "What the colour of a point shows: " + descriptions_of(colour_modes(), ", ") +
-                     ". A cloud without colours shows its intensity, and one without that its height. Default RGB."));
-    const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
-    parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
-                                  "Colour of all points if Colour by is Uniform. Default light grey."));
+    add_colour_settings(parameters);
 }
 
 void add_lighting(RichParameterList& parameters)
@@ -192,12 +183,9 @@ Settings read_settings(const RichParameterList& parameters)
     };
     CloudStyle& style = settings.style;
     style.splats = static_cast<SplatMode>(choice(splat_mode, splat_modes()));
-    style.colour = static_cast<ColourMode>(choice(colour, colour_modes()));
+    settings.colour = read_colour_settings(parameters, style);
     style.point_size_px = static_cast<float>(number(splat_size, 1, 256));
     style.radius_scale = static_cast<float>(number(radius_scale, 1e-3, 1e3));
-    const QColor uniform = parameters.getColor(uniform_colour);
-    style.uniform_colour = {static_cast<float>(uniform.redF()), static_cast<float>(uniform.greenF()),
-                            static_cast<float>(uniform.blueF())};
     RenderOptions& render = settings.render;
     render.samples = 1u << choice(samples, sample_counts);
     render.eye_dome = static_cast<float>(number(eye_dome, 0, 10));

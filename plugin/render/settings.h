@@ -3,6 +3,7 @@
 
 #include "pcm/gl/renderer.h"
 #include "pcm/gl/splat_style.h"
+#include "plugin/render/colour_settings.h"
 
 #include <common/interfaces.h>
 
@@ -15,6 +16,7 @@ namespace pcm::host {
 struct Settings {
     RenderOptions render;
     CloudStyle style;
+    ColourSettings colour;
     std::uint64_t l1_bytes = 0;
     std::uint64_t l2_bytes = 0;
     bool details = false;  // in the text about the clouds

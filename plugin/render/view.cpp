@@ -1,6 +1,8 @@
 #include "plugin/render/view.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/io/crs/height_unit.h"
+#include "plugin/host/text.h"
 #include "plugin/render/overlay.h"
 
 #include <meshlab/glarea.h>
@@ -9,6 +11,7 @@
 
 #include <QElapsedTimer>
 #include <QEvent>
+#include <QMouseEvent>
 #include <QOpenGLFramebufferObject>
 #include <QThread>
 #include <QTimer>
@@ -180,7 +183,6 @@ void View::draw_scene(const Settings& settings)
         item.origin = tree->origin;
         item.placement = placement_of(*layer);
         item.style = settings.style;
-        if (item.style.colour == ColourMode::rgb && !tree->has_rgb) item.style.colour = ColourMode::intensity;
         items.push_back(item);
         drawn.push_back(layer);
     }
@@ -196,6 +198,7 @@ void View::draw_scene(const Settings& settings)
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
     log_notices(drawn, settings.style);
+    if (!tile_) draw_legends(drawn, settings.colour);
     if (report_.repaint) {
         QTimer::singleShot(0, area_, SLOT(update()));
     } else if (report_.refining && !look_again_) {
@@ -235,11 +238,39 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
     return report;
 }
 
+void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings)
+{
+    legends_.clear();
+    for (std::size_t i = 0; i < drawn.size() && settings.legend; ++i) {
+        const auto tree = Registry::instance().find(*drawn[i]);
+        auto legend = legend_of(report_.clouds[i], height_unit(tree->cloud->info().metadata), settings.hidden_classes);
+        if (legend) add_legend(legends_, std::move(*legend), drawn[i]->label());
+    }
+    legend_box_.draw(legends_, area_->size(), area_->devicePixelRatioF());
+    if (problem_ == settings.problem) return;
+    problem_ = settings.problem;
+    if (!problem_.isEmpty()) area_->md()->Log.Log(GLLogStream::WARNING, qPrintable("Point Cloud: " + problem_));
+}
+
+// A click on a class hides its points, or shows them again. Returns whether the event is for the legend.
+bool View::click_legend(const QEvent& event)
+{
+    if (event.type() == QEvent::MouseButtonRelease) return std::exchange(clicked_legend_, false);
+    const auto& mouse = static_cast<const QMouseEvent&>(event);
+    const auto number = legend_box_.class_at(mouse.pos());
+    if (!number || mouse.button() != Qt::LeftButton || legends_.empty()) return false;
+    clicked_legend_ = true;
+    toggle_class(*const_cast<RichParameterList*>(area_->glas.currentGlobalParamSet), *number);
+    area_->update();
+    return true;
+}
+
 void View::log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
 {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const std::string& notice = report_.clouds[i].notice;
-        if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour).second) continue;
+        if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour, notice).second)
+            continue;
         area_->md()->Log.Log(GLLogStream::SYSTEM,
                              qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
     }
@@ -338,6 +369,9 @@ void View::publish_state()
     }
     QVariantMap state;
     state["drawing"] = any;
+    qulonglong hidden = 0;
+    for (const CloudReport& cloud : report_.clouds) hidden += cloud.points_hidden;
+    state["hidden"] = hidden;
     state["points"] = any ? static_cast<qulonglong>(report_.points_drawn) : 0;
     state["complete"] = any && !report_.refining;
     state["full_resolution"] = any && report_.full_resolution;
@@ -346,6 +380,7 @@ void View::publish_state()
     state["error"] = error;
     state["notice"] = notice;
     state["text"] = text_;
+    state["legend"] = any ? lines_of(legends_) : QStringList();
     state["frame"] = ++frame_;
     area_->setProperty("pcm_state", state);
 }
@@ -359,6 +394,9 @@ bool View::eventFilter(QObject* receiver, QEvent* event)
             // One of several views is closed; MeshLab does not call decorators then.
             area_->makeCurrent();
             close();
+        } else if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseButtonRelease ||
+                   event->type() == QEvent::MouseButtonDblClick) {
+            if (click_legend(*event)) return true;
         }
     }
     return QObject::eventFilter(receiver, event);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "plugin/host/registry.h"
+#include "plugin/render/legend_box.h"
 #include "plugin/render/painter.h"
 #include "plugin/render/settings.h"
 
@@ -15,7 +16,8 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <utility>
+#include <string>
+#include <tuple>
 #include <vector>
 
 class GLArea;
@@ -55,8 +57,9 @@ private:
     struct Layer {
         std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
-        std::optional<std::size_t> report;                   // its index in report_.clouds, if it is in the picture
-        std::set<std::pair<SplatMode, ColourMode>> noticed;  // styles whose notice about missing attributes was logged
+        std::optional<std::size_t> report;  // its index in report_.clouds, if it is in the picture
+        // Styles whose notice about missing attributes was logged, and that notice.
+        std::set<std::tuple<SplatMode, ColourMode, std::string>> noticed;
     };
 
     View(GLArea* area, QAction* decorator);
@@ -64,6 +67,8 @@ private:
     void draw_scene(const Settings& settings);
     QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
+    void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
+    bool click_legend(const QEvent& event);
     void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
@@ -81,6 +86,10 @@ private:
     FrameReport report_;             // of the last paint event
     QString text_;                   // about report_
     bool look_again_ = false;
+    LegendBox legend_box_;
+    std::vector<LayerLegend> legends_;  // of the last paint event
+    QString problem_;                   // with the settings; logged once
+    bool clicked_legend_ = false;       // the mouse button is down there
     int frame_ = 0;
 };
 

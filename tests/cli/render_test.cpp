@@ -238,7 +238,7 @@ TEST_F(Render, RefusesWithTheReason)
     refused(in + "-o " + path("tried.png"), 1, "already");
     refused(in + out + "--size 12", 1, "12");
     refused(in + out + "--size 100000x100000", 1, "100000");
-    refused(in + out + "--colour pink", 2, "pink");
+    refused(in + out + "--colour pink", 1, "an attribute: intensity");
     refused(in + out + "--splats round", 2, "round");
     refused(in + out + "--background pink", 1, "pink");
     refused(in + out + "--background 1,2,300", 1, "1,2,300");

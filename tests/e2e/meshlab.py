@@ -52,6 +52,11 @@ class Run:
         """What the driver's print-paints printed."""
         return [json.loads(m[1]) for m in re.finditer(r"driver: paints (\{.*\})", self.text)]
 
+    def legends(self):
+        """The lines of the legends that the driver's print-legend printed, by name."""
+        found = (json.loads(m[1]) for m in re.finditer(r"driver: legend (\{.*\})", self.text))
+        return {legend["name"]: legend["lines"] for legend in found}
+
     def cameras(self):
         """What the driver's print-camera printed, by name."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))

@@ -32,10 +32,13 @@ TEST(ColourModes, RowsAreInTheOrderOfTheEnumeratorsAndNamesAreUnique)
         EXPECT_TRUE(labels.insert(row.label).second) << row.label;
         EXPECT_STRNE(row.description, "") << row.name;
         EXPECT_EQ(row.colouring == Colouring::chunk, row.of_chunk != nullptr) << row.name;
-        EXPECT_EQ(row.colouring == Colouring::vertex, row.source != ColourSource::none) << row.name;
-        if (row.colouring == Colouring::vertex) EXPECT_STRNE(row.absent, "") << row.name;
+        const bool reads = row.colouring == Colouring::vertex || row.colouring == Colouring::value;
+        EXPECT_EQ(reads, row.source != ColourSource::none) << row.name;
+        EXPECT_EQ(row.colouring == Colouring::value, is_value(row.source)) << row.name;
+        if (reads) EXPECT_STRNE(row.absent, "") << row.name;
     }
     EXPECT_EQ(static_cast<int>(ColourMode::uniform), 6);  // MeshLab stores the number
+    EXPECT_EQ(static_cast<int>(ColourMode::attribute), 7);
 }
 
 TEST(ColourModes, WhatACloudLacksIsReplacedAndNamed)
@@ -58,10 +61,44 @@ TEST(ColourModes, WhatACloudLacksIsReplacedAndNamed)
         EXPECT_EQ(usable(mode, {}), std::string(name_of(mode)) + " | ");
 }
 
-TEST(ColourModes, TheRampIsClampedAndContinuous)
+TEST(ColourModes, AttributesAreNamedByComponent)
 {
-    EXPECT_EQ(ramp_colour(-1), ramp_colour(0));
-    EXPECT_EQ(ramp_colour(2), ramp_colour(1));
-    for (float t = 0; t < 1; t += 0.001f)
-        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(ramp_colour(t)[c], ramp_colour(t + 0.001f)[c], 0.004);
+    CloudStyle style;
+    style.colour = ColourMode::attribute;
+    style.attribute = "rgb[2]";
+    std::string notice;
+    const Schema schema = schema_of({{"gps_time", ScalarType::f64, 1}, {"rgb", ScalarType::u8, 3}});
+    EXPECT_EQ(usable_style(style, schema, &notice).colour, ColourMode::attribute);
+    EXPECT_EQ(*colour_place(style, schema), (AttributePlace{1, 2}));
+    style.attribute = "rgb[3]";
+    style.range = ValueRange{1, 2, 1};
+    const CloudStyle shown = usable_style(style, schema, &notice);
+    EXPECT_EQ(shown.colour, ColourMode::height);
+    EXPECT_FALSE(shown.range);  // it was of the attribute
+    EXPECT_EQ(notice,
+              "the cloud has no attribute 'rgb[3]' (attributes: gps_time, rgb[0], rgb[1], rgb[2]): height is shown");
+    style.attribute.clear();
+    usable_style(style, {}, &notice);
+    EXPECT_EQ(notice, "no attribute is named: height is shown");
+}
+
+TEST(ColourModes, StylesAreEqualInAllTheirMembers)
+{
+    CloudStyle style;
+    EXPECT_EQ(style, CloudStyle{});
+    style.attribute = "a";
+    EXPECT_NE(style, CloudStyle{});
+    style = {};
+    style.ramp = ColourRamp::grey;
+    EXPECT_NE(style, CloudStyle{});
+    style = {};
+    style.range = ValueRange{};
+    EXPECT_NE(style, CloudStyle{});
+    style = {};
+    style.where = {parse_condition("z>1")};
+    EXPECT_NE(style, CloudStyle{});
+    CloudStyle other = style;
+    EXPECT_EQ(style, other);
+    other.where = {parse_condition("z>2")};
+    EXPECT_NE(style, other);
 }

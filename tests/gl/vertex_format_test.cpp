@@ -97,3 +97,24 @@ TEST(VertexDiscs, NormalsHaveLengthOneOrZero)
     EXPECT_FLOAT_EQ(normals[0], static_cast<float>(std::sqrt(0.5)));
     EXPECT_EQ(normals[3], 0);
 }
+
+TEST(VertexFormat, VerticesOfAnotherAttributeOrOtherConditionsDoNotServe)
+{
+    VertexFormat has{ColourSource::attribute, true, false};
+    has.attribute = 1;
+    has.filter = 2;
+    VertexFormat wanted = has;
+    EXPECT_TRUE(has.serves(wanted));
+    EXPECT_EQ(has, wanted);
+    wanted.attribute = 2;
+    EXPECT_FALSE(has.serves(wanted));
+    EXPECT_NE(has, wanted);
+    wanted.colour = ColourSource::none;  // any colour will do
+    EXPECT_TRUE(has.serves(wanted));
+    wanted = has;
+    wanted.filter = 0;
+    EXPECT_FALSE(has.serves(wanted));
+    EXPECT_NE(has, wanted);
+    wanted.colour = ColourSource::none;  // but not other points
+    EXPECT_FALSE(has.serves(wanted));
+}

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
 
-// The names of a table of modes: splat_modes() or colour_modes().
+// The names of a table: splat_modes(), colour_modes() or colour_ramps().
 template <class Table>
 std::vector<std::string> names_of(const Table& modes)
 {
@@ -29,9 +29,14 @@ std::vector<std::string> names_of(const Table& modes)
 
 // `name` is one of them.
 template <class Table>
+auto find_named(const std::string& name, const Table& rows)
+{
+    return std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return name == row.name; });
+}
+template <class Table>
 auto mode_of(const std::string& name, const Table& modes)
 {
-    return std::find_if(modes.begin(), modes.end(), [&](const auto& row) { return name == row.name; })->mode;
+    return find_named(name, modes)->mode;
 }
 
 std::string listed(const std::vector<std::string>& names)
@@ -133,9 +138,30 @@ void add_look(Options& options, RenderArguments& a)
         .show_default()
         .one_of(names_of(splat_modes()))
         .group(group);
-    options.option("--colour,--color", a.colour, "By what they are coloured: " + listed(names_of(colour_modes())))
+    options
+        .option("--colour,--color", a.colour,
+                "By what they are coloured: " + listed(names_of(colour_modes())) +
+                    " by its name, such as gps_time or normal[2]")
         .show_default()
-        .one_of(names_of(colour_modes()))
+        .group(group);
+    options
+        .option("--ramp", a.ramp,
+                "Colours of values (intensity, height, an attribute): " + listed(names_of(colour_ramps())))
+        .show_default()
+        .one_of(names_of(colour_ramps()))
+        .group(group);
+    options
+        .option("--range", a.range,
+                "LOW:HIGH, the values at the ramp's ends (default: those between which 98 % of the cloud's points lie)")
+        .group(group);
+    options.flag("--legend", a.legend, "Write into the picture what its colours mean: values of the ramp, or classes")
+        .group(group);
+    options
+        .option(
+            "--where", a.where,
+            "Show only points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or z=100..; "
+            "of several conditions, all")
+        .one_value_each()
         .group(group);
     options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: one colour for all points")
         .group(group);
@@ -227,12 +253,47 @@ CloudStyle style_of(const RenderArguments& arguments)
 {
     CloudStyle style = arguments.style;
     style.splats = mode_of(arguments.splats, splat_modes());
-    style.colour = mode_of(arguments.colour, colour_modes());
+    const std::vector<std::string> modes = names_of(colour_modes());
+    const bool is_mode = std::find(modes.begin(), modes.end(), arguments.colour) != modes.end();
+    style.colour = is_mode ? mode_of(arguments.colour, colour_modes()) : ColourMode::attribute;
+    style.attribute = arguments.colour;
+    style.ramp = find_named(arguments.ramp, colour_ramps())->ramp;
+    if (!arguments.range.empty()) {
+        if (!has_range(style.colour) || !arguments.uniform_colour.empty())
+            refuse("--range says which values a colour ramp shows, and --colour " + arguments.colour + " shows none",
+                   "give --colour height, intensity or an attribute's name");
+        style.range = parse_value_range(arguments.range);
+    }
+    for (const std::string& condition : arguments.where) style.where.push_back(parse_condition(condition));
     if (!arguments.uniform_colour.empty()) {
         style.colour = ColourMode::uniform;
         style.uniform_colour = colour_of(arguments.uniform_colour, "--uniform-colour");
     }
     return style;
+}
+
+void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr<PointCloud>>& clouds)
+{
+    Selection selection;
+    selection.where = style.where;
+    bool any = style.colour != ColourMode::attribute;
+    std::vector<std::string> names;
+    for (const auto& cloud : clouds) {
+        const Schema& schema = cloud->info().schema;
+        try {
+            const Selector test(selection, schema);
+        } catch (const Error& error) {
+            throw Error(ErrorCode::invalid_argument, cloud->tree()->folder(), error.what());
+        }
+        any = any || place_of(schema, style.attribute);
+        for (const std::string& name : component_names(schema))
+            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    if (any) return;
+    std::vector<std::string> modes = names_of(colour_modes());
+    modes.erase(std::remove(modes.begin(), modes.end(), "attribute"), modes.end());
+    refuse("--colour '" + style.attribute + "' is neither a way to colour points nor an attribute of the cloud",
+           "give one of " + listed(modes) + (names.empty() ? "" : ", or an attribute: " + listed(names)));
 }
 
 RenderOptions options_of(const RenderArguments& arguments)

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,11 +17,12 @@ namespace pcm::cli {
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
-    std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour,
+    std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
+    std::vector<std::string> where;
     std::vector<double> eye, target, up;
     std::optional<double> angle, height, frame_budget_ms;
-    bool orthographic = false, overwrite = false;
+    bool orthographic = false, overwrite = false, legend = false;
     CloudStyle style;
     RenderOptions options;
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
@@ -39,6 +41,9 @@ struct Background {
 };
 Background background_of(const RenderArguments& arguments);
 CloudStyle style_of(const RenderArguments& arguments);
+// Whether the trees have the attributes that the style names: the colour's in one of them, the conditions' in all.
+// Throws Error(invalid_argument).
+void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr<PointCloud>>& clouds);
 RenderOptions options_of(const RenderArguments& arguments);
 
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).

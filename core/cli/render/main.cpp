@@ -1,5 +1,7 @@
 // pcmlab render: draws trees to PNG without a window. `pcmlab` starts it; exit codes are those of `pcmlab`.
 #include "pcm/cli/render/arguments.h"
+#include "pcm/cli/render/draw_legend.h"
+#include "pcm/io/crs/height_unit.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
@@ -80,13 +82,15 @@ public:
     }
 
     // Writes the picture that was drawn last, and counts its pixels.
-    void write(const std::filesystem::path& file, Drawn& drawn, Outcome& outcome) const
+    void write(const std::filesystem::path& file, const std::vector<Legend>& legends, Drawn& drawn,
+               Outcome& outcome) const
     {
         Image image = screen_.read();
         drawn.pixels = 0;
         for (std::size_t at = 0; at < image.rgba.size(); at += 4)
             drawn.pixels += std::memcmp(&image.rgba[at], &empty_.rgba[at], 4) != 0;
         if (background_.transparent) unpremultiply(image);
+        if (!legends.empty()) draw_legends(image, legends);
         run_last_step(outcome, [&] { write_png(file, image, background_.transparent); });
     }
 
@@ -114,21 +118,46 @@ struct Summary {
     std::set<std::string> notices;
     Outcome outcome;  // its warnings
     double seconds = 0, longest_ms = 0;
-    std::uint64_t most_points = 0;
+    std::uint64_t most_points = 0, most_hidden = 0;
     std::size_t empty = 0;  // pictures in which no pixel differs from the background
     bool full = true;
 
     void add(const Drawn& picture)
     {
         drawn.push_back(picture);
-        for (const CloudReport& cloud : picture.report.clouds)
+        std::uint64_t hidden = 0;
+        for (const CloudReport& cloud : picture.report.clouds) {
             if (!cloud.notice.empty()) notices.insert(cloud.notice);
+            hidden += cloud.points_hidden;
+        }
+        most_hidden = std::max(most_hidden, hidden);
         longest_ms = std::max(longest_ms, picture.ms);
         most_points = std::max(most_points, picture.report.points_drawn);
         full = full && is_full(picture);
         empty += picture.pixels == 0;
     }
 };
+
+// What the colours show, of each cloud.
+Json clouds_of(const FrameReport& report)
+{
+    Json clouds = Json::array();
+    for (const CloudReport& cloud : report.clouds) {
+        Json json{{"points_drawn", cloud.points_drawn},
+                  {"points_hidden", cloud.points_hidden},
+                  {"colour", name_of(cloud.style.colour)}};
+        if (cloud.style.colour == ColourMode::attribute) json["attribute"] = cloud.style.attribute;
+        if (cloud.range) {
+            json["ramp"] = traits_of(ramp_of(cloud.style)).name;
+            json["range"] = {cloud.range->low, cloud.range->high};
+            json["exponent"] = cloud.range->exponent;
+        }
+        for (std::size_t c = 0; c < 256; ++c)
+            if (cloud.classes[c]) json["classes"].push_back(c);
+        clouds.push_back(std::move(json));
+    }
+    return clouds;
+}
 
 Json to_json(const Summary& summary, const RenderArguments& arguments, const Offscreen& screen)
 {
@@ -137,6 +166,7 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
         const Drawn& drawn = summary.drawn[i];
         pictures.push_back({{"file", summary.files[i].string()},
                             {"points_drawn", drawn.report.points_drawn},
+                            {"clouds", clouds_of(drawn.report)},
                             {"screen_error_px", drawn.report.screen_error_px},
                             {"full_resolution", is_full(drawn)},
                             {"pixels", drawn.pixels},
@@ -157,14 +187,20 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
     return json;
 }
 
-void print(const Summary& summary, const Offscreen& screen)
+void print(const Summary& summary, const RenderArguments& arguments, const Offscreen& screen)
 {
     const std::vector<std::filesystem::path>& files = summary.files;
     for (const std::string& notice : summary.notices) std::printf("note: %s\n", notice.c_str());
-    const char* const whole = summary.empty == files.size() && summary.most_points == 0 ? "no point is in view"
-                              : summary.empty == files.size() ? "but no pixel differs from the background"
-                              : summary.full                  ? "every point in view"
-                                                              : "as many points as requested";
+    const char* const whole =
+        summary.empty == files.size() && summary.most_points == 0
+            ? (summary.most_hidden > 0 ? "no point in view satisfies the conditions" : "no point is in view")
+        : summary.empty == files.size() ? "but no pixel differs from the background"
+        : !summary.full                 ? "as many points as requested"
+        : arguments.where.empty()       ? "every point in view"
+                                        : "every point in view that satisfies the conditions";
+    if (summary.most_hidden > 0)
+        std::printf("note: %s%s points do not satisfy the conditions\n", files.size() > 1 ? "at most " : "",
+                    grouped(summary.most_hidden).c_str());
     if (files.size() > 1 && summary.empty > 0)
         std::printf("note: in %zu of the pictures no pixel differs from the background\n", summary.empty);
     if (files.size() == 1)
@@ -177,11 +213,26 @@ void print(const Summary& summary, const Offscreen& screen)
     std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
 }
 
+// Of the trees; one where several mean the same.
+std::vector<Legend> legends_of(const RenderArguments& arguments, const FrameReport& report, const OffscreenScene& scene)
+{
+    std::vector<Legend> legends;
+    for (std::size_t t = 0; t < report.clouds.size() && arguments.legend; ++t) {
+        auto legend = legend_of(report.clouds[t], height_unit(scene.clouds()[t]->info().metadata));
+        if (!legend) continue;
+        const bool is_new = std::none_of(legends.begin(), legends.end(),
+                                         [&](const Legend& other) { return other.lines() == legend->lines(); });
+        if (is_new) legends.push_back(std::move(*legend));
+    }
+    return legends;
+}
+
 int render(const RenderArguments& arguments)
 {
     const auto start = Clock::now();
     const PictureSize size = size_of(arguments);
     background_of(arguments);
+    const CloudStyle style = style_of(arguments);
     if (arguments.path.empty())
         files_of(arguments, 1);  // before a tree is opened: wrong arguments are reported at once
     L1Options l1;
@@ -193,6 +244,7 @@ int render(const RenderArguments& arguments)
     l2.threads = thread_count(arguments.threads);
     const Offscreen screen(size.width, size.height);
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
+    check_attributes(style, scene.clouds());
     const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
     Summary summary;
     summary.files = files_of(arguments, cameras.size());
@@ -202,7 +254,7 @@ int render(const RenderArguments& arguments)
     Job job(arguments, screen, scene);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         Drawn drawn = job.draw(cameras[i], i, cameras.size());
-        job.write(summary.files[i], drawn, summary.outcome);
+        job.write(summary.files[i], legends_of(arguments, drawn.report, scene), drawn, summary.outcome);
         summary.add(drawn);
     }
     end_progress(arguments.common);
@@ -210,7 +262,7 @@ int render(const RenderArguments& arguments)
     if (arguments.common.json)
         std::printf("%s\n", to_json(summary, arguments, screen).dump(2).c_str());
     else
-        print(summary, screen);
+        print(summary, arguments, screen);
     return finished(summary.outcome);
 }
 

@@ -171,6 +171,12 @@ std::vector<Command> output_commands()
          [](TestDriver& driver, const QString&) { return say("status " + driver.status()), Done::yes; }},
         {"print-log",
          [](TestDriver& driver, const QString&) { return say("log " + driver.log().replace('\n', " | ")), Done::yes; }},
+        {"print-legend",
+         [](TestDriver& driver, const QString& name) {
+             const QStringList lines = driver.area()->property("pcm_state").toMap()["legend"].toStringList();
+             say("legend " + compact({{"name", name}, {"lines", QJsonArray::fromStringList(lines)}}));
+             return Done::yes;
+         }},
         {"print-layers", print_layers},
         {"print-camera", print_camera},
         {"print-boxes", print_boxes},

@@ -1,0 +1,75 @@
+#include "pcm/gl/chunk_filter.h"
+
+#include "pcm/system/error.h"
+
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+template <class T>
+void keep(std::array<PageVector<T>, 3>& to, const std::array<PageVector<T>, 3>& from,
+          const std::vector<std::uint32_t>& kept)
+{
+    for (std::size_t axis = 0; axis < 3 && !from[axis].empty(); ++axis) {
+        to[axis].resize(kept.size());
+        for (std::size_t i = 0; i < kept.size(); ++i) to[axis][i] = from[axis][kept[i]];
+    }
+}
+
+}  // namespace
+
+ChunkFilter::ChunkFilter(const std::vector<Condition>& where, const Schema& schema)
+{
+    Selection selection;
+    for (const Condition& condition : where) {
+        Selection one;
+        one.where = {condition};
+        try {
+            Selector test(one, schema);
+            selection.where.push_back(condition);
+        } catch (const Error& error) {
+            if (!notice_.empty()) notice_ += "; ";
+            notice_ += "the filter '" + condition.text + "' is not applied: " + error.what();
+        }
+    }
+    if (selection.where.empty()) return;
+    selector_.emplace(selection, schema);
+    for (const std::size_t attribute : selector_->tested()) tested_.attributes.set(attribute);
+}
+
+Chunk ChunkFilter::apply(const Chunk& chunk, const Grid& grid, const ColumnSet& needed) const
+{
+    if (!selector_) return chunk;
+    std::vector<std::uint32_t> kept(chunk.points);
+    std::iota(kept.begin(), kept.end(), 0u);
+    std::vector<const Column*> columns;
+    for (const auto& column : chunk.attributes) columns.push_back(column.get());
+    selector_->narrow(
+        columns, [&](std::size_t i) { return grid.to_source(chunk.positions->grid(i)); }, kept);
+    if (kept.size() == chunk.points) return chunk;
+
+    Chunk rest;
+    rest.points = static_cast<std::uint32_t>(kept.size());
+    auto positions = std::make_shared<ChunkPositions>();
+    positions->origin = chunk.positions->origin;
+    positions->wide = chunk.positions->wide;
+    keep(positions->narrow_xyz, chunk.positions->narrow_xyz, kept);
+    keep(positions->wide_xyz, chunk.positions->wide_xyz, kept);
+    rest.positions = std::move(positions);
+    rest.attributes.resize(chunk.attributes.size());
+    if (needed.sizes && chunk.sizes) {
+        auto sizes = std::make_shared<Column>(*chunk.sizes);
+        keep_points(*sizes, kept);
+        rest.sizes = std::move(sizes);
+    }
+    for (std::size_t k = 0; k < chunk.attributes.size(); ++k) {
+        if (!needed.attributes[k] || !chunk.attributes[k]) continue;
+        auto column = std::make_shared<Column>(*chunk.attributes[k]);
+        keep_points(*column, kept);
+        rest.attributes[k] = std::move(column);
+    }
+    return rest;
+}
+
+}  // namespace pcm

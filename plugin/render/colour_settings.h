@@ -1,0 +1,28 @@
+// Settings of what the colours of points show, and of which points are shown, as MeshLab's parameters.
+#pragma once
+
+#include "pcm/gl/splat_style.h"
+
+#include <common/interfaces.h>
+
+#include <QString>
+
+#include <set>
+
+namespace pcm::host {
+
+struct ColourSettings {
+    std::set<unsigned> hidden_classes;  // their condition is in the style
+    bool legend = true;
+    QString problem;  // what cannot be read; such a setting has no effect. Empty if nothing
+};
+
+void add_colour_settings(RichParameterList& parameters);
+
+// Sets the members of the style that these parameters are.
+ColourSettings read_colour_settings(const RichParameterList& parameters, CloudStyle& style);
+
+// Hides a class, or shows it again: changes the parameter.
+void toggle_class(RichParameterList& parameters, unsigned number);
+
+}  // namespace pcm::host

@@ -1,0 +1,35 @@
+// The legends of the layers of a view, as a picture. No OpenGL here.
+#pragma once
+
+#include "pcm/gl/legend.h"
+
+#include <QImage>
+#include <QRect>
+#include <QString>
+#include <QStringList>
+
+#include <utility>
+#include <vector>
+
+namespace pcm::host {
+
+struct LayerLegend {
+    Legend legend;
+    QStringList layers;  // whose colours these are
+};
+
+// Adds the legend of a layer. One that says the same as an earlier one is added to that.
+void add_legend(std::vector<LayerLegend>& legends, Legend legend, const QString& layer);
+
+// As text, for observers.
+QStringList lines_of(const std::vector<LayerLegend>& legends);
+
+// The legends one below the other, on a half transparent ground. Those beyond `most_height` are left out. In pixels of
+// the screen, `ratio` of which are one of Qt's; the rectangles of classes are in Qt's.
+struct LegendPicture {
+    QImage image;
+    std::vector<std::pair<QRect, unsigned>> classes;
+};
+LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_height, double ratio);
+
+}  // namespace pcm::host

@@ -1,0 +1,29 @@
+// The legends of a view, in its upper right corner, and clicks on them.
+#pragma once
+
+#include "plugin/render/legend.h"
+
+#include <QPoint>
+#include <QSize>
+
+#include <optional>
+#include <vector>
+
+namespace pcm::host {
+
+class LegendBox {
+public:
+    // Draws the legends into the current framebuffer of a compatibility context, over what is there; depth is not
+    // written. `view` is the view's size in Qt's pixels, `ratio` of which are one of them on the screen. Leaves the GL
+    // state as it was. None: nothing is drawn.
+    void draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio);
+
+    // The class whose row is at this place of the view.
+    std::optional<unsigned> class_at(const QPoint& place) const;
+
+private:
+    LegendPicture picture_;
+    QPoint corner_;  // of the box, Qt's pixels
+};
+
+}  // namespace pcm::host
