@@ -99,7 +99,7 @@ QWidget* Dock::make_form()
         more->setVisible(on);
         unfold->setArrowType(on ? Qt::DownArrow : Qt::RightArrow);
     });
-    auto* keep = new QPushButton("Keep as default");
+    auto* keep = new QPushButton("Keep");
     keep->setToolTip("Stores these settings for MeshLab's next start. A project keeps its settings in any case.");
     connect(keep, &QPushButton::clicked, this, &Dock::store);
     auto* back = new QPushButton("Defaults");

@@ -180,7 +180,7 @@ class Words(MeshLabTest):
             pause 300
             print-parameters reset
             panel SplatSize = 5
-            press Keep as default
+            press Keep
             pause 100
             trigger Point Cloud
             pause 300
@@ -193,6 +193,7 @@ class Words(MeshLabTest):
         changed, reset = run.parameters()["changed"], run.parameters()["reset"]
         self.assertEqual((changed["SplatSize"], changed["EyeDomeLighting"]), (9, 0))
         self.assertEqual((reset["SplatSize"], reset["Background"]), (2, 0))
+        self.assertEqual(changed["without_default"], [])
         # What was kept is there at the next start, and the panel stays hidden.
         run = self.gui(f"""
             wait-view
