@@ -2,6 +2,7 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/render/settings.h"
+#include "plugin/render/stored_defaults.h"
 
 #include <meshlab/glarea.h>
 
@@ -148,6 +149,7 @@ void Dock::store()
         QDomDocument document("MeshLabSettings");
         document.appendChild(current_->getParameterByName(editor->name()).fillToXMLDocument(document));
         settings.setValue(editor->name(), document.toString());
+        keep_stored(editor->name());
     }
 }
 

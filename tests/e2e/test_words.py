@@ -285,6 +285,18 @@ class Words(MeshLabTest):
             self.assertGreater(part[axis], whole[axis])
             self.assertLess(part[3 + axis], whole[3 + axis])
 
+    def test_new_defaults_replace_stored_ones(self):
+        """MeshLab stores defaults at its first start: former ones give way, what the user chose or kept stays."""
+        for name, value in (("SplatSize", 3.5), ("RadiusScale", 3.5), ("EyeDomeLighting", 3.5)):
+            self.setting(name, "RichFloat", value)
+        with open(self.folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
+            file.write("\n[PointCloud]\ndefaults\\SplatSize=3.5\ndefaults\\RadiusScale=1\ndefaults\\EyeDomeLighting=kept\n")
+        for session in ("first", "second"):
+            run = self.gui("wait-view\nprint-parameters now\nquit\n")
+            self.assertDriven(run)
+            now = run.parameters()["now"]
+            self.assertEqual((now["SplatSize"], now["RadiusScale"], now["EyeDomeLighting"]), (2, 3.5, 3.5), session)
+
     def test_project_keeps_settings(self):
         """Saved and opened in another session, a project looks the same; a save that is cancelled changes nothing."""
         _, tree = self.generate("city", 60000, "--seed", 6)
