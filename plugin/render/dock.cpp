@@ -2,6 +2,7 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/render/settings.h"
+#include "plugin/render/stored_defaults.h"
 
 #include <meshlab/glarea.h>
 
@@ -99,7 +100,7 @@ QWidget* Dock::make_form()
         more->setVisible(on);
         unfold->setArrowType(on ? Qt::DownArrow : Qt::RightArrow);
     });
-    auto* keep = new QPushButton("Keep as default");
+    auto* keep = new QPushButton("Keep");
     keep->setToolTip("Stores these settings for MeshLab's next start. A project keeps its settings in any case.");
     connect(keep, &QPushButton::clicked, this, &Dock::store);
     auto* back = new QPushButton("Defaults");
@@ -148,6 +149,7 @@ void Dock::store()
         QDomDocument document("MeshLabSettings");
         document.appendChild(current_->getParameterByName(editor->name()).fillToXMLDocument(document));
         settings.setValue(editor->name(), document.toString());
+        keep_stored(editor->name());
     }
 }
 

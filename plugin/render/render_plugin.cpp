@@ -5,6 +5,7 @@
 #include "plugin/render/dock.h"
 #include "plugin/render/opening.h"
 #include "plugin/render/project_settings.h"
+#include "plugin/render/stored_defaults.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -47,7 +48,13 @@ bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& laye
     return false;
 }
 
-void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_settings(parameters); }
+void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters)
+{
+    RichParameterList defaults;  // `parameters` has those of other plugins, too
+    add_settings(defaults);
+    follow_new_defaults(defaults);
+    add_settings(parameters);
+}
 
 bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {

@@ -15,6 +15,8 @@ namespace pcm::host {
 
 namespace {
 
+constexpr int least_width = 110;  // pixels
+
 using OnChange = std::function<void(const QString& name, const Value& value)>;
 
 void add_row(QGridLayout& rows, const RichParameter& setting, QWidget* label, QWidget* widget)
@@ -25,6 +27,9 @@ void add_row(QGridLayout& rows, const RichParameter& setting, QWidget* label, QW
         part->setWhatsThis(setting.toolTip());
     }
     widget->setObjectName(setting.name());
+    // As wide as the panel leaves it: a box for numbers would be as wide as its largest one.
+    widget->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
+    widget->setMinimumWidth(least_width);
     rows.addWidget(label, row, 0);
     rows.addWidget(widget, row, 1);
 }

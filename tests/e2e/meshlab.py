@@ -125,7 +125,8 @@ class MeshLabTest(unittest.TestCase):
         self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
                                 XDG_RUNTIME_DIR=str(self.folder / "runtime"), LIBGL_ALWAYS_SOFTWARE="1")
         (self.folder / "config" / "VCG").mkdir(parents=True)
-        self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
+        if self.first_view:
+            self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
         (self.folder / "runtime").mkdir(mode=0o700)
 
     def setting(self, name, kind, value, **more):

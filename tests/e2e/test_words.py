@@ -180,7 +180,7 @@ class Words(MeshLabTest):
             pause 300
             print-parameters reset
             panel SplatSize = 5
-            press Keep as default
+            press Keep
             pause 100
             trigger Point Cloud
             pause 300
@@ -193,6 +193,7 @@ class Words(MeshLabTest):
         changed, reset = run.parameters()["changed"], run.parameters()["reset"]
         self.assertEqual((changed["SplatSize"], changed["EyeDomeLighting"]), (9, 0))
         self.assertEqual((reset["SplatSize"], reset["Background"]), (2, 0))
+        self.assertEqual(changed["without_default"], [])
         # What was kept is there at the next start, and the panel stays hidden.
         run = self.gui(f"""
             wait-view
@@ -283,6 +284,18 @@ class Words(MeshLabTest):
         for axis in (0, 1):
             self.assertGreater(part[axis], whole[axis])
             self.assertLess(part[3 + axis], whole[3 + axis])
+
+    def test_new_defaults_replace_stored_ones(self):
+        """MeshLab stores defaults at its first start: former ones give way, what the user chose or kept stays."""
+        for name, value in (("SplatSize", 3.5), ("RadiusScale", 3.5), ("EyeDomeLighting", 3.5)):
+            self.setting(name, "RichFloat", value)
+        with open(self.folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
+            file.write("\n[PointCloud]\ndefaults\\SplatSize=3.5\ndefaults\\RadiusScale=1\ndefaults\\EyeDomeLighting=kept\n")
+        for session in ("first", "second"):
+            run = self.gui("wait-view\nprint-parameters now\nquit\n")
+            self.assertDriven(run)
+            now = run.parameters()["now"]
+            self.assertEqual((now["SplatSize"], now["RadiusScale"], now["EyeDomeLighting"]), (2, 3.5, 3.5), session)
 
     def test_project_keeps_settings(self):
         """Saved and opened in another session, a project looks the same; a save that is cancelled changes nothing."""

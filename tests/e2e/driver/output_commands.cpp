@@ -108,8 +108,10 @@ Done print_boxes(TestDriver& driver, const QString&)
 Done print_parameters(TestDriver& driver, const QString& name)
 {
     QJsonObject values{{"name", name}};
+    QJsonArray without_default;  // in the tooltip
     for (const RichParameter& parameter : *driver.area()->glas.currentGlobalParamSet) {
         if (!parameter.name().startsWith("MeshLab::PointCloud::")) continue;
+        if (!parameter.toolTip().contains("efault")) without_default << parameter.name();
         const Value& value = parameter.value();
         values[parameter.name().section("::", -1)] = value.isFloat()    ? QJsonValue(double(value.getFloat()))
                                                      : value.isEnum()   ? QJsonValue(value.getEnum())
@@ -119,6 +121,7 @@ Done print_parameters(TestDriver& driver, const QString& name)
                                                      : value.isString() ? QJsonValue(value.getString())
                                                                         : QJsonValue();
     }
+    values["without_default"] = without_default;
     say("parameters " + compact(values));
     return Done::yes;
 }
