@@ -1,5 +1,6 @@
 #include "plugin/host/layer.h"
 
+#include "plugin/host/layer_label.h"
 #include "plugin/host/origin.h"
 #include "plugin/host/proxy.h"
 #include "plugin/host/text.h"
@@ -44,18 +45,27 @@ std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<Point
     const TreeInfo& info = cloud->info();
     if (info.points == 0) throw Error(ErrorCode::bad_format, cloud->tree()->folder(), "the tree has no points");
     const Vec3d origin = Registry::instance().origin_for(*layer.parent, info.bounds());
-    const Proxy proxy = make_proxy(*cloud, origin);
+    const auto sample = std::make_shared<const Proxy>(make_proxy(*cloud, origin));
+    const Proxy& proxy = *sample;
 
     clear_layer(layer);
     auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(layer.cm, proxy.points.size());
     for (const ProxyPoint& point : proxy.points) set_vertex(*vertex++, point.position, point.colour);
     layer.updateDataMask(MeshModel::MM_VERTCOLOR);
     vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    layer.setLabel(QString::fromStdString(cloud->tree()->folder().filename().string()));
-    Registry::instance().attach(layer, {cloud, origin, proxy.has_rgb});
+    layer.setLabel(tree_label(layer.label(), layer.fullName().toStdString(), cloud->tree()->folder(),
+                              proxy.points.size(), info.points));
+    TreeLayer tree;
+    tree.cloud = cloud;
+    tree.origin = origin;
+    tree.has_rgb = proxy.has_rgb;
+    tree.sample = sample;
+    tree.state = state_of(layer, Watched::sample);
+    Registry::instance().attach(layer, std::move(tree));
 
     return {grouped(info.points) + " points in " + cloud->tree()->folder().string() + ", " + bytes_text(info.bytes) +
-                "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + ".",
+                (proxy.is_whole ? std::string("; MeshLab's own tools work on a copy of them.")
+                                : "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + "."),
             origin_line(origin), rounding_line(info.bounds(), origin, "The sample")};
 }
 

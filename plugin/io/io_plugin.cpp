@@ -4,6 +4,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/host/drawn_copy.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/shading.h"
@@ -90,6 +91,7 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
             path, layer, settings, operation.progress(),
             [&](const std::vector<std::string>& reasons) { join_anyway(path, reasons, operation, parent); });
         for (const std::string& line : lines) say(GLLogStream::FILTER, line, parent);
+        if (parent && settings.draw_layers) draw_copy(layer, operation);
         mask |= mask_of(layer);
         return true;
     } catch (...) {
@@ -97,6 +99,17 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
         errorMessage = QString::fromStdString(error);
         say(GLLogStream::WARNING, "Cannot open " + error, parent);
         return false;
+    }
+}
+
+// The file is open; without the copy MeshLab draws the layer.
+void PointCloudIo::draw_copy(MeshModel& layer, Operation& operation)
+{
+    if (Registry::instance().find(layer)) return;
+    try {
+        draw_as_cloud(layer, operation.progress());
+    } catch (...) {
+        Log(GLLogStream::WARNING, "The layer is drawn by MeshLab: " + current_error());
     }
 }
 

@@ -1,7 +1,11 @@
 #include "plugin/render/render_plugin.h"
 
+#include "plugin/host/drawn_copy.h"
+#include "plugin/host/operation.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
+#include "plugin/host/tree_cache.h"
+#include "plugin/render/layer_watch.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -24,28 +28,35 @@ PointCloudDecorator::PointCloudDecorator()
         for (GLArea* area : views_of(*document))
             if (View* view = View::find(area)) view->forget(mesh_id);
     });
+    connect(&registry, &Registry::copy_dropped, this, [](MeshDocument* document, int mesh_id) {
+        for (GLArea* area : views_of(*document))
+            if (View* view = View::find(area)) view->show_own(mesh_id);
+    });
+    connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
+    TreeCache::instance().remove_leftovers();
 }
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const
 {
-    return "Draws a point cloud tree at the detail that the view needs and loads its points in the background.";
+    return "Draws a point cloud tree at the detail that the view needs and loads its points in the background. An "
+           "ordinary layer of points is drawn in the same way, through a temporary tree of its vertices.";
 }
 
 bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& layer, QString& reason) const
 {
-    if (Registry::instance().find(layer)) return true;
-    reason =
-        "the layer '" + layer.label() +
-        "' shows no point cloud tree. Open the index.pct of a tree, or a cloud with more points than Tools > Options "
-        "allows in a layer, or build a tree with the filter Build Point Cloud Tree";
-    return false;
+    if (Registry::instance().drawn(layer)) return true;
+    reason = QString::fromStdString(why_not_drawn(layer));
+    return reason.isEmpty();
 }
 
 void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_settings(parameters); }
 
 bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {
-    if (!Registry::instance().find(layer)) return false;
+    const bool is_listed = area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action);
+    LayerWatch::instance().check(layer);
+    // A layer that has just changed is copied again when it rests.
+    if (!Registry::instance().drawn(layer) && (is_listed || !copy_layer(layer))) return is_listed;
     View::of(area, action)->begin(layer);
     return true;
 }
@@ -53,7 +64,7 @@ bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const
 void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
                                        GLArea* area, QPainter*, GLLogStream& document_log)
 {
-    const auto tree = Registry::instance().find(layer);
+    const auto tree = Registry::instance().drawn(layer);
     if (!tree) return;
     QString text;
     try {
@@ -86,6 +97,41 @@ void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const R
 void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParameterList*, GLArea* area)
 {
     if (View* view = View::find(area)) view->close();
+}
+
+bool PointCloudDecorator::is_on(const MeshModel& layer)
+{
+    for (GLArea* area : views_of(*layer.parent))
+        if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(actionList.front())) return true;
+    return false;
+}
+
+bool PointCloudDecorator::copy_layer(MeshModel& layer)
+{
+    try {
+        Operation operation(nullptr);
+        draw_as_cloud(layer, operation.progress());
+        return true;
+    } catch (...) {
+        layer.parent->Log.Log(GLLogStream::WARNING,
+                              qPrintable("The layer '" + layer.label() +
+                                         "' is drawn by MeshLab: " + QString::fromStdString(current_error())));
+        return false;
+    }
+}
+
+void PointCloudDecorator::copy_again(MeshDocument* document, int mesh_id)
+{
+    MeshModel* layer = document->getMesh(mesh_id);
+    if (!layer || !is_on(*layer) || !why_not_drawn(*layer).empty()) return;
+    if (static_cast<std::size_t>(layer->cm.vn) <= most_copied_unasked) {
+        copy_layer(*layer);
+        return;
+    }
+    document->Log.Log(GLLogStream::WARNING,
+                      qPrintable("The layer '" + layer->label() +
+                                 "' has changed and is drawn by MeshLab. Switch Render > Show Point Cloud off and on "
+                                 "to draw it as a point cloud again."));
 }
 
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)

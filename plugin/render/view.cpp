@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "plugin/host/text.h"
+#include "plugin/render/layer_watch.h"
 
 #include <meshlab/glarea.h>
 
@@ -183,8 +184,8 @@ void View::draw_scene(const Settings& settings)
         if (!layer || !area_->meshVisibilityMap.value(layer->id()) ||
             !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
             continue;
-        const auto tree = Registry::instance().find(*layer);
-        if (!tree) continue;
+        if (!LayerWatch::instance().may_draw(*layer)) continue;
+        const auto tree = Registry::instance().drawn(*layer);
         Layer& entry = layers_[layer->id()];
         if (entry.painted && &entry.painted->cloud() != tree->cloud.get()) drop(entry);
         if (!entry.painted) {
@@ -304,6 +305,14 @@ void View::forget(int mesh_id)
     if (!area_->md() || !area_->md()->getMesh(mesh_id)) layers_.erase(found);
     if (layers_.empty()) drop_picture();
     publish_state();
+}
+
+void View::show_own(int mesh_id)
+{
+    if (!layers_.count(mesh_id)) return;
+    area_->makeCurrent();
+    show_native(mesh_id, true);
+    area_->update();
 }
 
 void View::show_native(int mesh_id, bool show)

@@ -46,6 +46,8 @@ public:
     void close();
     // The layer shows no tree any more, or was removed.
     void forget(int mesh_id);
+    // MeshLab's own points of the layer are to be seen again, although the decorator is on.
+    void show_own(int mesh_id);
 
 protected:
     bool eventFilter(QObject* receiver, QEvent* event) override;

@@ -98,7 +98,8 @@ class MeshLabTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
-                                XDG_RUNTIME_DIR=str(self.folder / "runtime"), LIBGL_ALWAYS_SOFTWARE="1")
+                                XDG_RUNTIME_DIR=str(self.folder / "runtime"),
+                                XDG_CACHE_HOME=str(self.folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1")
         (self.folder / "config").mkdir()
         (self.folder / "runtime").mkdir(mode=0o700)
 

@@ -1,0 +1,76 @@
+#include "plugin/host/drawn_copy.h"
+
+#include "pcm/build/builder.h"
+#include "pcm/system/error.h"
+#include "plugin/host/layer_reader.h"
+#include "plugin/host/tree_cache.h"
+
+#include <algorithm>
+
+namespace pcm::host {
+
+namespace {
+
+// The most that a build has on disk: its scratch file and the tree.
+std::uint64_t bytes_needed(const FileInfo& info)
+{
+    std::uint64_t point = 3 * sizeof(double);
+    for (const Attribute& attribute : info.schema) point += attribute.components * size_of(attribute.type);
+    return 2 * point * info.points + (std::uint64_t(1) << 20);
+}
+
+bool has_colours(const MeshModel& layer, const Schema& schema)
+{
+    if (!schema.find(attribute_name::rgb)) return false;
+    return std::any_of(layer.cm.vert.begin(), layer.cm.vert.end(), [](const auto& vertex) {
+        return !vertex.IsD() && (vertex.cC()[0] || vertex.cC()[1] || vertex.cC()[2]);
+    });
+}
+
+}  // namespace
+
+std::string why_not_drawn(const MeshModel& layer)
+{
+    const std::string name = "the layer '" + layer.label().toStdString() + "'";
+    if (layer.cm.fn > 0 || layer.cm.en > 0) return name + " has faces or edges, not only points";
+    if (layer.cm.vn == 0) return name + " has no points";
+    return {};
+}
+
+void draw_as_cloud(MeshModel& layer, const ProgressFunction& progress)
+{
+    if (const std::string reason = why_not_drawn(layer); !reason.empty())
+        throw Error(ErrorCode::invalid_argument, {}, reason);
+    Registry& registry = Registry::instance();
+    LayerReader vertices(layer, {});
+    const auto cached = TreeCache::instance().reserve(bytes_needed(vertices.info()));
+    BuildOptions options;
+    options.memory_bytes = std::uint64_t(256) << 20;
+    options.resume = false;
+    if (progress)
+        options.progress = [&](ProgressUpdate update) {
+            update.stage = "Preparing the picture";
+            return progress(update);
+        };
+    build_tree(vertices, {layer.label().toStdString()}, cached->folder(), options);
+
+    TreeLayer copy;
+    copy.cloud = registry.open(cached->folder());
+    const auto source = registry.source_of(layer);
+    copy.origin = source ? source->origin : registry.origin_of(*layer.parent).value_or(Vec3d{0, 0, 0});
+    copy.has_rgb = has_colours(layer, copy.cloud->info().schema);
+    copy.state = state_of(layer, Watched::vertices);
+    copy.glance = state_of(layer, Watched::vertices, glance_vertices);
+    copy.cached = cached;
+    registry.attach_copy(layer, std::move(copy));
+}
+
+bool is_outdated(const MeshModel& layer, bool glance)
+{
+    const auto copy = Registry::instance().drawn(layer);
+    if (!copy || !copy->is_copy()) return false;
+    return glance ? copy->glance != state_of(layer, Watched::vertices, glance_vertices)
+                  : copy->state != state_of(layer, Watched::vertices);
+}
+
+}  // namespace pcm::host
