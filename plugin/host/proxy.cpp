@@ -3,6 +3,7 @@
 #include "pcm/view/point_colours.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -113,6 +114,7 @@ Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most)
     if (coloured) colours = colours_of(sample.colour, proxy.has_rgb);
 
     proxy.is_whole = sample.positions.size() == info.points;
+    if (!proxy.is_whole) proxy.spacing = tree.level_summaries()[level].spacing * std::sqrt(static_cast<double>(stride));
     proxy.points.reserve(sample.positions.size() + info.extremes.size());
     for (std::size_t i = 0; i < sample.positions.size(); ++i)
         proxy.points.push_back({local(sample.positions[i], origin), coloured ? colours[i] : grey});

@@ -18,6 +18,7 @@
 
 #include <QDir>
 #include <QFileInfo>
+#include <QTimer>
 
 #include <cstdio>
 
@@ -42,6 +43,16 @@ int mask_of(const MeshModel& layer)
     if (layer.hasDataMask(MeshModel::MM_VERTQUALITY)) mask |= io::Mask::IOM_VERTQUALITY;
     if (layer.hasDataMask(MeshModel::MM_VERTRADIUS)) mask |= io::Mask::IOM_VERTRADIUS;
     return mask;
+}
+
+// MeshLab takes the file that a layer was saved to for the one that it came from. A layer that shows a tree still does:
+// Reload and projects are to find the tree, not a file with a part of it.
+void keep_file_name(MeshModel& layer)
+{
+    QTimer::singleShot(0, layer.parent, [document = layer.parent, id = layer.id(), name = layer.fullName()] {
+        MeshModel* const present = document->getMesh(id);
+        if (present && Registry::instance().find(*present)) present->setFileName(name);
+    });
 }
 
 // Most errors of the core name their path; it is added to the others.
@@ -193,6 +204,7 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         Operation operation(callback);
         for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
             say(GLLogStream::FILTER, line, parent);
+        if (Registry::instance().find(layer)) keep_file_name(layer);
         return true;
     } catch (...) {
         const std::string error = error_about(path);

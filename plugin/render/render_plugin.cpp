@@ -6,6 +6,7 @@
 #include "plugin/host/text.h"
 #include "plugin/host/tree_cache.h"
 #include "plugin/render/layer_watch.h"
+#include "plugin/render/sample_watch.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -62,7 +63,7 @@ bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const
 }
 
 void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
-                                       GLArea* area, QPainter*, GLLogStream& document_log)
+                                       GLArea* area, QPainter* painter, GLLogStream& document_log)
 {
     const auto tree = Registry::instance().drawn(layer);
     if (!tree) return;
@@ -72,6 +73,8 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
     } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
+    if (painter && !View::of(area, action)->draws_tile() && is_first_listed(*area, layer))
+        draw_sample_notices(*area, *painter);
     // A view that was split off shows MeshLab's own points at first. It is to show the same as this one.
     for (GLArea* other : area->mvc()->viewerList) {
         if (!other || View::find(other)) continue;
@@ -132,6 +135,16 @@ void PointCloudDecorator::copy_again(MeshDocument* document, int mesh_id)
                       qPrintable("The layer '" + layer->label() +
                                  "' has changed and is drawn by MeshLab. Switch Render > Show Point Cloud off and on "
                                  "to draw it as a point cloud again."));
+}
+
+// Of the layers that MeshLab asks for in a paint event.
+bool PointCloudDecorator::is_first_listed(GLArea& area, const MeshModel& layer)
+{
+    for (const MeshModel* other : area.md()->meshList)
+        if (other && area.meshVisibilityMap.value(other->id()) && Registry::instance().drawn(*other) &&
+            area.iPerMeshDecoratorsListMap.value(other->id()).contains(actionList.front()))
+            return other->id() == layer.id();
+    return false;
 }
 
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)

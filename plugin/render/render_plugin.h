@@ -33,6 +33,7 @@ private:
     // Switches the decorator on for a newly opened tree: MeshLab's decorators are off until the user asks for them.
     void show_when_idle(MeshDocument* document, int mesh_id);
     void switch_on(GLArea& area, MeshModel& layer);
+    bool is_first_listed(GLArea& area, const MeshModel& layer);
     bool is_on(const MeshModel& layer);  // in any view
     bool copy_layer(MeshModel& layer);   // false: the log says why
     void copy_again(MeshDocument* document, int mesh_id);

@@ -3,6 +3,7 @@
 #include "pcm/cloud/vector.h"
 #include "plugin/host/text.h"
 #include "plugin/render/layer_watch.h"
+#include "plugin/render/sample_watch.h"
 
 #include <meshlab/glarea.h>
 
@@ -178,12 +179,14 @@ void View::draw_scene(const Settings& settings)
         drop_picture();
         painter_ = std::move(painter);
     }
+    const pcm::Camera view = scene_view();
     std::vector<SceneItem> items;
     std::vector<MeshModel*> drawn;
     for (MeshModel* layer : area_->md()->meshList) {
         if (!layer || !area_->meshVisibilityMap.value(layer->id()) ||
             !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
             continue;
+        look_at_sample(*layer, view);
         if (!LayerWatch::instance().may_draw(*layer)) continue;
         const auto tree = Registry::instance().drawn(*layer);
         Layer& entry = layers_[layer->id()];
@@ -202,7 +205,6 @@ void View::draw_scene(const Settings& settings)
         items.push_back(item);
         drawn.push_back(layer);
     }
-    const pcm::Camera view = scene_view();
     if (is_tile(view, area_->fov)) {
         report_ = draw_tile(view, items, settings.render);
     } else {

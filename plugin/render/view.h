@@ -40,6 +40,8 @@ public:
     // Draws all layers that this view shows, unless that was done in this paint event. Returns the text about this
     // layer for MeshLab's info pane. Throws what drawing throws.
     QString draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings);
+    // Whether the last paint event drew a tile of a snapshot.
+    bool draws_tile() const { return tile_ != nullptr; }
     // Undoes begin().
     void end(int mesh_id);
     // The document is being closed: frees our GL objects. MeshLab has freed its own already.

@@ -131,6 +131,8 @@ Done parameter(TestDriver& driver, const QString& argument)
         parameters->setValue(name, FloatValue(static_cast<float>(number)));
     else if (value.isEnum())
         parameters->setValue(name, EnumValue(static_cast<int>(number)));
+    else if (value.isBool())
+        parameters->setValue(name, BoolValue(number != 0));
     else if (value.isString())
         parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
     else
