@@ -53,6 +53,14 @@ std::array<float, 3> local(const Vec3d& p, const Vec3d& origin)
             static_cast<float>(p[2] - origin[2])};
 }
 
+// Of every `stride`-th point of a level, `points` altogether. A level that has all points has no spacing of its own.
+double spacing_of(PointCloud& cloud, std::uint16_t level, std::uint64_t stride, std::size_t points)
+{
+    const double spacing = cloud.tree()->level_summaries()[level].spacing;
+    if (spacing > 0) return spacing * std::sqrt(static_cast<double>(stride));
+    return cloud.info().bounds().diagonal() / std::sqrt(static_cast<double>(std::max<std::size_t>(points, 1)));
+}
+
 // The extreme points that are not in the sample. Without this a cloud that is its own sample has more points than there
 // are, and a corner of a cloud is there up to three times.
 void add_extremes(Proxy& proxy, const TreeInfo& info, const Vec3d& origin)
@@ -114,7 +122,7 @@ Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most)
     if (coloured) colours = colours_of(sample.colour, proxy.has_rgb);
 
     proxy.is_whole = sample.positions.size() == info.points;
-    if (!proxy.is_whole) proxy.spacing = tree.level_summaries()[level].spacing * std::sqrt(static_cast<double>(stride));
+    if (!proxy.is_whole) proxy.spacing = spacing_of(cloud, level, stride, sample.positions.size());
     proxy.points.reserve(sample.positions.size() + info.extremes.size());
     for (std::size_t i = 0; i < sample.positions.size(); ++i)
         proxy.points.push_back({local(sample.positions[i], origin), coloured ? colours[i] : grey});

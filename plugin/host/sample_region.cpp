@@ -45,6 +45,15 @@ std::optional<double> growth(const std::vector<Vec3d>& others, double most, cons
     return nearest / 2;
 }
 
+// How far the sample's floats may be from the positions of the cloud.
+double rounding_of(const Proxy& sample)
+{
+    float largest = 0;
+    for (const ProxyPoint& point : sample.points)
+        for (const float coordinate : point.position) largest = std::max(largest, std::fabs(coordinate));
+    return std::ldexp(static_cast<double>(largest), -22);
+}
+
 std::string readable(const Vec3d& p)
 {
     char text[128];
@@ -184,7 +193,8 @@ std::optional<SampleRegion> region_of(const Proxy& sample, const std::vector<std
 {
     if (chosen.empty()) return std::nullopt;
     const Parts parts = divide(sample, chosen);
-    if (auto box = box_of(parts, sample.spacing, origin)) return box;
+    const double reach = std::max(sample.spacing, rounding_of(sample));
+    if (auto box = box_of(parts, reach, origin)) return box;
     if (!view) return std::nullopt;
     const OnScreen screen(*view, aspect);
     std::vector<Vec3d> places;
@@ -192,10 +202,10 @@ std::optional<SampleRegion> region_of(const Proxy& sample, const std::vector<std
         if (!(screen.depth(p) > 0)) return std::nullopt;
         places.push_back(screen.place(p));
     }
-    const auto rectangle = cone_of(rectangle_around(places), parts, sample.spacing, origin, screen);
+    const auto rectangle = cone_of(rectangle_around(places), parts, reach, origin, screen);
     if (rectangle && fits(*rectangle, parts, origin))
         return SampleRegion{*rectangle, "a rectangle of this view, at any depth"};
-    const auto polygon = cone_of(convex_hull(places), parts, sample.spacing, origin, screen);
+    const auto polygon = cone_of(convex_hull(places), parts, reach, origin, screen);
     if (polygon && fits(*polygon, parts, origin)) return SampleRegion{*polygon, "a polygon of this view, at any depth"};
     return std::nullopt;
 }

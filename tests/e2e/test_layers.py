@@ -239,6 +239,15 @@ class Samples(MeshLabTest):
         self.assertEqual(second["matrix"][3], 12)
         self.assertGreater(different(before, moved), 0.1)
 
+    def test_without_a_window_an_export_warns(self):
+        _, tree = self.generate("city", 400000, "--seed", 5)
+        out = self.folder / "out.las"
+        run = self.server([("Conditional Vertex Selection", {"condSelect": ("RichString", "x > 5")}),
+                           ("Delete Selected Vertices", {})], "-i", tree, "-o", out)
+        self.assertRegex(run.text, "Warning: The layer 'city .*': [0-9,]+ of [0-9,]+ vertices were deleted, but only in")
+        self.assertEqual(pcmlab("info", out)["points"], 400000)
+        self.assertFalse((self.folder / "cache" / "pcm-meshlab").exists())
+
     def test_a_project_keeps_names_and_matrices(self):
         _, tree = self.generate("city", 400000, "--seed", 5)
         names = ["roof", "city (16,718 of 400,000)", "city (16,718 of 400,000)"]

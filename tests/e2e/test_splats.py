@@ -131,7 +131,7 @@ class Splats(MeshLabTest):
             wait-layers 0
             open {bare}
             wait-layers 1
-            wait-log bare.pct:
+            wait-log bare:
             wait-status full resolution
             pause 200
             wait-status full resolution
@@ -148,7 +148,7 @@ class Splats(MeshLabTest):
         self.assertEqual(different(p["plain"], p["again"]), 0)
         # Edges only.
         self.assertLess(different(p["plain"], p["samples"]), 0.5)
-        notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare.pct: ") and "radi" in line]
+        notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare: ") and "radi" in line]
         self.assertEqual(len(notices), 2, notices)  # one for discs, one for squares of the size of the radius
 
     def test_several_clouds(self):
