@@ -3,9 +3,8 @@
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "plugin/host/layer_reader.h"
+#include "plugin/host/proxy.h"
 #include "plugin/host/tree_cache.h"
-
-#include <algorithm>
 
 namespace pcm::host {
 
@@ -19,12 +18,18 @@ std::uint64_t bytes_needed(const FileInfo& info)
     return 2 * point * info.points + (std::uint64_t(1) << 20);
 }
 
-bool has_colours(const MeshModel& layer, const Schema& schema)
+// Whether the cloud has rgb, and not all of it is black.
+bool has_colours(PointCloud& cloud)
 {
-    if (!schema.find(attribute_name::rgb)) return false;
-    return std::any_of(layer.cm.vert.begin(), layer.cm.vert.end(), [](const auto& vertex) {
-        return !vertex.IsD() && (vertex.cC()[0] || vertex.cC()[1] || vertex.cC()[2]);
-    });
+    const std::string rgb(attribute_name::rgb);
+    if (!cloud.info().schema.find(rgb)) return false;
+    Query query;
+    query.attributes = {rgb};
+    auto cursor = cloud.points(query);
+    PointView view;
+    while (cursor.getNextData(view))
+        if (!is_black(view.column(0))) return true;
+    return false;
 }
 
 }  // namespace
@@ -58,10 +63,11 @@ void draw_as_cloud(MeshModel& layer, const ProgressFunction& progress)
     copy.cloud = registry.open(cached->folder());
     const auto source = registry.source_of(layer);
     copy.origin = source ? source->origin : registry.origin_of(*layer.parent).value_or(Vec3d{0, 0, 0});
-    copy.has_rgb = has_colours(layer, copy.cloud->info().schema);
+    copy.has_rgb = has_colours(*copy.cloud);
     copy.state = state_of(layer, Watched::vertices);
     copy.glance = state_of(layer, Watched::vertices, glance_vertices);
     copy.cached = cached;
+    if (progress) progress({"The picture is ready", 1, -1});
     registry.attach_copy(layer, std::move(copy));
 }
 

@@ -4,6 +4,7 @@
 #include "plugin/host/text.h"
 #include "plugin/render/layer_watch.h"
 #include "plugin/render/sample_watch.h"
+#include "plugin/render/selection.h"
 
 #include <meshlab/glarea.h>
 
@@ -156,6 +157,9 @@ QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings
     if (!drawn_) {
         drawn_ = true;  // before an exception can be thrown: one attempt per paint event
         draw_scene(settings);
+        for (MeshModel* shown : area_->md()->meshList)
+            if (shown && layers_.count(shown->id()) && layers_[shown->id()].report)
+                draw_selected_vertices(*area_, *shown);
         publish_state();
     }
     const Layer& entry = layers_[layer.id()];

@@ -41,7 +41,7 @@ class DrawnCopies(MeshLabTest):
 
     def test_the_picture_follows_the_vertices(self):
         las = self.generate_file("small", 60000, "--seed", 6)
-        whole, half, moved = (self.result(f"{name}.png") for name in ("whole", "half", "moved"))
+        whole, selected, half, moved = (self.result(f"{name}.png") for name in ("whole", "selected", "half", "moved"))
         run = self.gui(f"""
             wait-view
             open {las}
@@ -54,6 +54,8 @@ class DrawnCopies(MeshLabTest):
             set boolean function = vi < 30000
             press Apply
             press Close
+            wait-status complete
+            picture {selected}
             trigger Delete Selected Vertices
             wait-log Deleted 30000 vertices
             wait-status 30000 points of
@@ -69,6 +71,7 @@ class DrawnCopies(MeshLabTest):
             """)
         self.assertDriven(run)
         self.assertEqual([layer["vertices"] for layer in run.layers()], [30000])
+        self.assertGreater(different(whole, selected), 0.05, "the selection is covered by our points")
         self.assertGreater(different(whole, half), 0.05)
         self.assertGreater(different(half, moved), 0.05)
         self.assertEqual(self.cached(), [])

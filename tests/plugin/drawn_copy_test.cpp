@@ -103,6 +103,16 @@ TEST_F(DrawnCopy, FollowsTheVerticesWhenItIsMadeAgain)
     EXPECT_FALSE(outdated_at(false));
 }
 
+TEST_F(DrawnCopy, HasNoColoursWhereTheFilesAreAllBlack)
+{
+    MeshModel* layer = document_.addNewMesh("black", "black");
+    const auto reader = open_reader(write_las(folder_ / "black.las", 3000, 0, 7));
+    ASSERT_TRUE(load_points(*layer, *reader, 1'000'000, {}));
+    draw_as_cloud(*layer, {});
+    EXPECT_FALSE(
+        Registry::instance().drawn(*layer)->has_rgb);  // it is drawn by its intensity, as MeshLab's vertices are
+}
+
 TEST_F(DrawnCopy, IsRefusedForMeshesAndEmptyLayersAndCanBeCancelled)
 {
     MeshModel* empty = document_.addNewMesh("empty", "empty");
