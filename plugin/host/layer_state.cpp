@@ -17,23 +17,22 @@ public:
         value_ = (value_ ^ word) * 0x9E3779B97F4A7C15u;
         value_ ^= value_ >> 29;
     }
-    void add(float number)
+    void add(float number) { add(std::uint64_t(bits_of(number))); }
+    void add(const Point3m& p, std::uint32_t more)
     {
-        std::uint32_t bits;
-        std::memcpy(&bits, &number, sizeof bits);
-        add(std::uint64_t(bits));
-    }
-    void add(const Point3m& p)
-    {
-        for (int a = 0; a < 3; ++a) add(static_cast<float>(p[a]));
-    }
-    void add(const vcg::Color4b& colour)
-    {
-        add(std::uint64_t(colour[0]) | std::uint64_t(colour[1]) << 8 | std::uint64_t(colour[2]) << 16);
+        add(std::uint64_t(bits_of(p[0])) | std::uint64_t(bits_of(p[1])) << 32);
+        add(std::uint64_t(bits_of(p[2])) | std::uint64_t(more) << 32);
     }
     std::uint64_t value() const { return value_; }
 
 private:
+    static std::uint32_t bits_of(float number)
+    {
+        std::uint32_t bits;
+        std::memcpy(&bits, &number, sizeof bits);
+        return bits;
+    }
+
     std::uint64_t value_ = 0xCBF29CE484222325u;
 };
 
@@ -62,10 +61,10 @@ LayerState state_of(const MeshModel& layer, Watched watched, std::size_t most)
     hash.add(std::uint64_t(attributes.size()));
     for (std::size_t i = 0; i < vertices.size(); i += step) {
         const auto& vertex = vertices[i];
-        hash.add(std::uint64_t(vertex.IsD()));
-        hash.add(vertex.cP());
-        hash.add(vertex.cC());
-        if (all) hash.add(vertex.cN());
+        const auto& colour = vertex.cC();
+        hash.add(vertex.cP(), std::uint32_t(colour[0]) | std::uint32_t(colour[1]) << 8 |
+                                  std::uint32_t(colour[2]) << 16 | std::uint32_t(vertex.IsD()) << 24);
+        if (all) hash.add(vertex.cN(), 0);
         if (quality) hash.add(static_cast<float>(vertex.cQ()));
         if (radius) hash.add(static_cast<float>(vertex.cR()));
         for (const float* values : attributes) hash.add(values[i]);

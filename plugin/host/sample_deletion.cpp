@@ -2,6 +2,8 @@
 
 #include "pcm/update/erase.h"
 
+#include "pcm/system/error.h"
+
 #include "plugin/host/layer.h"
 #include "plugin/host/text.h"
 
@@ -27,11 +29,15 @@ std::string points_in(const TreeLayer& tree, const Region& region)
     Query query;
     query.region = region;
     const Estimate estimate = tree.cloud->estimate(query);
-    if (estimate.points_read > most_counted)
-        return "about " + grouped(static_cast<std::uint64_t>(std::llround(estimate.points_expected)));
     EraseOptions options;
     options.count_only = true;
-    return grouped(erase_points(tree.cloud->tree()->folder(), selection_of(region), options).points_deleted);
+    try {
+        if (estimate.points_read <= most_counted)
+            return grouped(erase_points(tree.cloud->tree()->folder(), selection_of(region), options).points_deleted);
+    } catch (const Error&) {
+        // A tree that cannot be changed: the deletion will say why, and the question is asked with an estimate.
+    }
+    return "about " + grouped(static_cast<std::uint64_t>(std::llround(estimate.points_expected)));
 }
 
 std::vector<std::string> delete_points_in(MeshDocument& document, const TreeLayer& tree, const Region& region,

@@ -31,18 +31,26 @@ Parts divide(const Proxy& sample, const std::vector<std::uint32_t>& chosen)
     return parts;
 }
 
-// How far a convex shape may grow that has the chosen points: `outside(p)` is the distance of another point from it, in
-// the sense of its faces. None if one of the others is inside.
-template <class Outside>
-std::optional<double> growth(const std::vector<Vec3d>& others, double most, const Outside& outside)
+// The face of a convex shape that a point is farthest outside of.
+struct Outside {
+    std::size_t face = 0;
+    double distance = -1;
+};
+
+// How far each face may move outwards, at most `most`, until it is halfway to those of the other points that are
+// outside of it more than of any other face: they stay outside. None if one of the others is inside.
+template <class Find>
+std::optional<std::vector<double>> margins(const std::vector<Vec3d>& others, std::size_t faces, double most,
+                                           const Find& find)
 {
-    double nearest = 2 * most;
+    std::vector<double> nearest(faces, 2 * most);
     for (const Vec3d& p : others) {
-        const double distance = outside(p);
-        if (!(distance > 0)) return std::nullopt;
-        nearest = std::min(nearest, distance);
+        const Outside outside = find(p);
+        if (!(outside.distance > 0)) return std::nullopt;
+        nearest[outside.face] = std::min(nearest[outside.face], outside.distance);
     }
-    return nearest / 2;
+    for (double& distance : nearest) distance /= 2;
+    return nearest;
 }
 
 // How far the sample's floats may be from the positions of the cloud.
@@ -65,14 +73,21 @@ std::optional<SampleRegion> box_of(const Parts& parts, double spacing, const Vec
 {
     Box3d box;
     for (const Vec3d& p : parts.chosen) box.extend(p);
-    const auto margin = growth(parts.others, spacing, [&](const Vec3d& p) {
-        double farthest = -1;
-        for (std::size_t a = 0; a < 3; ++a) farthest = std::max({farthest, box.min[a] - p[a], p[a] - box.max[a]});
-        return farthest;
+    const auto grown = margins(parts.others, 6, spacing, [&](const Vec3d& p) {
+        Outside outside;
+        for (std::size_t face = 0; face < 6; ++face) {
+            const std::size_t a = face / 2;
+            const double distance = face % 2 ? p[a] - box.max[a] : box.min[a] - p[a];
+            if (distance > outside.distance) outside = {face, distance};
+        }
+        return outside;
     });
-    if (!margin) return std::nullopt;
-    const Vec3d grow{*margin, *margin, *margin};
-    const Box3d source{box.min + origin - grow, box.max + origin + grow};
+    if (!grown) return std::nullopt;
+    Box3d source;
+    for (std::size_t a = 0; a < 3; ++a) {
+        source.min[a] = box.min[a] + origin[a] - (*grown)[2 * a];
+        source.max[a] = box.max[a] + origin[a] + (*grown)[2 * a + 1];
+    }
     return SampleRegion{Region::box(source), "the box " + readable(source.min) + " to " + readable(source.max)};
 }
 
@@ -155,23 +170,25 @@ std::optional<Region> cone_of(const std::vector<Vec3d>& polygon, const Parts& pa
     for (const Vec3d& p : parts.chosen) nearest = std::max(nearest, screen.depth(p));
     const auto& y = screen.rows[1];
     const double most = spacing * length({y[0], y[1], y[2]}) / nearest;
-    const auto margin = growth(parts.others, most, [&](const Vec3d& p) {
-        if (screen.depth(p) <= 0) return 1e300;
+    const auto grown = margins(parts.others, edges.size(), most, [&](const Vec3d& p) {
+        Outside outside;
+        if (screen.depth(p) <= 0) return Outside{0, 1e300};
         const Vec3d place = screen.place(p);
-        double farthest = -1;
-        for (const Edge& edge : edges) farthest = std::max(farthest, edge.distance(place));
-        return farthest;
+        for (std::size_t e = 0; e < edges.size(); ++e)
+            if (edges[e].distance(place) > outside.distance) outside = {e, edges[e].distance(place)};
+        return outside;
     });
-    if (!margin) return std::nullopt;
+    if (!grown) return std::nullopt;
     std::vector<Region::Plane> planes;
     const auto add = [&](const std::array<double, 4>& plane) {
         const double size = length({plane[0], plane[1], plane[2]});
         if (size > 0) planes.push_back({{plane[0] / size, plane[1] / size, plane[2] / size}, plane[3] / size});
     };
-    for (const Edge& edge : edges) {
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const Edge& edge = edges[e];
         std::array<double, 4> plane{};
         for (std::size_t c = 0; c < 4; ++c)
-            plane[c] = (edge.offset + *margin) * screen.rows[2][c] - edge.normal[0] * screen.rows[0][c] -
+            plane[c] = (edge.offset + (*grown)[e]) * screen.rows[2][c] - edge.normal[0] * screen.rows[0][c] -
                        edge.normal[1] * screen.rows[1][c];
         add(plane);
     }

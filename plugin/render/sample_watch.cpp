@@ -173,7 +173,7 @@ void draw_sample_notices(GLArea& area, QPainter& painter)
 {
     QStringList notices;
     for (const MeshModel* layer : area.md()->meshList) {
-        if (!layer || !area.meshVisibilityMap.value(layer->id())) continue;
+        if (!layer || !area.meshVisibilityMap.value(layer->id()) || !Registry::instance().find(*layer)) continue;
         const QString notice = sample_notice(*layer);
         if (!notice.isEmpty()) notices << layer->label() + "\n" + notice;
     }

@@ -99,7 +99,8 @@ class MeshLabTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
                                 XDG_RUNTIME_DIR=str(self.folder / "runtime"),
-                                XDG_CACHE_HOME=str(self.folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1")
+                                XDG_CACHE_HOME=str(self.folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1",
+                                MESA_SHADER_CACHE_DIR=str(BUILD / "e2e-shaders"))
         (self.folder / "config").mkdir()
         (self.folder / "runtime").mkdir(mode=0o700)
 

@@ -76,6 +76,35 @@ class DrawnCopies(MeshLabTest):
         self.assertGreater(different(half, moved), 0.05)
         self.assertEqual(self.cached(), [])
 
+    def test_the_picture_follows_edit_tools_and_reload(self):
+        las = self.generate_file("small", 60000, "--seed", 6)
+        whole, one, many, again = (self.result(f"{name}.png") for name in ("whole", "one", "many", "again"))
+        run = self.gui(f"""
+            wait-view
+            open {las}
+            wait-layers 1
+            {FIXED_VIEW}
+            wait-status complete
+            picture {whole}
+            paint-layer 0 1 13
+            pause 1500
+            wait-status complete
+            picture {one}
+            paint-layer 0 0 30000
+            pause 1000
+            wait-status complete
+            picture {many}
+            trigger Reload
+            wait-layers 1
+            wait-status complete
+            picture {again}
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertGreater(different(whole, one), 0)
+        self.assertGreater(different(one, many), 0.05)
+        self.assertLess(different(whole, again), 0.001)
+
     def test_a_killed_meshlab_leaves_trees_until_the_next_start(self):
         las = self.generate_file("small", 60000, "--seed", 6)
         self.gui(f"wait-view\nopen {las}\nwait-layers 1\nwait-status complete\nno such command\n")
@@ -285,7 +314,7 @@ class Samples(MeshLabTest):
         memory = {name: now for name, (now, _) in run.memory().items()}
         print({name: f"{now / 1e6:.0f} MB" for name, now in memory.items()})
         self.assertGreater(memory["full"] - memory["empty"], 2e8)
-        self.assertLess(memory["closed"] - memory["empty"], 0.35 * (memory["full"] - memory["empty"]))
+        self.assertLess(memory["closed"] - memory["empty"], 0.5 * (memory["full"] - memory["empty"]))
 
 
 if __name__ == "__main__":
