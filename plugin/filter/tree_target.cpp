@@ -47,20 +47,7 @@ void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)
 
 void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)
 {
-    std::error_code ignored;
-    for (MeshModel* layer : run.document.meshList) {
-        const auto shown = Registry::instance().find(*layer);
-        if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), folder, ignored)) continue;
-        const std::string label = layer->label().toStdString();
-        const auto cloud = Registry::instance().open(folder);
-        if (cloud->info().points == 0) {
-            clear_layer(*layer);
-            run.log("The layer " + label + " is now empty: its tree has no points any more.");
-            continue;
-        }
-        show_tree(*layer, cloud);
-        run.log("The layer " + label + " shows the changed tree.");
-    }
+    for (const std::string& line : reload_layers(run.document, folder)) run.log(line);
 }
 
 void show_afterwards(const FilterRun& run, const std::function<void()>& show)

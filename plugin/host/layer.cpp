@@ -1,9 +1,12 @@
 #include "plugin/host/layer.h"
 
+#include "plugin/host/layer_label.h"
 #include "plugin/host/origin.h"
 #include "plugin/host/proxy.h"
 #include "plugin/host/text.h"
 #include "plugin/host/vertex_attributes.h"
+
+#include <meshlab/glarea.h>
 
 namespace pcm::host {
 
@@ -39,23 +42,75 @@ void clear_layer(MeshModel& layer)
     layer.visible = visible;
 }
 
+void fill_with_sample(MeshModel& layer, const Proxy& sample)
+{
+    layer.cm.face.clear();
+    layer.cm.edge.clear();
+    layer.cm.vert.clear();
+    layer.cm.fn = layer.cm.en = layer.cm.vn = 0;
+    layer.cm.sfn = layer.cm.svn = 0;
+    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(layer.cm, sample.points.size());
+    for (const ProxyPoint& point : sample.points) set_vertex(*vertex++, point.position, point.colour);
+    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
+    vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
+}
+
+void vertices_changed(MeshModel& layer)
+{
+    for (GLArea* view : views_of(*layer.parent)) {
+        MLSceneGLSharedDataContext* shared = view->mvc() ? view->mvc()->sharedDataContext() : nullptr;
+        if (!shared) continue;
+        shared->meshAttributesUpdated(layer.id(), true, MLRenderingData::RendAtts(true));
+        shared->manageBuffers(layer.id());
+        view->update();
+    }
+}
+
+std::vector<std::string> reload_layers(MeshDocument& document, const std::filesystem::path& folder)
+{
+    std::vector<std::string> lines;
+    std::error_code ignored;
+    for (MeshModel* layer : document.meshList) {
+        const auto shown = Registry::instance().find(*layer);
+        if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), folder, ignored)) continue;
+        const auto cloud = Registry::instance().open(folder);
+        if (cloud->info().points == 0) {
+            clear_layer(*layer);
+            lines.push_back("The layer " + layer->label().toStdString() +
+                            " is now empty: its tree has no points any more.");
+            continue;
+        }
+        const Matrix44m placement = layer->cm.Tr;
+        show_tree(*layer, cloud);
+        layer->cm.Tr = placement;
+        lines.push_back("The layer " + layer->label().toStdString() + " shows the changed tree.");
+    }
+    return lines;
+}
+
 std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<PointCloud>& cloud)
 {
     const TreeInfo& info = cloud->info();
     if (info.points == 0) throw Error(ErrorCode::bad_format, cloud->tree()->folder(), "the tree has no points");
     const Vec3d origin = Registry::instance().origin_for(*layer.parent, info.bounds());
-    const Proxy proxy = make_proxy(*cloud, origin);
+    const auto sample = std::make_shared<const Proxy>(make_proxy(*cloud, origin));
+    const Proxy& proxy = *sample;
 
     clear_layer(layer);
-    auto vertex = vcg::tri::Allocator<CMeshO>::AddVertices(layer.cm, proxy.points.size());
-    for (const ProxyPoint& point : proxy.points) set_vertex(*vertex++, point.position, point.colour);
-    layer.updateDataMask(MeshModel::MM_VERTCOLOR);
-    vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
-    layer.setLabel(QString::fromStdString(cloud->tree()->folder().filename().string()));
-    Registry::instance().attach(layer, {cloud, origin, proxy.has_rgb});
+    fill_with_sample(layer, proxy);
+    layer.setLabel(tree_label(layer.label(), layer.fullName().toStdString(), cloud->tree()->folder(),
+                              proxy.points.size(), info.points));
+    TreeLayer tree;
+    tree.cloud = cloud;
+    tree.origin = origin;
+    tree.has_rgb = proxy.has_rgb;
+    tree.sample = sample;
+    tree.state = state_of(layer, Watched::sample);
+    Registry::instance().attach(layer, std::move(tree));
 
     return {grouped(info.points) + " points in " + cloud->tree()->folder().string() + ", " + bytes_text(info.bytes) +
-                "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + ".",
+                (proxy.is_whole ? std::string("; MeshLab's own tools work on a copy of them.")
+                                : "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + "."),
             origin_line(origin), rounding_line(info.bounds(), origin, "The sample")};
 }
 

@@ -1,8 +1,10 @@
 // Shows a tree in a layer of MeshLab. points_layer.h loads small clouds into a layer completely.
 #pragma once
 
+#include "plugin/host/proxy.h"
 #include "plugin/host/registry.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,16 @@ namespace pcm::host {
 // tree as soon as the document is not busy any more. Returns lines for the log. Throws what reading chunks throws, and
 // Error(bad_format) for a cloud without points.
 std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<PointCloud>& cloud);
+
+// The layers of the document that show the tree `folder` are loaded again; one whose tree has lost all points becomes
+// empty. Returns a line for each. Throws what opening the tree and reading chunks throws.
+std::vector<std::string> reload_layers(MeshDocument& document, const std::filesystem::path& folder);
+
+// Replaces the layer's mesh with the vertices of a sample.
+void fill_with_sample(MeshModel& layer, const Proxy& sample);
+
+// Makes MeshLab's views take the changed vertices. Does nothing without a window.
+void vertices_changed(MeshModel& layer);
 
 // Empties the layer and detaches it from its tree or file. Its visibility is kept.
 void clear_layer(MeshModel& layer);

@@ -2,6 +2,8 @@
 
 #include "pcm/view/point_colours.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -43,6 +45,37 @@ Sample sample_level(PointCloud& cloud, std::uint16_t level, std::uint64_t stride
     sample.colour.resize(attribute.empty() ? 0 : sample.positions.size());
     if (!raw.empty()) std::memcpy(sample.colour.data(), raw.data(), raw.size());
     return sample;
+}
+
+std::array<float, 3> local(const Vec3d& p, const Vec3d& origin)
+{
+    return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
+            static_cast<float>(p[2] - origin[2])};
+}
+
+// Of every `stride`-th point of a level, `points` altogether. A level that has all points has no spacing of its own.
+double spacing_of(PointCloud& cloud, std::uint16_t level, std::uint64_t stride, std::size_t points)
+{
+    const double spacing = cloud.tree()->level_summaries()[level].spacing;
+    if (spacing > 0) return spacing * std::sqrt(static_cast<double>(stride));
+    return cloud.info().bounds().diagonal() / std::sqrt(static_cast<double>(std::max<std::size_t>(points, 1)));
+}
+
+// The extreme points that are not in the sample. Without this a cloud that is its own sample has more points than there
+// are, and a corner of a cloud is there up to three times.
+void add_extremes(Proxy& proxy, const TreeInfo& info, const Vec3d& origin)
+{
+    std::vector<ProxyPoint> missing;
+    for (const Vec3i& extreme : info.extremes) {
+        const ProxyPoint point{local(info.grid.to_source(extreme), origin), grey};
+        const auto is_there = [&](const ProxyPoint& other) { return other.position == point.position; };
+        if (std::none_of(missing.begin(), missing.end(), is_there)) missing.push_back(point);
+    }
+    for (const ProxyPoint& point : proxy.points)
+        missing.erase(std::remove_if(missing.begin(), missing.end(),
+                                     [&](const ProxyPoint& other) { return other.position == point.position; }),
+                      missing.end());
+    proxy.points.insert(proxy.points.end(), missing.begin(), missing.end());
 }
 
 }  // namespace
@@ -88,16 +121,12 @@ Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most)
     std::vector<std::array<std::uint8_t, 3>> colours;
     if (coloured) colours = colours_of(sample.colour, proxy.has_rgb);
 
-    const auto add = [&](const Vec3d& p, const std::array<std::uint8_t, 3>& colour) {
-        ProxyPoint point;
-        for (std::size_t a = 0; a < 3; ++a) point.position[a] = static_cast<float>(p[a] - origin[a]);
-        point.colour = colour;
-        proxy.points.push_back(point);
-    };
+    proxy.is_whole = sample.positions.size() == info.points;
+    if (!proxy.is_whole) proxy.spacing = spacing_of(cloud, level, stride, sample.positions.size());
     proxy.points.reserve(sample.positions.size() + info.extremes.size());
-    for (std::size_t i = 0; i < sample.positions.size(); ++i) add(sample.positions[i], coloured ? colours[i] : grey);
-    if (info.points > 0)
-        for (const Vec3i& extreme : info.extremes) add(info.grid.to_source(extreme), grey);
+    for (std::size_t i = 0; i < sample.positions.size(); ++i)
+        proxy.points.push_back({local(sample.positions[i], origin), coloured ? colours[i] : grey});
+    if (info.points > 0 && !proxy.is_whole) add_extremes(proxy, info, origin);
     return proxy;
 }
 

@@ -17,13 +17,16 @@ struct ProxyPoint {
 
 struct Proxy {
     std::vector<ProxyPoint> points;
-    bool has_rgb = false;  // the cloud has rgb, and not all sampled points are black (in many LAS files all are)
+    bool has_rgb = false;   // the cloud has rgb, and not all sampled points are black (in many LAS files all are)
+    double spacing = 0;     // every point of the cloud has a point of the sample about this near; 0 if is_whole
+    bool is_whole = false;  // these are all points of the cloud
 };
 
 inline constexpr std::uint64_t proxy_points = 50'000;
 
-// An even sample of at most `most` points, plus the cloud's extreme points, so that the sample has the cloud's bounding
-// box: MeshLab takes the far plane and the centre of rotation from it. Colours are those of the renderer: rgb, else
+// All points of a cloud that has no more than `most`. Else an even sample of at most `most` points, plus those of the
+// cloud's extreme points that it lacks, each once, so that it has the cloud's bounding box: MeshLab takes the far plane
+// and the centre of rotation from it. Colours are those of the renderer: rgb, else
 // intensity, else grey. Reads only the coarsest levels. Throws what reading chunks throws.
 Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most = proxy_points);
 

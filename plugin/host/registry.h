@@ -1,13 +1,15 @@
 // Which layer of which document shows which tree.
 //
 // MeshLab's layers are in memory; ours are a small proxy mesh and a tree on disk. The registry connects the two, keyed
-// by (document, mesh id), for the lifetime of the layer: MeshLab signals when a layer or a document is removed. GUI
+// by (document, mesh id), for the lifetime of the layer: MeshLab signals when a layer or a document is removed. An
+// ordinary layer, whose vertices are the cloud, may have a drawn copy (drawn_copy.h): a tree that only views use. GUI
 // thread only.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
 #include "pcm/point_cloud.h"
 #include "plugin/host/layer_source.h"
+#include "plugin/host/layer_state.h"
 
 #include <common/interfaces.h>
 
@@ -27,10 +29,20 @@ class QMainWindow;
 
 namespace pcm::host {
 
+struct Proxy;
+class CachedTree;
+
 struct TreeLayer {
     std::shared_ptr<PointCloud> cloud;
     Vec3d origin{};        // of the document: source coordinates minus this are MeshLab's coordinates
     bool has_rgb = false;  // as Proxy::has_rgb
+    // MeshLab's vertices when the tree was attached.
+    LayerState state;
+    std::shared_ptr<const Proxy> sample;       // null for a drawn copy
+    std::shared_ptr<const CachedTree> cached;  // of a drawn copy; the last reference removes the tree's folder
+    LayerState glance;                         // of a drawn copy: a part of its vertices
+
+    bool is_copy() const { return cached != nullptr; }
 };
 
 class Registry : public QObject {
@@ -53,6 +65,12 @@ public:
     void detach(MeshModel& layer);
     std::optional<TreeLayer> find(const MeshModel& layer) const;
 
+    // Gives an ordinary layer the tree that views draw instead of its vertices, replacing a former one.
+    void attach_copy(MeshModel& layer, TreeLayer tree);
+    void drop_copy(MeshModel& layer);
+    // What views draw: the layer's tree, or its drawn copy.
+    std::optional<TreeLayer> drawn(const MeshModel& layer) const;
+
     // The file that a layer's vertices came from; null: none.
     void set_source(MeshModel& layer, std::shared_ptr<const LayerSource> source);
     std::shared_ptr<const LayerSource> source_of(const MeshModel& layer) const;
@@ -62,17 +80,20 @@ signals:
     void attached(MeshDocument* document, int mesh_id);
     // The layer was removed or shows no tree any more.
     void detached(MeshDocument* document, int mesh_id);
+    // Views are to show MeshLab's own points of the layer again, which exists.
+    void copy_dropped(MeshDocument* document, int mesh_id);
 
 private:
     Registry() = default;
     void watch(MeshDocument& document);
     void layer_removed(MeshDocument* document, int mesh_id);
     void document_destroyed(MeshDocument* document);
+    void give_memory_back();
 
     using LayerKey = std::pair<const MeshDocument*, int>;
     using TreeKey = std::tuple<std::string, std::uint64_t, std::uint64_t,
                                std::int64_t>;  // folder; device, inode and time of its index
-    std::map<LayerKey, TreeLayer> layers_;
+    std::map<LayerKey, TreeLayer> layers_, copies_;
     std::map<LayerKey, std::shared_ptr<const LayerSource>> sources_;
     std::map<const MeshDocument*, Vec3d> origins_;
     std::set<const MeshDocument*> watched_;

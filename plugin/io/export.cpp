@@ -8,6 +8,7 @@
 #include "pcm/tree/tree_reader.h"
 #include "plugin/host/layer_reader.h"
 #include "plugin/host/registry.h"
+#include "plugin/host/sample_change.h"
 #include "plugin/host/selection_text.h"
 #include "plugin/host/text.h"
 
@@ -197,6 +198,7 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
                                     " source units.");
     for (const std::string& note : report.notes) lines.push_back("Note: " + note);
     for (const std::string& warning : report.outcome.warnings) lines.push_back("Warning: " + warning);
+    if (const std::string changed = sample_warning(layer); !changed.empty()) lines.push_back("Warning: " + changed);
     if (!is_identity(layer)) lines.emplace_back("The layer's matrix was not applied, as in all of MeshLab's exports.");
     return lines;
 }

@@ -16,7 +16,8 @@ namespace {
 
 // Names of parameters: of one file, and with the prefix in MeshLab's settings.
 const QString global_prefix = "MeshLab::PointCloud::";
-const QString largest_layer = "LargestLayer";
+const QString largest_layer = "MostPointsInOrdinaryLayer";  // Tools > Options shows this name
+const QString draw_layers = "DrawOrdinaryLayersAsPointClouds";
 const QString tree_folder = "TreeFolder";
 const QString largest_coordinate = "LargestCoordinate";
 const QString ask = "ImportDialog";
@@ -35,10 +36,10 @@ const auto default_largest = static_cast<int>(ImportSettings().largest_layer);
 RichInt largest_layer_parameter(const QString& name, int value)
 {
     return RichInt(
-        name, value, "Largest layer (points)",
-        "Largest number of points in an ordinary layer. A point cloud with more points becomes a tree on disk, which "
-        "is drawn at the detail that the view needs. One with fewer points is loaded into memory, about 150 bytes per "
-        "point, and all of MeshLab's tools work on it. Default 1000000.");
+        name, value, "Most points in an ordinary layer",
+        "A point cloud with more points than this becomes a tree on disk, which is drawn at the detail that the view "
+        "needs; MeshLab's own tools get a sample of it. One with fewer points is loaded into memory, about 150 bytes "
+        "per point, and all of MeshLab's tools work on all of it. In points. Default 1000000.");
 }
 
 RichString tree_folder_parameter(const QString& name, const QString& value)
@@ -77,6 +78,10 @@ const RichParameter* find(const RichParameterList& parameters, const QString& na
 void add_global_settings(RichParameterList& parameters)
 {
     parameters.addParam(largest_layer_parameter(global_prefix + largest_layer, default_largest));
+    parameters.addParam(RichBool(global_prefix + draw_layers, true, "Draw ordinary layers as point clouds",
+                                 "Draw the layer of a small point cloud like a large one, with splats, lighting and "
+                                 "colours, through a temporary tree of its vertices in the cache folder. Off: "
+                                 "MeshLab draws it, until Render > Show Point Cloud is switched on. Default on."));
     parameters.addParam(tree_folder_parameter(global_prefix + tree_folder, ""));
     parameters.addParam(largest_coordinate_parameter(global_prefix + largest_coordinate, 0));
     parameters.addParam(
@@ -139,6 +144,7 @@ ImportSettings read_import_settings(const RichParameterList& parameters)
     ImportSettings settings;
     if (const RichParameter* p = find(parameters, largest_layer))
         settings.largest_layer = static_cast<std::uint64_t>(std::max(0, p->value().getInt()));
+    if (const RichParameter* p = find(parameters, draw_layers)) settings.draw_layers = p->value().getBool();
     if (const RichParameter* p = find(parameters, tree_folder))
         settings.tree_folder = p->value().getString().trimmed().toStdString();
     if (const RichParameter* p = find(parameters, largest_coordinate); p && p->value().getFloat() > 0)

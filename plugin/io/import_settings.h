@@ -17,6 +17,7 @@ namespace pcm::host {
 
 struct ImportSettings {
     std::uint64_t largest_layer = 1'000'000;   // a cloud of more points becomes a tree
+    bool draw_layers = true;                   // a smaller one gets a drawn copy (host/drawn_copy.h)
     std::filesystem::path tree_folder;         // where these trees are written; empty: next to the file
     std::optional<double> largest_coordinate;  // points beyond it are left out
     TextLayout text;                           // as far as the user has specified it

@@ -5,6 +5,7 @@
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
 #include "plugin/host/cancelled.h"
+#include "plugin/host/drawn_copy.h"
 #include "plugin/host/field_buttons.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
@@ -20,6 +21,7 @@
 
 #include <QDir>
 #include <QFileInfo>
+#include <QTimer>
 
 #include <cstdio>
 
@@ -100,11 +102,23 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
             path, layer, settings, operation.progress(),
             [&](const std::vector<std::string>& reasons) { join_anyway(path, reasons, operation, parent); });
         for (const std::string& line : lines) say(GLLogStream::FILTER, line, parent);
+        if (parent && settings.draw_layers) draw_copy(layer, operation);
         mask |= mask_of(layer);
         return true;
     } catch (...) {
         report_failure("Opening", "open", path, parent);
         return false;
+    }
+}
+
+// The file is open; without the copy MeshLab draws the layer.
+void PointCloudIo::draw_copy(MeshModel& layer, Operation& operation)
+{
+    if (Registry::instance().find(layer)) return;
+    try {
+        draw_as_cloud(layer, operation.progress());
+    } catch (...) {
+        Log(GLLogStream::WARNING, "The layer is drawn by MeshLab: " + current_error());
     }
 }
 

@@ -39,6 +39,7 @@ private:
     void report_failure(const char* doing, const char* verb, const std::filesystem::path& path, const QWidget* window);
     void join_anyway(const std::filesystem::path& path, const std::vector<std::string>& reasons,
                      pcm::host::Operation& operation, QWidget* window);
+    void draw_copy(MeshModel& layer, pcm::host::Operation& operation);
     bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,
                         int& mask, const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget* parent);
     // MeshLab's exporter if it is to write this layer, else null.

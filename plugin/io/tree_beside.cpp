@@ -85,10 +85,11 @@ std::vector<std::string> ensure_tree(const TreeBeside& wanted, const FileInfo& i
         throw Error(ErrorCode::not_found, folder, "the folder for trees does not exist",
                     "create it, or choose another folder in MeshLab's Tools > Options");
     if (access(folder.c_str(), W_OK | X_OK) != 0)
-        throw Error(ErrorCode::permission, folder,
-                    "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") +
-                        grouped(info.points) + " points and is opened through a tree in this folder",
-                    "choose another folder for trees, or a larger Largest layer, in MeshLab's Tools > Options");
+        throw Error(
+            ErrorCode::permission, folder,
+            "cannot be written: " + file.filename().string() + " has " + (info.points_known ? "" : "about ") +
+                grouped(info.points) + " points and is opened through a tree in this folder",
+            "choose another folder for trees, or more points for an ordinary layer, in MeshLab's Tools > Options");
     BuildOptions options;
     options.read = wanted.read;
     options.overwrite = replace;

@@ -70,7 +70,7 @@ std::optional<std::vector<Vec3d>> points_of_trees(GLArea& area)
     std::vector<Vec3d> points;
     for (const MeshModel* layer : area.md()->meshList) {
         if (!layer || !area.meshVisibilityMap.value(layer->id())) continue;
-        if (!Registry::instance().find(*layer)) return std::nullopt;
+        if (!Registry::instance().drawn(*layer)) return std::nullopt;
         const std::vector<Vec3d> more = placed_vertices(*layer);
         points.insert(points.end(), more.begin(), more.end());
     }

@@ -1,10 +1,15 @@
 #include "plugin/render/render_plugin.h"
 
+#include "plugin/host/drawn_copy.h"
+#include "plugin/host/operation.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
+#include "plugin/host/tree_cache.h"
 #include "plugin/render/dock.h"
+#include "plugin/render/layer_watch.h"
 #include "plugin/render/opening.h"
 #include "plugin/render/project_settings.h"
+#include "plugin/render/sample_watch.h"
 #include "plugin/render/stored_defaults.h"
 #include "plugin/render/view.h"
 
@@ -31,21 +36,25 @@ PointCloudDecorator::PointCloudDecorator()
         for (GLArea* area : views_of(*document))
             if (View* view = View::find(area)) view->forget(mesh_id);
     });
+    connect(&registry, &Registry::copy_dropped, this, [](MeshDocument* document, int mesh_id) {
+        for (GLArea* area : views_of(*document))
+            if (View* view = View::find(area)) view->show_own(mesh_id);
+    });
+    connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
+    TreeCache::instance().remove_leftovers();
 }
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const
 {
-    return "Draws a point cloud tree at the detail that the view needs and loads its points in the background.";
+    return "Draws a point cloud tree at the detail that the view needs and loads its points in the background. An "
+           "ordinary layer of points is drawn in the same way, through a temporary tree of its vertices.";
 }
 
 bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& layer, QString& reason) const
 {
-    if (Registry::instance().find(layer)) return true;
-    reason =
-        "the layer '" + layer.label() +
-        "' shows no point cloud tree. Open the index.pct of a tree, or a cloud with more points than Tools > Options "
-        "allows in a layer, or build a tree with the filter Build Point Cloud Tree";
-    return false;
+    if (Registry::instance().drawn(layer)) return true;
+    reason = QString::fromStdString(why_not_drawn(layer));
+    return reason.isEmpty();
 }
 
 void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters)
@@ -58,21 +67,26 @@ void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& pa
 
 bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {
-    if (!Registry::instance().find(layer)) return false;
+    const bool is_listed = area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action);
+    LayerWatch::instance().check(layer);
+    // A layer that has just changed is copied again when it rests.
+    if (!Registry::instance().drawn(layer) && (is_listed || !copy_layer(layer))) return is_listed;
     View::of(area, action)->begin(layer);
     return true;
 }
 
 void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
-                                       GLArea* area, QPainter*, GLLogStream& document_log)
+                                       GLArea* area, QPainter* painter, GLLogStream& document_log)
 {
-    if (!Registry::instance().find(layer)) return;
+    if (!Registry::instance().drawn(layer)) return;
     QString text;
     try {
         text = View::of(area, action)->draw(read_settings(*parameters));
     } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
+    if (painter && !View::of(area, action)->draws_tile() && is_first_listed(*area, layer))
+        draw_sample_notices(*area, *painter);
     // A view that was split off shows MeshLab's own points at first. It is to show the same as this one.
     for (GLArea* other : area->mvc()->viewerList) {
         if (!other || View::find(other)) continue;
@@ -106,6 +120,51 @@ void PointCloudDecorator::show_at_first_paint(GLArea& area, int mesh_id)
 {
     ProjectSettings::follow(area);
     Opening::expect(area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
+}
+
+bool PointCloudDecorator::is_on(const MeshModel& layer)
+{
+    for (GLArea* area : views_of(*layer.parent))
+        if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(actionList.front())) return true;
+    return false;
+}
+
+bool PointCloudDecorator::copy_layer(MeshModel& layer)
+{
+    try {
+        Operation operation(nullptr);
+        draw_as_cloud(layer, operation.progress());
+        return true;
+    } catch (...) {
+        layer.parent->Log.Log(GLLogStream::WARNING,
+                              qPrintable("The layer '" + layer.label() +
+                                         "' is drawn by MeshLab: " + QString::fromStdString(current_error())));
+        return false;
+    }
+}
+
+void PointCloudDecorator::copy_again(MeshDocument* document, int mesh_id)
+{
+    MeshModel* layer = document->getMesh(mesh_id);
+    if (!layer || !is_on(*layer) || !why_not_drawn(*layer).empty()) return;
+    if (static_cast<std::size_t>(layer->cm.vn) <= most_copied_unasked) {
+        copy_layer(*layer);
+        return;
+    }
+    document->Log.Log(GLLogStream::WARNING,
+                      qPrintable("The layer '" + layer->label() +
+                                 "' has changed and is drawn by MeshLab. Switch Render > Show Point Cloud off and on "
+                                 "to draw it as a point cloud again."));
+}
+
+// Of the layers that MeshLab asks for in a paint event.
+bool PointCloudDecorator::is_first_listed(GLArea& area, const MeshModel& layer)
+{
+    for (const MeshModel* other : area.md()->meshList)
+        if (other && area.meshVisibilityMap.value(other->id()) && Registry::instance().drawn(*other) &&
+            area.iPerMeshDecoratorsListMap.value(other->id()).contains(actionList.front()))
+            return other->id() == layer.id();
+    return false;
 }
 
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)

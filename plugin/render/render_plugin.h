@@ -36,4 +36,8 @@ private:
     void show_at_first_paint(GLArea& area, int mesh_id);
     void list(GLArea& area, MeshModel& layer);
     void switch_on(GLArea& area, MeshModel& layer);
+    bool is_first_listed(GLArea& area, const MeshModel& layer);
+    bool is_on(const MeshModel& layer);  // in any view
+    bool copy_layer(MeshModel& layer);   // false: the log says why
+    void copy_again(MeshDocument* document, int mesh_id);
 };

@@ -3,7 +3,10 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/text.h"
+#include "plugin/render/layer_watch.h"
 #include "plugin/render/overlay.h"
+#include "plugin/render/sample_watch.h"
+#include "plugin/render/selection.h"
 
 #include <meshlab/glarea.h>
 
@@ -126,6 +129,8 @@ QString View::draw(const Settings& settings)
     if (drawn_) return {};
     drawn_ = true;  // before an exception can be thrown: one attempt per paint event
     draw_scene(settings);
+    for (MeshModel* shown : area_->md()->meshList)
+        if (shown && layers_.count(shown->id()) && layers_[shown->id()].report) draw_selected_vertices(*area_, *shown);
     text_ = describe(settings);
     publish_state();
     return text_;
@@ -163,14 +168,16 @@ void View::draw_scene(const Settings& settings)
         drop_picture();
         painter_ = std::move(painter);
     }
+    const pcm::Camera view = scene_view();
     std::vector<SceneItem> items;
     std::vector<MeshModel*> drawn;
     for (MeshModel* layer : area_->md()->meshList) {
         if (!layer || !area_->meshVisibilityMap.value(layer->id()) ||
             !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
             continue;
-        const auto tree = Registry::instance().find(*layer);
-        if (!tree) continue;
+        look_at_sample(*layer, view);
+        if (!LayerWatch::instance().may_draw(*layer)) continue;
+        const auto tree = Registry::instance().drawn(*layer);
         Layer& entry = layers_[layer->id()];
         if (entry.painted && &entry.painted->cloud() != tree->cloud.get()) drop(entry);
         if (!entry.painted) {
@@ -186,7 +193,6 @@ void View::draw_scene(const Settings& settings)
         items.push_back(item);
         drawn.push_back(layer);
     }
-    const pcm::Camera view = scene_view();
     if (is_tile(view, area_->fov)) {
         report_ = draw_tile(view, items, settings.render);
     } else {
@@ -242,7 +248,7 @@ void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettin
 {
     legends_.clear();
     for (std::size_t i = 0; i < drawn.size() && settings.legend; ++i) {
-        const auto tree = Registry::instance().find(*drawn[i]);
+        const auto tree = Registry::instance().drawn(*drawn[i]);
         auto legend = legend_of(report_.clouds[i], height_unit(tree->cloud->info().metadata), settings.hidden_classes);
         if (legend) add_legend(legends_, std::move(*legend), drawn[i]->label());
     }
@@ -319,6 +325,14 @@ void View::forget(int mesh_id)
     if (!area_->md() || !area_->md()->getMesh(mesh_id)) layers_.erase(found);
     if (layers_.empty()) drop_picture();
     publish_state();
+}
+
+void View::show_own(int mesh_id)
+{
+    if (!layers_.count(mesh_id)) return;
+    area_->makeCurrent();
+    show_native(mesh_id, true);
+    area_->update();
 }
 
 void View::show_native(int mesh_id, bool show)

@@ -43,12 +43,16 @@ public:
     // MeshLab's box; nothing after the first call of a paint event, so that there is one box. Throws what drawing
     // throws.
     QString draw(const Settings& settings);
+    // Whether the last paint event drew a tile of a snapshot.
+    bool draws_tile() const { return tile_ != nullptr; }
     // Undoes begin().
     void end(int mesh_id);
     // The document is being closed: frees our GL objects. MeshLab has freed its own already.
     void close();
     // The layer shows no tree any more, or was removed.
     void forget(int mesh_id);
+    // MeshLab's own points of the layer are to be seen again, although the decorator is on.
+    void show_own(int mesh_id);
 
 protected:
     bool eventFilter(QObject* receiver, QEvent* event) override;

@@ -123,7 +123,9 @@ class MeshLabTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
-                                XDG_RUNTIME_DIR=str(self.folder / "runtime"), LIBGL_ALWAYS_SOFTWARE="1")
+                                XDG_RUNTIME_DIR=str(self.folder / "runtime"),
+                                XDG_CACHE_HOME=str(self.folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1",
+                                MESA_SHADER_CACHE_DIR=str(BUILD / "e2e-shaders"))
         (self.folder / "config" / "VCG").mkdir(parents=True)
         if self.first_view:
             self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")

@@ -93,7 +93,7 @@ class Formats(MeshLabTest):
             wait-layers 1
             wait-log 30,000 points, LAS
             print-layers
-            parameter MeshLab::PointCloud::LargestLayer = 29999
+            parameter MeshLab::PointCloud::MostPointsInOrdinaryLayer = 29999
             open {las}
             wait-layers 2
             wait-log Built {self.folder / "cloud.pct"}
@@ -140,7 +140,7 @@ class Formats(MeshLabTest):
             expect-message not once
             wait-layers 1
             open {text}
-            set Largest layer = 100
+            set Most points in an ordinary layer = 100
             press OK
             wait-layers 2
             wait-log Built {self.folder / "columns.pct"}
@@ -231,7 +231,9 @@ class Formats(MeshLabTest):
             quit
             """)
         self.assertDriven(run)
-        self.assertEqual([layer["label"] for layer in run.layers()][:3], ["cloud.pct"] * 3)
+        trees = run.layers()[:3]
+        self.assertEqual([layer["label"] for layer in trees],
+                         [f"cloud ({layer['vertices']:,} of 200,000)" for layer in trees])
         self.assertEqual(run.layers()[3]["vertices"], part)
 
     def test_bad_files_leave_meshlab_usable(self):

@@ -133,7 +133,7 @@ class Splats(MeshLabTest):
             wait-layers 0
             open {bare}
             wait-layers 1
-            wait-log bare.pct:
+            wait-log bare:
             wait-status full resolution
             pause 200
             wait-status full resolution
@@ -150,7 +150,7 @@ class Splats(MeshLabTest):
         self.assertEqual(different(p["plain"], p["again"]), 0)
         # Edges only.
         self.assertLess(different(p["plain"], p["samples"]), 0.5)
-        notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare.pct: ") and "no normals" in line]
+        notices = [line for line in re.search(r"driver: log (.*)", run.text)[1].split(" | ") if line.startswith("bare: ") and "no normals" in line]
         self.assertEqual(len(notices), 1, notices)
 
     def test_several_clouds(self):

@@ -29,6 +29,35 @@ TEST(Proxy, IsBoundedAndSpansTheTrueBox)
     }
 }
 
+TEST(Proxy, HasExactlyThePointsOfASmallCloud)
+{
+    const test::TemporaryFolder folder;
+    const auto cloud = PointCloud::open(tree_of(scene(folder, "a.las", 10126, far_away)));
+    const Proxy proxy = make_proxy(*cloud, choose_origin(cloud->info().bounds()));
+    EXPECT_EQ(proxy.points.size(), 10126u);
+    EXPECT_TRUE(proxy.is_whole);
+}
+
+TEST(Proxy, HasEachExtremePointOnce)
+{
+    const test::TemporaryFolder folder;
+    const auto cloud = PointCloud::open(tree_of(scene(folder, "a.las", 60000, far_away)));
+    const Vec3d origin = choose_origin(cloud->info().bounds());
+    for (const std::uint64_t most : {1u, 100u, 5000u, 50000u}) {
+        const Proxy proxy = make_proxy(*cloud, origin, most);
+        EXPECT_FALSE(proxy.is_whole);
+        for (const Vec3i& extreme : cloud->info().extremes) {
+            const Vec3d p = cloud->info().grid.to_source(extreme);
+            std::array<float, 3> local{};
+            for (std::size_t a = 0; a < 3; ++a) local[a] = static_cast<float>(p[a] - origin[a]);
+            EXPECT_EQ(std::count_if(proxy.points.begin(), proxy.points.end(),
+                                    [&](const ProxyPoint& point) { return point.position == local; }),
+                      1)
+                << most;
+        }
+    }
+}
+
 TEST(Proxy, ColoursAreEightOrSixteenBitsOrIntensity)
 {
     const test::TemporaryFolder folder;

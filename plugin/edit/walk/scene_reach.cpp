@@ -94,7 +94,7 @@ SceneReach reach_from(GLArea& view, const Vec3d& place)
     SceneReach nearest{infinity, 0};
     for (const MeshModel* layer : document->meshList) {
         if (!layer || !view.meshVisibilityMap.value(layer->id(), true)) continue;
-        const auto tree = Registry::instance().find(*layer);
+        const auto tree = Registry::instance().drawn(*layer);
         const Placement placement(*layer);
         const SceneReach reach =
             tree ? reach_of_tree(*tree, placement, place) : reach_of_mesh(*layer, placement, place);

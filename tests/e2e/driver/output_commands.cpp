@@ -49,10 +49,13 @@ Done print_layers(TestDriver& driver, const QString&)
         QStringList attributes;
         for (const auto& attribute : layer->cm.vert_attr) attributes << QString::fromStdString(attribute._name);
         Box3m box;
+        QJsonArray matrix;  // row by row
+        for (int i = 0; i < 16; ++i) matrix << layer->cm.Tr.V()[i];
         for (const auto& vertex : layer->cm.vert) box.Add(vertex.cP());
         say("layer " + compact({{"label", layer->label()},
                                 {"vertices", layer->cm.vn},
                                 {"faces", layer->cm.fn},
+                                {"matrix", matrix},
                                 {"min", QJsonArray{box.min[0], box.min[1], box.min[2]}},
                                 {"max", QJsonArray{box.max[0], box.max[1], box.max[2]}},
                                 {"colours", layer->hasDataMask(MeshModel::MM_VERTCOLOR)},

@@ -110,6 +110,17 @@ Done move_layer(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// paint-layer ID FIRST COUNT: makes vertices red as an edit tool does it, which MeshLab does not notice
+Done paint_layer(TestDriver& driver, const QString& argument)
+{
+    MeshModel* layer = driver.document()->getMesh(argument.section(' ', 0, 0).toInt());
+    if (!layer) driver.fail("no layer " + argument);
+    const int first = argument.section(' ', 1, 1).toInt(), count = argument.section(' ', 2, 2).toInt();
+    for (int i = first; i < first + count; ++i) layer->cm.vert[std::size_t(i)].C() = vcg::Color4b(255, 0, 0, 255);
+    driver.area()->update();
+    return Done::yes;
+}
+
 // view-size WIDTH HEIGHT, so that pictures do not depend on fonts and window decoration
 Done view_size(TestDriver& driver, const QString& argument)
 {
@@ -155,6 +166,7 @@ std::vector<Command> view_commands()
         {"lose-focus", lose_focus},
         {"show-layer", show_layer},
         {"move-layer", move_layer},
+        {"paint-layer", paint_layer},
         {"view-size", view_size},
     };
 }

@@ -54,6 +54,14 @@ Done wait_log(TestDriver& driver, const QString& argument)
     return driver.until(driver.log().contains(argument), "log '" + argument + "'");
 }
 
+// wait-notice TEXT: what the view says in red about samples; "none" for nothing.
+Done wait_notice(TestDriver& driver, const QString& argument)
+{
+    if (driver.first_try && driver.area()) driver.area()->update();
+    const QString notice = driver.area() ? driver.area()->property("pcm_sample_notice").toString() : QString();
+    return driver.until(argument == "none" ? notice.isEmpty() : notice.contains(argument), "notice '" + argument + "'");
+}
+
 // After the command `open`.
 Done wait_first_picture(TestDriver& driver, const QString&)
 {
@@ -96,6 +104,7 @@ std::vector<Command> waiting_commands()
         {"wait-status", wait_status},
         {"wait-no-status", wait_no_status},
         {"wait-log", wait_log},
+        {"wait-notice", wait_notice},
         {"wait-first-picture", wait_first_picture},
         // The first-person tool.
         {"wait-moving", [](TestDriver& driver, const QString&) { return driver.until(walks(driver), "movement"); }},
