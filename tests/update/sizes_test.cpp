@@ -152,18 +152,18 @@ TEST_F(SizesOfTree, OfANodeThatBecomesALeaf)
         const auto cloud = PointCloud::open(path_, {}, Access::write);
         const std::shared_ptr<const Tree> tree = cloud->tree();
         const std::vector<Node>& nodes = tree->nodes();
-        const auto is_leaf = [&](NodeId id) {
-            return id == no_node || (nodes[id].children[0] == no_node && nodes[id].children[1] == no_node);
+        std::size_t parent = nodes.size();
+        do --parent;
+        while (nodes[parent].points == 0 || nodes[parent].is_leaf());
+        const auto is_below = [&](NodeId id) {
+            while (id > parent) id = nodes[id].parent;  // parents come first
+            return id == parent;
         };
-        NodeId parent = 0;
-        while (nodes[parent].points == 0 || is_leaf(parent) || !is_leaf(nodes[parent].children[0]) ||
-               !is_leaf(nodes[parent].children[1]))
-            ++parent;
         Query query;
         query.attributes = {"classification"};
         auto cursor = cloud->edit(query);
         for (EditView view; cursor.getNextData(view);) {
-            if (nodes[view.node()].parent != parent) continue;
+            if (view.node() == parent || nodes[view.node()].parent == no_node || !is_below(view.node())) continue;
             for (std::size_t i = 0; i < view.size(); ++i) view.set(i, 0, 99);
             view.mark_written();
         }
