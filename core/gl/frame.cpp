@@ -121,7 +121,7 @@ void begin_strokes(Frame& frame)
 void end_strokes(Frame& frame)
 {
     PictureState& p = frame.picture;
-    frame.work.at_rest = frame.at_rest;
+    frame.work.at_rest = frame.costs_more();
     p.clock.end(frame.work);
     const auto measure = p.clock.take();
     if (p.unmeasured > 0)

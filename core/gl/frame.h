@@ -48,10 +48,11 @@ struct Frame {
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
-    bool at_rest = false;  // adaptive splats are drawn as paraboloids
+    bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
 
     // What the splats of this frame cost.
-    FrameBudget& costs() const { return at_rest ? picture.rest_budget : picture.budget; }
+    bool costs_more() const { return at_rest && !options.paraboloids; }
+    FrameBudget& costs() const { return costs_more() ? picture.rest_budget : picture.budget; }
     std::vector<TreeInView> trees() const;
     // As the budgets of time, points and video memory allow.
     DetailLimits current_limits();

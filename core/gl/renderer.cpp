@@ -141,7 +141,8 @@ struct Renderer::Impl {
         const GlStateGuard state;
         state.set_plain();
         draw_clouds(frame, scene, std::move(key));
-        compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome);
+        const bool moves = options.converge && !frame.at_rest && report.refining;
+        compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome, moves);
         if (p.clock.waits()) glFinish();
         report.measured_ms = frame.costs().last_measured_ms();
         for (std::size_t t = 0; t < clouds.size(); ++t) {

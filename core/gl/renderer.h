@@ -44,7 +44,8 @@ struct RenderOptions {
     unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
     float eye_dome = 1;            // strength of eye-dome lighting; 0: none
     bool converge = true;          // a resting view refines to full resolution; else to the target
-    bool fill_gaps = true;         // while finer points are not drawn, splats grow to fill the gaps
+    bool paraboloids = false;  // adaptive splats in every frame as in a view that rests; else squares while it moves
+    bool fill_gaps = true;     // while finer points are not drawn, splats grow to fill the gaps
     DetailOrder order = DetailOrder::error;
 };
 

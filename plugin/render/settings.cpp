@@ -56,12 +56,13 @@ void add_style(RichParameterList& parameters)
     const CloudStyle style;
     parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), labels_of(splat_modes()), "Splats",
                                  "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
-                                     ". A cloud without normals or radii is shown with the most similar of these that "
-                                     "needs neither, and the log says so. Default: squares of one size."));
+                                     ". A cloud without normals is shown with the most similar of these that "
+                                     "needs none, and the log says so. Default: adaptive."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
-    parameters.addParam(RichFloat(radius_scale, style.radius_scale, "Radius scale",
-                                  "Factor on the points' radii, from 0.001 to 1000, for the other splats. Default 1."));
+    parameters.addParam(
+        RichFloat(radius_scale, style.radius_scale, "Radius scale",
+                  "Factor on the points' radii or sizes, from 0.001 to 1000, for the other splats. Default 1."));
     parameters.addParam(
         RichEnum(colour, static_cast<int>(style.colour), labels_of(colour_modes()), "Colour by",
                  "What the colour of a point shows: " + descriptions_of(colour_modes(), ", ") +

@@ -230,6 +230,7 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
 {
     if (!tile_) tile_ = std::make_unique<Picture>();
     options.converge = false;  // refine to the target spacing only, in pixels of the snapshot
+    options.paraboloids = true;
     options.frame_budget_ms = options.upload_budget_ms = tile_patience_ms;
     QElapsedTimer taken;
     taken.start();
