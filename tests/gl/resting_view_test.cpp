@@ -111,6 +111,13 @@ TEST(RestingView, AdaptiveSplatsBecomeTheSamePictureWhateverTheBudgets)
         EXPECT_TRUE(report.full_resolution);  // a view that never rests shows no more
         EXPECT_FALSE(framebuffer.read() == at_once);
         drawing.release();
+        // Unless it was asked for.
+        Drawing asked(cloud);
+        asked.style = adaptive();
+        options.paraboloids = true;
+        EXPECT_TRUE(draw_until_done(asked, framebuffer, view, map_offset, options).full_resolution);
+        EXPECT_TRUE(framebuffer.read() == at_once);
+        asked.release();
     }
 }
 
