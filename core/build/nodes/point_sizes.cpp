@@ -1,6 +1,7 @@
 #include "pcm/build/nodes/point_sizes.h"
 
 #include "pcm/build/bins/row.h"
+#include "pcm/tree/point_size.h"
 
 #include <algorithm>
 #include <array>

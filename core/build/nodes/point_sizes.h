@@ -1,7 +1,7 @@
 // The sizes of the points of a bin, from the distances to their neighbours in it.
 #pragma once
 
-#include "pcm/tree/point_size.h"
+#include "pcm/cloud/geometry.h"
 
 #include <cstddef>
 #include <cstdint>
