@@ -79,8 +79,8 @@ void main()
 #else
     depth = depth_of.x + depth_of.y / depth;
 #endif
-    if (!(depth >= 0.0 && depth <= 1.0)) discard;
-    gl_FragDepth = depth;
+    // Where a paraboloid reaches beyond the far plane it is drawn at it, just before what the buffer was cleared with: its point is in view.
+    gl_FragDepth = clamp(depth, 6e-8, 0.99999994);
     fragment = vec4(splat_colour, 1.0);
 }
 

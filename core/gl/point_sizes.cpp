@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcm {
 namespace {
@@ -25,17 +26,18 @@ double spacing_of_leaf(const Node& leaf, const std::vector<double>& spacings)
 PointSizes::PointSizes(const Tree& tree) : unknown_(tree.nodes().size(), 0.0f)
 {
     const Box3d box = tree.info().bounds();
-    const float most = static_cast<float>(
+    const double most = std::min<double>(
+        std::numeric_limits<float>::max(),
         most_of_cloud * std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]}));
     const double least = least_point_size(tree.info().grid);
     for (std::size_t code = 1; code < radius_.size(); ++code)
-        radius_[code] = std::min(most, static_cast<float>(point_size(static_cast<std::uint8_t>(code), least)));
+        radius_[code] = static_cast<float>(std::min(most, point_size(static_cast<std::uint8_t>(code), least)));
     // Parents come first in the node vector.
     const std::vector<Node>& nodes = tree.nodes();
     for (std::size_t id = nodes.size(); id-- > 0;) {
         const Node& node = nodes[id];
         if (node.children[0] == no_node && node.children[1] == no_node)
-            unknown_[id] = std::min(most, static_cast<float>(spacing_of_leaf(node, tree.info().spacings)));
+            unknown_[id] = static_cast<float>(std::min(most, spacing_of_leaf(node, tree.info().spacings)));
         if (node.parent != no_node) unknown_[node.parent] = std::max(unknown_[node.parent], unknown_[id]);
     }
 }

@@ -179,6 +179,9 @@ Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, 
         farthest = std::max(farthest, depth);
     }
     if (box.empty()) nearest = farthest = 1;
+    // Splats at rest curve away from the eye.
+    if (!box.empty())
+        farthest += 0.05 * std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
     const double aspect = static_cast<double>(width) / height;
     if (frame.angle) {
         const double far = farthest > 0 ? 1.01 * farthest : 1, near = std::max(0.99 * nearest, far / 20000);

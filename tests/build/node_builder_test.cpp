@@ -25,6 +25,12 @@ struct Written {
     std::vector<LeveledRow> rows;  // in the chunk's order
 };
 
+// A size that depends on the row, so that it shows whether it stayed with it.
+std::uint8_t size_of(const std::string& row)
+{
+    return static_cast<std::uint8_t>(std::accumulate(row.begin(), row.end(), 0u));
+}
+
 template <class Coord>
 class Nodes : public testing::Test {
 public:
@@ -75,6 +81,7 @@ public:
             int own = 4;
             while (own > 0 && random() % 4 == 0) --own;
             sorted.levels.push_back(static_cast<std::uint8_t>(level < 0 ? own : level));
+            sorted.sizes.push_back(size_of(std::string(reinterpret_cast<const char*>(row), options.layout.bytes)));
         }
         return sorted;
     }
@@ -106,11 +113,14 @@ public:
             const Draft& draft = *piece.draft;
             EXPECT_EQ(draft.extent.bytes, piece.size);
             const DecodedChunk decoded =
-                read_chunk(file, piece.from, piece.size, draft.extent.header_bytes, ColumnSet::all(options.schema));
+                read_chunk(file, piece.from, piece.size, draft.extent.header_bytes, ColumnSet::whole(options.schema));
             Written written{&draft, decoded.header, rows_of(decoded.chunk)};
             EXPECT_EQ(decoded.header.header_bytes, draft.extent.header_bytes);
             EXPECT_EQ(decoded.header.points, draft.points);
             EXPECT_EQ(written.rows.size(), draft.points);
+            EXPECT_TRUE(decoded.chunk.sizes);
+            for (std::size_t i = 0; decoded.chunk.sizes && i < written.rows.size(); ++i)
+                EXPECT_EQ(decoded.chunk.sizes->as<std::uint8_t>()[i], size_of(written.rows[i].second));
             EXPECT_EQ(decoded.header.grid, options.grid);
             EXPECT_EQ(decoded.header.box, draft.box);
             Box3i box;
@@ -298,6 +308,10 @@ TYPED_TEST(Nodes, AboveThePartsGetTheirLevels)
                 for (std::size_t d = 0; d < 2; ++d) {
                     EXPECT_EQ(again.above[d].rows, regions[side].above[d].rows);
                     EXPECT_EQ(again.above[d].levels, regions[side].above[d].levels);
+                    EXPECT_EQ(again.above[d].sizes, regions[side].above[d].sizes);
+                    std::vector<std::uint8_t> sizes;
+                    for (const LeveledRow& row : this->rows_of(again.above[d])) sizes.push_back(size_of(row.second));
+                    EXPECT_EQ(again.above[d].sizes, sizes);
                     for (const std::uint8_t l : again.above[d].levels)
                         EXPECT_TRUE(l >= above[d].first && l < above[d].last);
                 }

@@ -27,7 +27,7 @@ public:
     explicit FakeStore(std::shared_ptr<const Tree> tree) : tree_(std::move(tree))
     {
         for (NodeId id = 0; id < tree_->nodes().size(); ++id)
-            chunks_.push_back(tree_->read_chunk(id, ColumnSet::all(tree_->info().schema)));
+            chunks_.push_back(tree_->read_chunk(id, ColumnSet::whole(tree_->info().schema)));
     }
     std::shared_ptr<const Tree> tree() const override { return tree_; }
     Chunk read(NodeId node, const ColumnSet& columns) const override
@@ -35,8 +35,10 @@ public:
         if (fail_reads) throw Error(ErrorCode::truncated, "store", "the file ends early");
         const std::lock_guard lock(mutex_);
         ++reads;
+        last_asked = columns;
         Chunk chunk = chunks_[node];
         if (!columns.positions) chunk.positions.reset();
+        if (!columns.sizes) chunk.sizes.reset();
         for (std::size_t k = 0; k < chunk.attributes.size(); ++k)
             if (!columns.attributes.test(k)) chunk.attributes[k].reset();
         return chunk;
@@ -51,7 +53,8 @@ public:
     {
         if (fail_writes) throw Error(ErrorCode::no_space, "store", "the disk is full");
         const std::lock_guard lock(mutex_);
-        EXPECT_TRUE(chunk.columns().contains(ColumnSet::all(tree_->info().schema)));
+        EXPECT_TRUE(chunk.columns().contains(ColumnSet::whole(tree_->info().schema)));
+        EXPECT_EQ(std::memcmp(chunk.sizes->data(), chunks_[node].sizes->data(), chunk.points), 0);
         EXPECT_TRUE(changed.attributes.any());
         // Columns that are not reported as changed must be the same.
         for (std::size_t k = 0; k < chunk.attributes.size(); ++k)
@@ -76,6 +79,7 @@ public:
 
     std::atomic<bool> fail_reads{false}, fail_writes{false}, fail_commits{false};
     mutable std::atomic<std::uint64_t> reads{0}, writes{0};
+    mutable ColumnSet last_asked;  // of read(), by one thread at a time
 
 private:
     const std::shared_ptr<const Tree> tree_;

@@ -39,7 +39,7 @@ protected:
     }
     std::size_t bytes_of(NodeId node, const ColumnSet& columns) const
     {
-        std::size_t bytes = columns.positions ? 12 : 0;
+        std::size_t bytes = (columns.positions ? 12 : 0) + (columns.sizes ? 1 : 0);
         for (std::size_t i = 0; i < tree_->info().schema.size(); ++i)
             if (columns.attributes.test(i)) bytes += tree_->info().schema[i].bytes();
         return bytes * tree_->node(node).points;
@@ -96,7 +96,9 @@ TEST_F(L2CacheTest, RandomOperationsAgainstAModel)
     Model model;
     model.capacity = options.capacity_bytes;
     std::vector<std::pair<NodeId, L2Cache::Handle>> held;
-    const std::vector<ColumnSet> wishes = {positions_, intensity_, colour_};
+    ColumnSet with_sizes = colour_;
+    with_sizes.sizes = true;
+    const std::vector<ColumnSet> wishes = {positions_, intensity_, colour_, with_sizes};
     std::vector<NodeId> nodes;
     for (NodeId id = 0; id < tree_->nodes().size(); ++id)
         if (tree_->node(id).points) nodes.push_back(id);

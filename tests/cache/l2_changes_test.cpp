@@ -83,6 +83,27 @@ TEST_F(L2Changes, ChangesOfManyThreadsAllArrive)
     EXPECT_EQ(sum, 1200u);
 }
 
+// Sizes of points are a column like others: read when they are asked for, once.
+TEST_F(L2Changes, OnlyLackingColumnsAreRead)
+{
+    L2Cache cache(store_, {});
+    ColumnSet sizes = columns(true, 0);
+    sizes.sizes = true;
+    NodeId node = 0;
+    while (store_->tree()->node(node).points == 0) ++node;
+    ASSERT_TRUE(cache.get(node, sizes)->sizes);
+    EXPECT_TRUE(store_->last_asked == sizes);
+    ColumnSet more = sizes;
+    more |= columns(true, 1);
+    EXPECT_TRUE(cache.get(node, more)->sizes);
+    EXPECT_TRUE(store_->last_asked == columns(false, 1));
+    const std::uint64_t reads = store_->reads;
+    EXPECT_TRUE(cache.find(node, sizes));
+    EXPECT_TRUE(cache.find(node, more));
+    EXPECT_EQ(store_->reads, reads);
+    EXPECT_FALSE(cache.find(node, columns(false, 2)));
+}
+
 TEST_F(L2Changes, MisuseIsReported)
 {
     L2Cache cache(store_, {});

@@ -120,7 +120,7 @@ TEST_F(Render, UntilTheTargetWithinABudget)
 
 TEST_F(Render, BackgroundAndColourAreAsRequested)
 {
-    render(path("in.pct") + " -o " + path("a.png") + " --background white --uniform-colour '#ff8000'");
+    render(path("in.pct") + " -o " + path("a.png") + " --background white --eye-dome 0 --uniform-colour '#ff8000'");
     Image image = picture("a.png");
     EXPECT_EQ(image.pixel(0, 0)[0], 255);
     EXPECT_EQ(image.pixel(0, 0)[2], 255);
@@ -137,7 +137,7 @@ TEST_F(Render, BackgroundAndColourAreAsRequested)
     // With several samples per pixel, pixels at edges are partly covered; on a transparent background they keep their
     // colour.
     render(path("in.pct") + " --overwrite -o " + path("a.png") +
-           " --samples 4 --point-size 3.5 --uniform-colour 255,128,0");
+           " --samples 4 --splats constant --point-size 3.5 --eye-dome 0 --uniform-colour 255,128,0");
     image = picture("a.png");
     std::size_t partly = 0;
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
@@ -165,25 +165,59 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
     write_las(folder_ / "two.las", {point, other}, {{0.01, 0.01, 0.01}, {0, 0, 0}});
     ASSERT_EQ(pcmlab("build " + path("two.las")).code, 0);
     // Ten units from bottom to top are 100 pixels.
-    render(path("two.pct") + " -o " + path("a.png") +
-               " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10 --point-size 4",
-           "100x100");
+    const std::string squares = " --splats constant --point-size 4 --eye-dome 0";
+    render(
+        path("two.pct") + " -o " + path("a.png") + " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10" + squares,
+        "100x100");
     const Image image = picture("a.png");
     EXPECT_EQ(covered(image), 2u * 16);
     EXPECT_EQ(image.pixel(50, 50)[0], 255);
     EXPECT_EQ(image.pixel(80, 50)[2], 255);
     EXPECT_EQ(image.pixel(20, 50)[3], 0);
     // In perspective, 90 degrees, 5 units away: the same ten units.
-    render(path("two.pct") + " -o " + path("b.png") +
-               " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90 --point-size 4",
+    render(path("two.pct") + " -o " + path("b.png") + " --eye 10 20 8 --target 10 20 3 --up 0 1 0 --angle 90" + squares,
            "100x100");
     EXPECT_EQ(picture("b.png"), image);
     // Without a camera, everything is in view.
-    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + " --point-size 4"), picture("c.png"))),
-              2u * 16);
-    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("d.png") + " --point-size 4 --orthographic"),
-                       picture("d.png"))),
-              2u * 16);
+    EXPECT_EQ(covered((render(path("two.pct") + " -o " + path("c.png") + squares), picture("c.png"))), 2u * 16);
+    EXPECT_EQ(
+        covered((render(path("two.pct") + " -o " + path("d.png") + squares + " --orthographic"), picture("d.png"))),
+        2u * 16);
+}
+
+// Splats as large as the distances of points, with eye-dome lighting: surfaces without holes, and shape without
+// colours.
+TEST_F(Render, TheDefaultLook)
+{
+    const std::string white = path("in.pct") + " --overwrite --uniform-colour '#ffffff' -o " + path("a.png");
+    render(white);
+    const Image usual = picture("a.png");
+    render(white + " --splats adaptive --eye-dome 1");
+    EXPECT_EQ(picture("a.png"), usual);
+    render(white + " --splats constant --point-size 1");
+    EXPECT_GT(covered(usual), covered(picture("a.png")) * 11 / 10);
+    render(white + " --eye-dome 0");
+    const Image flat = picture("a.png");
+    EXPECT_EQ(covered(flat), covered(usual));
+    std::size_t darker = 0;
+    for (std::size_t i = 0; i < flat.rgba.size(); i += 4) {
+        if (flat.rgba[i + 3] == 0) continue;
+        EXPECT_EQ(flat.rgba[i], 255);
+        darker += usual.rgba[i] < 240;
+    }
+    EXPECT_GT(darker, 100u);
+    // A flat cloud seen from the front: its splats curve away behind it, and are seen whole.
+    std::ofstream text(folder_ / "flat.xyz");
+    for (int i = 0; i < 400; ++i) text << i % 20 << " " << i / 20 << " 3\n";
+    text.close();
+    ASSERT_EQ(pcmlab("build " + path("flat.xyz")).code, 0);
+    for (const char* projection : {" --height 22", " --angle 50"}) {
+        render(path("flat.pct") + " --overwrite -o " + path("b.png") +
+                   " --eye 9.5 9.5 30 --target 9.5 9.5 3 --up 0 1 0" + projection,
+               "100x100");
+        EXPECT_GT(covered(picture("b.png")), 6000u) << projection;
+        EXPECT_GT(picture("b.png").pixel(50, 50)[3], 0) << projection;
+    }
 }
 
 TEST_F(Render, APathGivesOnePicturePerFrame)
@@ -220,7 +254,8 @@ TEST_F(Render, AMissingAttributeIsReported)
 {
     const Json json = render(path("in.pct") + " -o " + path("a.png") + " --splats perspective");
     ASSERT_EQ(json["notes"].size(), 1u);
-    EXPECT_NE(json["notes"][0].get<std::string>().find("radi"), std::string::npos) << json["notes"];
+    // Every point has a size, which stands for a radius.
+    EXPECT_EQ(json["notes"][0], "the cloud has no normals: adaptive splats are drawn");
 }
 
 TEST_F(Render, RefusesWithTheReason)

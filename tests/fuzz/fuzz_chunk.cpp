@@ -25,9 +25,9 @@ void require(bool holds)
 void check_part(const File& file, std::uint64_t offset, const BpcHeader& header, const DecodedChunk& whole,
                 unsigned pick)
 {
-    const ColumnSet all = ColumnSet::all(header.schema);
+    const ColumnSet columns = ColumnSet::whole(header.schema);
     std::uint32_t asked = 0;
-    const DecodedPart part = read_chunk_part(file, offset, header.total_bytes, header.header_bytes, all,
+    const DecodedPart part = read_chunk_part(file, offset, header.total_bytes, header.header_bytes, columns,
                                              [&](const Box3i&, std::uint16_t) { return asked++ % pick == 0; });
     std::size_t at = 0;
     for (const std::uint32_t s : part.kept) {
@@ -35,6 +35,7 @@ void check_part(const File& file, std::uint64_t offset, const BpcHeader& header,
         for (std::uint32_t i = 0; i < segment.count; ++i, ++at) {
             const Vec3i p = part.chunk.positions->grid(at);
             require(segment.box.contains(p) && p == whole.chunk.positions->grid(segment.first + i));
+            if (header.sizes) require(part.chunk.sizes->data()[at] == whole.chunk.sizes->data()[segment.first + i]);
             for (std::size_t k = 0; k < header.schema.size(); ++k) {
                 const std::size_t size = header.schema[k].bytes();
                 require(std::memcmp(part.chunk.attributes[k]->data() + at * size,
@@ -57,7 +58,7 @@ std::uint64_t check_record(const File& file, std::uint64_t offset, std::uint64_t
     }
     const BpcHeader header = read_header(file, offset, available);
     if (decoded_bytes(header) > 16 << 20) return header.total_bytes;
-    const DecodedChunk whole = read_chunk(file, offset, header.total_bytes, 0, ColumnSet::all(header.schema),
+    const DecodedChunk whole = read_chunk(file, offset, header.total_bytes, 0, ColumnSet::whole(header.schema),
                                           ChunkPositionsMayBe::on_grid_or_doubles);
     require(whole.chunk.points == header.points);
     if (header.identity) {
@@ -70,7 +71,8 @@ std::uint64_t check_record(const File& file, std::uint64_t offset, std::uint64_t
                 const auto again = encode_chunk(whole.chunk, header.schema, header.grid, *header.identity);
                 const BpcHeader back = decode_header(again.data(), again.size(), {});
                 require(*back.identity == *header.identity && back.box == box &&
-                        back.schema.size() == header.schema.size());
+                        back.schema.size() == header.schema.size() &&
+                        back.sizes.has_value() == header.sizes.has_value());
             }
         }
     }

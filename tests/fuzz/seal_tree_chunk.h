@@ -59,6 +59,10 @@ inline std::uint64_t seal_record_of_tree(std::vector<std::uint8_t>& bytes, std::
             place += 8 * header.attributes[i].constant.size();
             seal_pieces(header.attributes[i]);
         }
+        if (header.sizes) {
+            place += 1 + 8 * header.sizes->constant.size();
+            seal_pieces(*header.sizes);
+        }
         seal_header();
         return header.total_bytes;
     } catch (const Error&) {

@@ -136,11 +136,11 @@ std::vector<Disc> SplatScene::discs(const Camera& view) const
 }
 
 void SplatScene::draw(const VertexEntry& entry, SplatPass& pass, const Camera& view, const CloudStyle& style,
-                      bool reversed, unsigned samples, const ChunkLook& look) const
+                      bool reversed, unsigned samples, const ChunkLook& look, bool paraboloids) const
 {
     const GlStateGuard state;
     glClipControl(GL_LOWER_LEFT, static_cast<GLenum>(reversed ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE));
-    pass.begin(view, info_, style, reversed, samples);
+    pass.begin(view, info_, style, reversed, samples, paraboloids);
     pass.draw(entry, look);
     pass.end();
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
@@ -163,12 +163,13 @@ CloudStyle style_of(SplatMode mode)
     return style;
 }
 
-Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed, const ChunkLook& look)
+Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed, const ChunkLook& look,
+           bool paraboloids)
 {
     SplatPass pass;
     const DepthFramebuffer framebuffer(view.width, view.height);
     framebuffer.clear(reversed);
-    scene.draw(pass, view, style, reversed, 1, look);
+    scene.draw(pass, view, style, reversed, 1, look, paraboloids);
     Drawn picture{framebuffer.colours(), framebuffer.depths()};
     pass.release();
     return picture;

@@ -39,13 +39,13 @@ public:
     // and normals as floats.
     std::vector<Disc> discs(const Camera& view) const;
     void draw(SplatPass& pass, const Camera& view, const CloudStyle& style, bool reversed, unsigned samples = 1,
-              const ChunkLook& look = {}) const
+              const ChunkLook& look = {}, bool paraboloids = false) const
     {
-        draw(entry(), pass, view, style, reversed, samples, look);
+        draw(entry(), pass, view, style, reversed, samples, look, paraboloids);
     }
     // As if this were the scene's entry.
     void draw(const VertexEntry& entry, SplatPass& pass, const Camera& view, const CloudStyle& style, bool reversed,
-              unsigned samples, const ChunkLook& look) const;
+              unsigned samples, const ChunkLook& look, bool paraboloids = false) const;
     const TreeInfo& info() const { return info_; }
     const VertexEntry& entry() const;
     static int disc_of(const Pixel& pixel) { return pixel.r + 256 * pixel.g + 65536 * pixel.b - 1; }  // -1: none
@@ -69,7 +69,7 @@ struct Drawn {
 };
 // The scene alone, with a pass of its own.
 Drawn draw(const SplatScene& scene, const Camera& view, const CloudStyle& style, bool reversed = true,
-           const ChunkLook& look = {});
+           const ChunkLook& look = {}, bool paraboloids = false);
 
 // The size of the views below.
 constexpr int width = 160;

@@ -105,6 +105,11 @@ TEST(Camera, TheWholeBoxIsBetweenThePlanes)
             const Vec4 clip = times(view.projection, in_eye(view, p));
             EXPECT_LE(clip[2], clip[3] + 1e-6 * std::abs(clip[3]));  // never beyond the far plane
             if (parallel) EXPECT_GE(clip[2], -clip[3] - 1e-6);
+            // Nor is what curves away behind it.
+            auto behind = in_eye(view, p);
+            behind[2] -= 0.05 * std::max({box.extent(0), box.extent(1), box.extent(2)});
+            const Vec4 curved = times(view.projection, behind);
+            EXPECT_LE(curved[2], curved[3] + 1e-6 * std::abs(curved[3]));
         }
     }
 }

@@ -85,14 +85,15 @@ std::vector<float> distances(std::size_t points, const Place& place)
             offer(groups[g], groups[other], nearest);
         const std::size_t first = g * group_points, count = std::min(group_points, points - first);
         for (std::size_t k = 0; k < count; ++k) distance[first + k] = distance_of(nearest, k);
-        of_group.assign(distance.begin() + static_cast<std::ptrdiff_t>(first),
-                        distance.begin() + static_cast<std::ptrdiff_t>(first + count));
+        // The last group may have few points: those before count too.
+        const auto end = distance.begin() + static_cast<std::ptrdiff_t>(first + count);
+        of_group.assign(end - static_cast<std::ptrdiff_t>(std::min(first + count, group_points)), end);
         middles.push_back(middle_of(of_group));
-        for (std::size_t k = 0; k < count; ++k)
-            distance[first + k] = std::min(distance[first + k], most_of_group * middles.back());
     }
-    const float most = most_of_bin * middle_of(middles);
-    for (float& d : distance) d = std::min(d, most);
+    of_group = middles;
+    const float most = most_of_bin * middle_of(of_group);
+    for (std::size_t i = 0; i < points; ++i)
+        distance[i] = std::min({distance[i], most_of_group * middles[i / group_points], most});
     return distance;
 }
 
