@@ -52,7 +52,7 @@ std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<Point
     layer.updateDataMask(MeshModel::MM_VERTCOLOR);
     vcg::tri::UpdateBounding<CMeshO>::Box(layer.cm);
     layer.setLabel(QString::fromStdString(cloud->tree()->folder().filename().string()));
-    Registry::instance().attach(layer, {cloud, origin, proxy.has_rgb});
+    Registry::instance().attach(layer, {cloud, origin});
 
     return {grouped(info.points) + " points in " + cloud->tree()->folder().string() + ", " + bytes_text(info.bytes) +
                 "; MeshLab's own tools work on a sample of " + grouped(proxy.points.size()) + ".",

@@ -28,8 +28,7 @@ namespace pcm::host {
 
 struct TreeLayer {
     std::shared_ptr<PointCloud> cloud;
-    Vec3d origin{};        // of the document: source coordinates minus this are MeshLab's coordinates
-    bool has_rgb = false;  // as Proxy::has_rgb
+    Vec3d origin{};  // of the document: source coordinates minus this are MeshLab's coordinates
 };
 
 class Registry : public QObject {
