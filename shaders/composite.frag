@@ -1,6 +1,7 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
-// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME.
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME n (of the eight neighbours
+// every n-th is looked at).
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
@@ -47,15 +48,20 @@ float shade(ivec2 at, float depth)
 {
     const ivec2 ring[8] = ivec2[8](ivec2(2, 0), ivec2(1, 1), ivec2(0, 2), ivec2(-1, 1), ivec2(-2, 0), ivec2(-1, -1), ivec2(0, -2), ivec2(1, -1));
     float here = eye_distance(depth);
-    float relief = 0.0;
-    for (int i = 0; i < 8; ++i) {
+    float relief = 0.0, ratios = 1.0;  // the sum of the logarithms of ratios is the logarithm of their product
+    for (int i = 0; i < 8; i += EYE_DOME) {
         ivec2 beside = at + ring[i];
         if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, size))) continue;
-        if (texelFetch(colours, beside, 0).a == 0.0) continue;  // the background is behind everything
-        float there = eye_distance(texelFetch(depths, beside, 0).r);
-        relief += max(0.0, relief_of_distance > 0.0 ? (here - there) * relief_of_distance : log2(here / there));
+        float depth_there = texelFetch(depths, beside, 0).r;
+        if (depth_there == farthest) continue;  // the background is behind everything
+        float there = eye_distance(depth_there);
+        if (relief_of_distance > 0.0)
+            relief += max(0.0, (here - there) * relief_of_distance);
+        else
+            ratios *= max(1.0, here / there);
     }
-    return exp(-12.5 * strength * relief);
+    relief += log2(min(ratios, 1e30));
+    return exp(-12.5 * float(EYE_DOME) * strength * relief);
 }
 #endif
 

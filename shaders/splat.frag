@@ -54,6 +54,36 @@ void main()
     fragment = vec4(splat_colour, 1.0);
 }
 
+#elif defined(PARABOLOID)
+
+flat in vec3 depth_radius_side;
+#if defined(QUADS)
+in vec2 place_in_square;
+#endif
+uniform vec2 depth_of;
+
+// Schuetz and Wimmer 2015: the depth of a paraboloid that opens away from the eye. Splats of less than three pixels fill their squares, or
+// they would lose pixels.
+void main()
+{
+#if defined(QUADS)
+    vec2 place = place_in_square;
+#else
+    vec2 place = 2.0 * gl_PointCoord - 1.0;
+#endif
+    float q = dot(place, place);
+    if (q > 1.0 && depth_radius_side.z > 3.0) discard;
+    float depth = depth_radius_side.x + 0.5 * depth_radius_side.y * q;
+#if defined(ORTHOGRAPHIC)
+    depth = depth_of.x + depth_of.y * depth;
+#else
+    depth = depth_of.x + depth_of.y / depth;
+#endif
+    if (!(depth >= 0.0 && depth <= 1.0)) discard;
+    gl_FragDepth = depth;
+    fragment = vec4(splat_colour, 1.0);
+}
+
 #else
 
 void main() { fragment = vec4(splat_colour, 1.0); }

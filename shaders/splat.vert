@@ -1,8 +1,10 @@
 #version 330 core
 // A point becomes a splat. Permutations:
 //   colour: VERTEX_COLOUR, VALUE_COLOUR, HEIGHT_COLOUR, or none for one colour;
-//   kind: none for a square of a constant size; DYNAMIC a square as large as the point's sphere; AFFINE and DISC the point's disc,
+//   kind: none for a square of a constant size; ADAPTIVE a square as large as the point's sphere; AFFINE and DISC the point's disc,
 //     found in splat.frag;
+//   PARABOLOID (of ADAPTIVE): a round splat whose depth grows from the centre on, so that of several splats the one whose centre is nearest
+//     is seen;
 //   ORTHOGRAPHIC (of DISC): parallel rays;
 //   QUADS: drawn as an instanced strip of four vertices in place of a point: points have a largest size, and vanish when their centre
 //     leaves the clip volume;
@@ -63,7 +65,7 @@ uniform float eye_scale;     // eye units per source unit
 uniform float least_radius;  // source units,
 uniform float least_pixels;  // limited to this diameter on the screen
 
-#if !defined(DYNAMIC) && !defined(AFFINE) && !defined(DISC)
+#if !defined(ADAPTIVE) && !defined(AFFINE) && !defined(DISC)
 
 uniform float point_size;
 uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
@@ -98,9 +100,15 @@ void draw_nothing()
 vec2 corner(vec2 low, vec2 high) { return vec2((gl_VertexID & 1) == 0 ? low.x : high.x, (gl_VertexID & 2) == 0 ? low.y : high.y); }
 #endif
 
-#if defined(DYNAMIC)
+#if defined(ADAPTIVE)
 
 uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
+#if defined(PARABOLOID)
+flat out vec3 depth_radius_side;  // eye units, eye units, pixels
+#if defined(QUADS)
+out vec2 place_in_square;  // -1 .. 1
+#endif
+#endif
 uniform vec2 guard;    // scales x and y: the clip volume is wider by half the largest point, pixels
 
 void main()
@@ -111,12 +119,18 @@ void main()
     float unit = eye_scale * pixels / place.w;  // pixels of a square's side for a radius of 1
     float side = max(max(radius * radius_scale * unit, min(least_radius * unit, least_pixels)), 1.0);
     splat_colour = colour_of_point();
+#if defined(PARABOLOID)
+    depth_radius_side = vec3(-eye.z, eye_scale * side / unit, side);
+#endif
     if (!(place.w > 0.0)) {
         draw_nothing();
         return;
     }
 #if defined(QUADS)
     vec2 centre = place.xy / place.w;
+#if defined(PARABOLOID)
+    place_in_square = corner(vec2(-1.0), vec2(1.0));
+#endif
     gl_Position = vec4(corner(centre - side / viewport, centre + side / viewport), place.z / place.w, 1.0);
 #else
     gl_Position = vec4(place.xy * guard, place.zw);

@@ -188,6 +188,7 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
     app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes()));
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
+    app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting; 0: none")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
     app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
         ->capture_default_str();

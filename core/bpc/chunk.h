@@ -39,14 +39,20 @@ struct ChunkPositions {
 struct Chunk {
     std::uint32_t points = 0;
     std::shared_ptr<const ChunkPositions> positions;
+    // Of each point the code of its size, u8 (tree/point_size.h). No attribute: made by the builder of a tree, for
+    // drawing.
+    std::shared_ptr<const Column> sizes;
     std::vector<std::shared_ptr<const Column>> attributes;  // one slot per attribute of the schema
 
     std::size_t bytes() const;  // of the columns present
     ColumnSet columns() const;  // which are present
 };
 
-// A chunk may have been written before the last attributes of `schema` were added to its cloud. Adds their slots, and
-// columns of zeros for those in `asked`.
+// What the sizes' column looks like.
+const Attribute& attribute_of_sizes();
+
+// A chunk may have been written before the last attributes of `schema` were added to its cloud, and without sizes. Adds
+// their slots, and columns of zeros for those in `asked`.
 void add_missing_columns(Chunk& chunk, const Schema& schema, const ColumnSet& asked);
 
 }  // namespace pcm

@@ -27,7 +27,7 @@ public:
         chunk_.points = static_cast<std::uint32_t>(points_);
         chunk_.attributes.resize(header.schema.size());
         if (columns.positions) {
-            want(header.positions, -1);
+            want(header.positions, of_positions);
             positions_ = std::make_shared<ChunkPositions>();
             positions_->origin = header.box.min;
             positions_->wide = header.wide;
@@ -36,12 +36,14 @@ public:
             if (!columns.attributes.test(i)) continue;
             want(header.attributes[i], static_cast<int>(i));
         }
+        if (columns.sizes && header.sizes) want(*header.sizes, of_sizes);
     }
 
     // A piece to read, its column and its kept segment.
+    static constexpr int of_positions = -1, of_sizes = -2;
     struct Wanted {
         const BpcPiece* piece;
-        int attribute;  // -1: positions
+        int attribute;  // of the schema, or one of the above
         std::size_t kept;
     };
     const std::vector<Wanted>& wanted() const { return wanted_; }
@@ -52,8 +54,8 @@ public:
         const auto size = static_cast<std::size_t>(wanted.piece->bytes);
         if (checksum(data, size) != wanted.piece->checksum)
             throw Error(ErrorCode::corrupt, {}, "the checksum of '" + name(wanted) + "' does not match");
-        const std::size_t used =
-            wanted.attribute < 0 ? decode_positions(wanted.kept, data, size) : decode_scalars(wanted, data, size);
+        const std::size_t used = wanted.attribute == of_positions ? decode_positions(wanted.kept, data, size)
+                                                                  : decode_scalars(wanted, data, size);
         if (used != size) throw Error(ErrorCode::corrupt, {}, "'" + name(wanted) + "' is followed by stray bytes");
     }
 
@@ -61,28 +63,37 @@ public:
     {
         chunk_.positions = std::move(positions_);
         for (std::size_t i = 0; i < columns_.size(); ++i) chunk_.attributes[i] = std::move(columns_[i]);
+        chunk_.sizes = std::move(sizes_);
         return std::move(chunk_);
     }
 
 private:
     std::string name(const Wanted& wanted) const
     {
-        return wanted.attribute < 0 ? "positions" : header_.schema[static_cast<std::size_t>(wanted.attribute)].name;
+        if (wanted.attribute == of_positions) return "positions";
+        return wanted.attribute == of_sizes ? attribute_of_sizes().name
+                                            : header_.schema[static_cast<std::size_t>(wanted.attribute)].name;
     }
 
     void want(const BpcColumn& column, int attribute)
     {
-        if (attribute >= 0) {
-            const auto i = static_cast<std::size_t>(attribute);
+        if (attribute != of_positions) {
             columns_.resize(header_.schema.size());
-            columns_[i] = std::make_shared<Column>(header_.schema[i]);
+            std::shared_ptr<Column>& to = column_of(attribute);
+            to = std::make_shared<Column>(attribute == of_sizes ? attribute_of_sizes()
+                                                                : header_.schema[static_cast<std::size_t>(attribute)]);
             if (!column.constant.empty()) {
-                columns_[i]->resize(points_);
-                fill(*columns_[i], column.constant);
+                to->resize(points_);
+                fill(*to, column.constant);
                 return;
             }
         }
         for (std::size_t k = 0; k < kept_.size(); ++k) wanted_.push_back({&column.pieces[kept_[k]], attribute, k});
+    }
+
+    std::shared_ptr<Column>& column_of(int attribute)
+    {
+        return attribute == of_sizes ? sizes_ : columns_[static_cast<std::size_t>(attribute)];
     }
 
     static void fill(Column& column, const std::vector<std::uint64_t>& words)
@@ -135,7 +146,7 @@ private:
 
     std::size_t decode_scalars(const Wanted& wanted, const std::byte* data, std::size_t size)
     {
-        Column& column = *columns_[static_cast<std::size_t>(wanted.attribute)];
+        Column& column = *column_of(wanted.attribute);
         if (column.size() < points_) column.resize(points_);
         const std::size_t count = header_.segments[kept_[wanted.kept]].count, first = at_[wanted.kept];
         return with_type(column.type(), [&](auto scalar) {
@@ -164,6 +175,7 @@ private:
     Chunk chunk_;
     std::shared_ptr<ChunkPositions> positions_;
     std::vector<std::shared_ptr<Column>> columns_;
+    std::shared_ptr<Column> sizes_;
     std::vector<std::uint32_t> narrow_words_;
     std::vector<std::uint64_t> wide_words_;
 };

@@ -126,9 +126,17 @@ void put_pieces(ByteWriter& out, const BpcColumn& column)
     }
 }
 
-// The header of a chunk up to its columns.
+// A column of a chunk of a tree.
+void put_column(ByteWriter& out, const BpcColumn& column)
+{
+    out.put(column.constant.empty() ? bpc_layout::in_segments : bpc_layout::constant);
+    for (const std::uint64_t word : column.constant) out.put(word);
+    put_pieces(out, column);
+}
+
+// The header of a chunk up to its columns. `has`: bits of bpc_layout.
 ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdentity* identity, const Box3i& box,
-                    bool wide, const Schema& schema)
+                    std::uint32_t has, const Schema& schema)
 {
     const NodePath path = identity ? identity->path : NodePath();
     ByteWriter out;
@@ -144,7 +152,7 @@ ByteWriter put_head(const Coding& coding, std::uint32_t points, const ChunkIdent
     for (const double v : coding.second) out.put(v);
     for (const std::int64_t v : box.min) out.put(v);
     for (const std::int64_t v : box.max) out.put(v);
-    out.put(static_cast<std::uint32_t>(wide));
+    out.put(has);
     out.put(static_cast<std::uint32_t>(schema.size()));
     return out;
 }
@@ -178,6 +186,8 @@ void check(const Chunk& chunk, const Schema& schema)
             column->components() != schema[i].components)
             throw Error(ErrorCode::invalid_argument, {}, "a chunk to encode lacks attribute '" + schema[i].name + "'");
     }
+    if (chunk.sizes && (chunk.sizes->size() != chunk.points || chunk.sizes->type() != attribute_of_sizes().type))
+        throw Error(ErrorCode::invalid_argument, {}, "a chunk to encode has sizes of other points");
 }
 
 // Gives the segments their boxes.
@@ -208,7 +218,7 @@ std::vector<std::byte> encode(const Chunk& chunk, const Schema& schema, const Co
     payload.add_positions(*chunk.positions, segments);
     for (const auto& column : chunk.attributes) payload.add(*column, segments, false);
 
-    ByteWriter out = put_head(coding, chunk.points, nullptr, box, chunk.positions->wide, schema);
+    ByteWriter out = put_head(coding, chunk.points, nullptr, box, chunk.positions->wide ? 1 : 0, schema);
     // The columns' offsets depend on the header's length: they are filled in when it is known.
     std::vector<std::size_t> places;
     const auto put_column = [&](const BpcColumn& column) {
@@ -263,12 +273,15 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
             throw Error(ErrorCode::invalid_argument, {}, "a chunk to encode whose origin is not its smallest corner");
         payload.add_positions(*chunk.positions, segments);
         for (const auto& column : chunk.attributes) payload.add(*column, segments, true);
+        if (chunk.sizes) payload.add(*chunk.sizes, segments, true);
     } else {
         payload.columns.resize(1 + schema.size());
     }
 
+    const bool sizes = chunk.points > 0 && chunk.sizes;
     ByteWriter out =
-        put_head({bpc_layout::version_of_trees, grid.scale, grid.offset}, chunk.points, &identity, box, wide, schema);
+        put_head({bpc_layout::version_of_trees, grid.scale, grid.offset}, chunk.points, &identity, box,
+                 (wide ? bpc_layout::has_wide_positions : 0) | (sizes ? bpc_layout::has_sizes : 0), schema);
     out.put(identity.part);
     out.put(identity.generation);
     out.put(identity.spacing);
@@ -287,12 +300,10 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
             }
     put_pieces(out, payload.columns[0]);
     for (std::size_t i = 0; i < schema.size(); ++i) {
-        const BpcColumn& column = payload.columns[1 + i];
         put_attribute(out, schema[i]);
-        out.put(column.constant.empty() ? bpc_layout::in_segments : bpc_layout::constant);
-        for (const std::uint64_t word : column.constant) out.put(word);
-        put_pieces(out, column);
+        put_column(out, payload.columns[1 + i]);
     }
+    if (sizes) put_column(out, payload.columns.back());
     return finish(out, payload.bytes);
 }
 

@@ -15,7 +15,7 @@ std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, co
 // The same for positions that are codes of doubles: a chunk of version 2, which trees never have.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const DoubleCodes& doubles);
 // A chunk of a tree: version 3. Its points are sorted by level, with the counts in identity.level_points. A chunk
-// without points becomes a tombstone.
+// without points becomes a tombstone. Sizes are written where the chunk has them.
 std::vector<std::byte> encode_chunk(const Chunk& chunk, const Schema& schema, const Grid& grid,
                                     const ChunkIdentity& identity);
 

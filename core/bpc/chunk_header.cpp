@@ -3,6 +3,7 @@
 #include "pcm/bpc/attribute_bytes.h"
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
 #include "pcm/bpc/read_head.h"
@@ -66,7 +67,7 @@ public:
     }
 
     // Version 3, after its path.
-    void read_segments(std::uint32_t attributes, const NodePath& path)
+    void read_segments(std::uint32_t attributes, bool sizes, const NodePath& path)
     {
         read_identity(path);
         read_boxes();
@@ -74,14 +75,9 @@ public:
         header_.positions = get_pieces(3, header_.wide ? 8 : 4, end);
         for (std::uint32_t i = 0; i < attributes; ++i) {
             const Attribute attribute = get_attribute(in_, header_.schema, path_);
-            const auto mode = in_.get<std::uint8_t>();
-            if (mode == bpc_layout::constant && header_.points > 0)
-                header_.attributes.push_back(get_constant(attribute, end));
-            else if (mode == bpc_layout::in_segments)
-                header_.attributes.push_back(get_pieces(attribute.components, word_bytes_of(attribute.type), end));
-            else
-                refuse("a column has an unknown mode");
+            header_.attributes.push_back(get_column(attribute, end));
         }
+        if (sizes) header_.sizes = get_column(attribute_of_sizes(), end);
         if (end != header_.total_bytes) refuse("a chunk's columns do not end where the chunk ends");
         if (in_.position() + 8 != header_.header_bytes) refuse("a chunk's header has another length than it states");
     }
@@ -145,6 +141,15 @@ private:
             all.extend(segment.box);
         }
         if (!(all == whole)) refuse("a chunk's box is not the box of its segments");
+    }
+
+    BpcColumn get_column(const Attribute& attribute, std::uint64_t& end)
+    {
+        const auto mode = in_.get<std::uint8_t>();
+        if (mode == bpc_layout::constant && header_.points > 0) return get_constant(attribute, end);
+        if (mode == bpc_layout::in_segments)
+            return get_pieces(attribute.components, word_bytes_of(attribute.type), end);
+        refuse("a column has an unknown mode");
     }
 
     BpcColumn get_pieces(std::uint64_t sequences, std::uint64_t word_bytes, std::uint64_t& end)
@@ -232,18 +237,19 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     }
     for (std::int64_t& v : header.box.min) v = in.get<std::int64_t>();
     for (std::int64_t& v : header.box.max) v = in.get<std::int64_t>();
-    const auto wide = in.get<std::uint32_t>();
-    header.wide = wide != 0;
+    const auto has = in.get<std::uint32_t>();
     const auto attributes = in.get<std::uint32_t>();
     const bool of_tree = version == version_of_trees;
+    header.wide = of_tree ? (has & has_wide_positions) != 0 : has != 0;
     const bool tombstone = of_tree && header.points == 0;
-    if (attributes > max_attributes || (header.points == 0 && !tombstone) || (of_tree && wide > 1))
+    if (attributes > max_attributes || (header.points == 0 && !tombstone) ||
+        (of_tree && (has & ~(has_wide_positions | has_sizes))))
         throw Error(ErrorCode::corrupt, path, "a chunk's header is invalid");
     if (tombstone ? header.wide || !(header.box == Box3i()) : !fits(header.box, header.wide))
         throw Error(ErrorCode::corrupt, path, "a chunk's box is invalid");
     HeaderReader rest(in, header, path);
     if (of_tree)
-        rest.read_segments(attributes, node);
+        rest.read_segments(attributes, (has & has_sizes) != 0, node);
     else
         rest.read_whole_columns(attributes);
     if (of_tree) check_decoded_size(header, path);

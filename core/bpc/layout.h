@@ -25,6 +25,9 @@ inline std::uint64_t decoded_bytes(std::uint64_t points, bool wide, const Schema
     return points * ((wide ? 24 : 12) + schema.point_bytes());
 }
 
+// Bits of what a chunk of version 3 has.
+inline constexpr std::uint32_t has_wide_positions = 1, has_sizes = 2;
+
 // How a column of version 3 is stored.
 inline constexpr std::uint8_t in_segments = 0;
 inline constexpr std::uint8_t constant = 1;

@@ -18,6 +18,7 @@ std::shared_ptr<const Chunk> join(std::shared_ptr<const Chunk> chunk, Chunk more
     if (!chunk) return std::make_shared<const Chunk>(std::move(more));
     auto joined = std::make_shared<Chunk>(*chunk);
     if (!joined->positions) joined->positions = std::move(more.positions);
+    if (!joined->sizes) joined->sizes = std::move(more.sizes);
     if (joined->attributes.size() < more.attributes.size()) joined->attributes.resize(more.attributes.size());
     for (std::size_t k = 0; k < more.attributes.size(); ++k)
         if (!joined->attributes[k]) joined->attributes[k] = std::move(more.attributes[k]);
@@ -30,6 +31,7 @@ ColumnSet missing(const std::shared_ptr<const Chunk>& chunk, const ColumnSet& co
     const ColumnSet present = chunk->columns();
     ColumnSet missing = columns;
     missing.positions = columns.positions && !present.positions;
+    missing.sizes = columns.sizes && !present.sizes;
     missing.attributes &= ~present.attributes;
     return missing;
 }
@@ -147,8 +149,8 @@ auto L2Cache::State::write_back(Entry& entry, Lock& lock) -> std::optional<Write
     const auto start = std::chrono::steady_clock::now();
     std::optional<WriteFailure> failure;
     try {
-        const ColumnSet others = missing(chunk, ColumnSet::all(store->tree()->info().schema));
-        const bool whole = !others.positions && others.attributes.none();
+        const ColumnSet others = missing(chunk, ColumnSet::whole(store->tree()->info().schema));
+        const bool whole = !others.positions && !others.sizes && others.attributes.none();
         store->write(entry.node, whole ? *chunk : *join(chunk, store->read(entry.node, others)), changed);
     } catch (const Error& error) {
         failure = WriteFailure{error.code(), error.what()};

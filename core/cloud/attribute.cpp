@@ -72,6 +72,13 @@ std::size_t Schema::point_bytes() const
     return sum;
 }
 
+ColumnSet ColumnSet::whole(const Schema& schema)
+{
+    ColumnSet set = all(schema);
+    set.sizes = true;
+    return set;
+}
+
 ColumnSet ColumnSet::all(const Schema& schema)
 {
     ColumnSet set;

@@ -68,26 +68,31 @@ private:
 // Which columns of a chunk are needed; the others are neither read nor decoded.
 struct ColumnSet {
     bool positions = true;
+    bool sizes = false;                      // of points (tree/point_size.h); chunks of trees alone have them
     std::bitset<max_attributes> attributes;  // by index in the schema
 
     static ColumnSet only_positions() { return {}; }
+    // Positions and all attributes.
     static ColumnSet all(const Schema& schema);
+    // These and the sizes: what a chunk that is written again needs.
+    static ColumnSet whole(const Schema& schema);
     // Positions and the named attributes; names that the schema lacks are ignored.
     static ColumnSet named(const Schema& schema, const std::vector<std::string>& names);
 
     bool contains(const ColumnSet& other) const
     {
-        return (positions || !other.positions) && (other.attributes & ~attributes).none();
+        return (positions || !other.positions) && (sizes || !other.sizes) && (other.attributes & ~attributes).none();
     }
     ColumnSet& operator|=(const ColumnSet& other)
     {
         positions = positions || other.positions;
+        sizes = sizes || other.sizes;
         attributes |= other.attributes;
         return *this;
     }
     bool operator==(const ColumnSet& other) const
     {
-        return positions == other.positions && attributes == other.attributes;
+        return positions == other.positions && sizes == other.sizes && attributes == other.attributes;
     }
 };
 

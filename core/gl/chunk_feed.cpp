@@ -206,6 +206,7 @@ ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
     if (format.radius) names.emplace_back(attribute_name::radius);
     if (format.normal) names.emplace_back(attribute_name::normal);
     ColumnSet columns = ColumnSet::named(cloud_->info().schema, names);
+    columns.sizes = format.radius;
     if (format.colour != ColourSource::none) columns.attributes.set(colour_place_of(format).attribute);
     return columns;
 }
@@ -234,14 +235,25 @@ VertexAttributes ChunkFeed::colours_of(const Chunk& chunk, const VertexFormat& f
     return attributes;
 }
 
-VertexAttributes ChunkFeed::attributes_of(const Chunk& chunk, const VertexFormat& format)
+// A point's own radius; where it has none, its size.
+void ChunkFeed::find_radii(NodeId node, const Chunk& chunk)
+{
+    const Schema& schema = cloud_->info().schema;
+    if (const auto place = schema.find(attribute_name::radius); place && schema[*place].components > 0)
+        make_radii(*chunk.attributes[*place], schema[*place], radii_);
+    else
+        radii_.assign(chunk.points, 0);
+    if (!sizes_) sizes_.emplace(*cloud_->tree());
+    sizes_->fill_in(node, *chunk.sizes, radii_);
+}
+
+VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format)
 {
     const Schema& schema = cloud_->info().schema;
     VertexAttributes attributes;
     if (format.colour != ColourSource::none) attributes = colours_of(chunk, format);
     if (format.radius) {
-        const std::size_t place = *schema.find(attribute_name::radius);
-        make_radii(*chunk.attributes[place], schema[place], radii_);
+        find_radii(node, chunk);
         attributes.radii = radii_.data();
     }
     if (format.normal) {
@@ -265,7 +277,7 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
         const Chunk& whole = *found->second.chunk;
         const Grid& grid = cloud_->info().grid;
         const Chunk shown = format.filter ? filters_[format.filter - 1].apply(whole, grid, columns_of(format)) : whole;
-        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes_of(shown, format),
+        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes_of(node, shown, format),
                          whole.points - shown.points))
             return false;
         arrivals_.erase(found);

@@ -4,6 +4,7 @@
 #include "pcm/gl/chunk_filter.h"
 #include "pcm/gl/cloud_facts.h"
 #include "pcm/gl/l1_cache.h"
+#include "pcm/gl/point_sizes.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/point_cloud.h"
 #include "pcm/view/level_of_detail.h"
@@ -98,7 +99,8 @@ private:
     // The attribute that colours are made from.
     AttributePlace colour_place_of(const VertexFormat& format) const;
     VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
-    VertexAttributes attributes_of(const Chunk& chunk, const VertexFormat& format);
+    VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
+    void find_radii(NodeId node, const Chunk& chunk);
     void fail(NodeId node, std::string error);
 
     const std::shared_ptr<PointCloud> cloud_;
@@ -118,6 +120,7 @@ private:
     std::uint32_t classes_filter_ = 0;  // that the points of these meet
     std::vector<std::uint8_t> rgba_;
     std::vector<float> values_, radii_, normals_;
+    std::optional<PointSizes> sizes_;  // when first needed
 };
 
 }  // namespace pcm

@@ -69,7 +69,7 @@ DetailLimits Frame::current_limits()
 void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples(),
-                 cloud.values);
+                 at_rest, cloud.values);
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)
@@ -121,12 +121,13 @@ void begin_strokes(Frame& frame)
 void end_strokes(Frame& frame)
 {
     PictureState& p = frame.picture;
+    frame.work.at_rest = frame.costs_more();
     p.clock.end(frame.work);
     const auto measure = p.clock.take();
     if (p.unmeasured > 0)
         --p.unmeasured;
     else if (measure)
-        p.budget.measured(measure->work, measure->milliseconds);
+        (measure->work.at_rest ? p.rest_budget : p.budget).measured(measure->work, measure->milliseconds);
 }
 
 }  // namespace pcm

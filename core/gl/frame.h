@@ -49,7 +49,11 @@ struct Frame {
     FrameReport report{};
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
+    bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
 
+    // What the splats of this frame cost.
+    bool costs_more() const { return at_rest && !options.paraboloids; }
+    FrameBudget& costs() const { return costs_more() ? picture.rest_budget : picture.budget; }
     std::vector<TreeInView> trees() const;
     // As the budgets of time, points and video memory allow.
     DetailLimits current_limits();
@@ -119,6 +123,9 @@ void timed(Frame& frame, const Draw& draw)
 // Draws a view that has moved, or whose chunks are still being loaded. When a resting one shows all of its selection,
 // `picture.rest` begins.
 void draw_moving(Frame& frame, const SceneSelection& selection, bool resting);
+
+// Whether splats filled gaps, or are drawn in another way at rest, so that they give way to those of the resting view.
+bool differs_at_rest(const Frame& frame);
 
 // The picture holds the chunks of `rest->lod` that could be loaded, `drawn` of each tree's `wanted`; later frames add
 // to it.

@@ -19,6 +19,7 @@ struct FrameWork {
     std::uint64_t vertices = 0;  // invocations of the vertex stage: none, one or four per point
     double splats = 0;           // points in view, estimated
     double pixels = 0;           // sum over the splats, estimated
+    bool at_rest = false;        // of a resting view, whose splats cost more
 };
 
 class FrameBudget {

@@ -32,7 +32,8 @@ private:
 
 inline FrameWork operator+(const FrameWork& a, const FrameWork& b)
 {
-    return {a.points + b.points, a.vertices + b.vertices, a.splats + b.splats, a.pixels + b.pixels};
+    return {a.points + b.points, a.vertices + b.vertices, a.splats + b.splats, a.pixels + b.pixels,
+            a.at_rest || b.at_rest};
 }
 
 }  // namespace pcm

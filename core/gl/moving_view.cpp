@@ -261,10 +261,13 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     report.refining = report.repaint || more_to_come;
     if (selection.order.empty() && selection.budget_reached)
         report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
-    report.full_resolution = progress.everything;
+    // A view that will rest shows its full resolution when its splats are those of a resting view.
+    const bool is_final =
+        progress.everything && !(frame.options.converge && report.nodes_drawn > 0 && differs_at_rest(frame));
+    report.full_resolution = is_final;
     if (frame.options.converge && !report.refining && can_converge(frame)) {
         // Another frame of this view continues from here.
-        report.refining = report.repaint = !progress.everything;
+        report.refining = report.repaint = !is_final;
         if (frame.converges && progress.all_current) begin_rest(frame, selection, drawn);
     }
 }

@@ -65,7 +65,8 @@ struct PictureState {
     RenderTarget resolved;
     unsigned asked_samples = 1;
     FrameClock clock;
-    FrameBudget budget;
+    FrameBudget budget;       // of a moving view
+    FrameBudget rest_budget;  // what splats of a resting view cost
     std::optional<PictureKey> key;
     std::vector<Camera> views;  // of the items, in the latest frame
     unsigned unmeasured = 2;    // this many next frames include the driver's compilation and are not measured

@@ -103,7 +103,8 @@ const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into i
         std::vector<std::string> defines;
         if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
         if (reversed) defines.emplace_back("REVERSED");
-        if (into == the_host_shaded) defines.emplace_back("EYE_DOME");
+        if (into == the_host_shaded) defines.emplace_back("EYE_DOME 1");
+        if (into == the_host_shaded_fast) defines.emplace_back("EYE_DOME 2");
         if (into == another_target) defines.emplace_back("RESOLVE");
         program = ShaderProgram("composite.vert", "composite.frag", defines);
     }
@@ -111,7 +112,7 @@ const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into i
 }
 
 void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host,
-                      const Matrix4d& projection, float eye_dome)
+                      const Matrix4d& projection, float eye_dome, bool fast)
 {
     GLuint vertex_array = 0;
     glGenVertexArrays(1, &vertex_array);
@@ -130,7 +131,7 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
         const bool to_host = into != another_target;
         glUniform2i(composite.uniform("corner"), to_host ? host.viewport()[0] : 0, to_host ? host.viewport()[1] : 0);
         glUniform2f(composite.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
-        if (into == the_host_shaded) {
+        if (into == the_host_shaded || into == the_host_shaded_fast) {
             // Scaled, so that near planes of 1e-30 do not underflow.
             std::array<double, 4> k = distance_of_depth(projection);
             double largest = 0;
@@ -164,7 +165,7 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    run(*from, eye_dome > 0 ? the_host_shaded : the_host);
+    run(*from, !(eye_dome > 0) ? the_host : fast ? the_host_shaded_fast : the_host_shaded);
     glBindVertexArray(0);
     glDeleteVertexArrays(1, &vertex_array);
 }

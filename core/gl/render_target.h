@@ -43,14 +43,14 @@ private:
 class Compositor {
 public:
     // Draws the picture into the host's framebuffer, depth tested (GL_LEQUAL) and written in the host's projection and
-    // depth range; partly covered pixels are blended. `eye_dome`: strength of eye-dome lighting, 0: none. `resolved` is
-    // scratch for pictures of several samples with eye-dome lighting.
+    // depth range; partly covered pixels are blended. `eye_dome`: strength of eye-dome lighting, 0: none; `fast`: from
+    // half as many neighbours. `resolved` is scratch for pictures of several samples with eye-dome lighting.
     void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection,
-              float eye_dome);
+              float eye_dome, bool fast = false);
     void release();
 
 private:
-    enum Into { the_host, the_host_shaded, another_target };
+    enum Into { the_host, the_host_shaded, the_host_shaded_fast, another_target };
     const ShaderProgram& program(unsigned samples, bool reversed, Into into);
     std::map<std::tuple<unsigned, bool, Into>, ShaderProgram> programs_;
 };

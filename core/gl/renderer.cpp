@@ -122,6 +122,7 @@ struct Renderer::Impl {
         if (!p.key || !key.looks_as(*p.key)) {
             p.unmeasured = 2;
             p.budget.forget();
+            p.rest_budget.forget();
         }
         const bool resting = p.key && *p.key == key;
         p.key = std::move(key);
@@ -171,9 +172,10 @@ struct Renderer::Impl {
         const GlStateGuard state;
         state.set_plain();
         draw_clouds(frame, scene, std::move(key));
-        compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome);
+        const bool moves = options.converge && !frame.at_rest && report.refining;
+        compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome, moves);
         if (p.clock.waits()) glFinish();
-        report.measured_ms = p.budget.last_measured_ms();
+        report.measured_ms = frame.costs().last_measured_ms();
         for (std::size_t t = 0; t < clouds.size(); ++t) {
             clouds[t].points_drawn = report.clouds[t].points_drawn;
             clouds[t].points_hidden = report.clouds[t].points_hidden;

@@ -43,9 +43,10 @@ struct RenderOptions {
                                                               // uploaded
     unsigned prefetch_frames = 8;  // a moving view loads ahead what it will need in this many frames; 0: nothing
     unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
-    float eye_dome = 0;            // strength of eye-dome lighting, 1 is usual; 0: none
+    float eye_dome = 1;            // strength of eye-dome lighting; 0: none
     bool converge = true;          // a resting view refines to full resolution; else to the target
-    bool fill_gaps = true;         // while finer points are not drawn, splats grow to fill the gaps
+    bool paraboloids = false;  // adaptive splats in every frame as in a view that rests; else squares while it moves
+    bool fill_gaps = true;     // while finer points are not drawn, splats grow to fill the gaps
     DetailOrder order = DetailOrder::error;
 };
 
@@ -106,9 +107,10 @@ struct FrameReport {
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
     unsigned samples = 1;                      // of the picture
-    bool full_resolution = false;              // every point in view is in the picture, less those that conditions hide
-    bool refining = false;                     // the picture is not final yet
-    bool repaint = false;                      // ask for another frame at once; implies refining
+    // Every point in view is in the picture, less those that conditions hide, as large as it is meant to be.
+    bool full_resolution = false;
+    bool refining = false;  // the picture is not final yet
+    bool repaint = false;   // ask for another frame at once; implies refining
     // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-33 or
     // above 1e37. Empty if none.
     std::string error;

@@ -19,6 +19,14 @@ bool has_no_gaps(const Frame& frame, double spacing_px)
 
 }  // namespace
 
+bool differs_at_rest(const Frame& frame)
+{
+    return std::any_of(frame.clouds.begin(), frame.clouds.end(), [&](const FrameCloud& cloud) {
+        return cloud.filled ||
+               (!frame.options.paraboloids && traits_of(cloud.style.splats).shape == SplatShape::sphere);
+    });
+}
+
 void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::vector<bool>>& drawn)
 {
     PictureState::Rest& rest = *frame.picture.rest;
@@ -31,7 +39,7 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
     rest.held = lod.order.size();
     rest.points_of.assign(frame.clouds.size(), 0);
     rest.hidden_of.assign(frame.clouds.size(), 0);
-    if (std::any_of(frame.clouds.begin(), frame.clouds.end(), [](const FrameCloud& cloud) { return cloud.filled; })) {
+    if (differs_at_rest(frame)) {
         rest.behind = true;
         rest.added = 0;
         const FrameReport& report = frame.report;
@@ -67,7 +75,12 @@ namespace {
 // One frame of a view that rests.
 class RestingFrame {
 public:
-    explicit RestingFrame(Frame& frame) : frame_(frame), rest_(*frame.picture.rest), report_(frame.report) {}
+    explicit RestingFrame(Frame& frame) : frame_(frame), rest_(*frame.picture.rest), report_(frame.report)
+    {
+        frame.at_rest = true;
+        // Until it is known: at least as much as in a moving view.
+        if (frame.picture.rest_budget.last_measured_ms() == 0) frame.picture.rest_budget = frame.picture.budget;
+    }
 
     void draw()
     {
@@ -165,7 +178,7 @@ private:
                 if (is_current(i)) {
                     const FrameWork more = frame_.work + cost.work(*stroke++, {});
                     if (frame_.work.points > 0 &&
-                        (more.points > frame_.options.point_budget || p.budget.expected(more) > available))
+                        (more.points > frame_.options.point_budget || frame_.costs().expected(more) > available))
                         break;
                     frame_.work = more;
                     add(i, strokes);

@@ -36,7 +36,7 @@ struct SplatCamera {
     Vec3d eye_of(const Vec3d& local) const;  // eye space, of a place relative to the view's origin
     // Side, in pixels, of a square for a radius of 1 eye unit at depth 1 (orthographic: anywhere), for eq. 7.1.
     double square_pixels() const { return 2 * focal[1]; }
-    // Upper bound of the side, in pixels, of the largest dynamic splat, or of the box of the largest disc, for points
+    // Upper bound of the side, in pixels, of the largest adaptive splat, or of the box of the largest disc, for points
     // in a box (relative to the view's origin) that intersects the clip volume. Infinite when there is none.
     double largest_square(const Box3d& box, double radius) const;
     double largest_box(const Box3d& box, double radius) const;

@@ -10,14 +10,16 @@ const std::vector<SplatTraits>& splat_modes()
     static const std::vector<SplatTraits> table{
         {Mode::constant, "constant", "Squares of one size", "a square of a fixed size in pixels", false, false,
          SplatShape::pixels, "", false, Mode::constant, Mode::constant},
-        {Mode::dynamic, "dynamic", "Squares as large as the radius", "a square as large as the point's radius appears",
-         true, false, SplatShape::sphere, "DYNAMIC", false, Mode::constant, Mode::dynamic},
+        {Mode::adaptive, "adaptive", "Adaptive",
+         "as large as the point's radius or, where it has none, as far as its neighbours are, so that surfaces are "
+         "closed; a square while the view moves, round at rest",
+         true, false, SplatShape::sphere, "ADAPTIVE", false, Mode::constant, Mode::adaptive},
         // In an orthographic view the projection is exact, and the perspective mode's program draws the same.
         {Mode::affine, "affine", "Discs, affine",
          "its disc (radius and normal), projected as if the view were parallel around its centre", true, true,
-         SplatShape::disc, "AFFINE", false, Mode::dynamic, Mode::perspective},
+         SplatShape::disc, "AFFINE", false, Mode::adaptive, Mode::perspective},
         {Mode::perspective, "perspective", "Discs, perspective accurate", "the disc exactly, with its depth", true,
-         true, SplatShape::disc, "DISC", true, Mode::dynamic, Mode::perspective},
+         true, SplatShape::disc, "DISC", true, Mode::adaptive, Mode::perspective},
     };
     return table;
 }

@@ -10,11 +10,12 @@
 
 namespace pcm {
 
-// What a point is drawn as (Botsch and Kobbelt 2003; Zwicker et al. 2004 for the affine one). New ones go to the end:
+// What a point is drawn as. The radius is the point's own or, where it has none, its size (tree/point_size.h), which
+// closes surfaces (Botsch and Kobbelt 2003; Zwicker et al. 2004 for the affine one). New ones go to the end:
 // MeshLab stores the number in its settings.
 enum class SplatMode : std::uint8_t {
     constant,     // a square of a fixed number of pixels
-    dynamic,      // a square as large as a sphere of the point's radius appears
+    adaptive,     // a square as large as a sphere of the point's radius appears
     affine,       // the point's disc, projected as if the view were parallel around its centre
     perspective,  // the disc itself: each fragment's ray is intersected with its plane, depth included
 };
@@ -32,7 +33,7 @@ struct SplatTraits {
     const char* name;         // for command lines and scripts
     const char* label;        // for lists that people choose from
     const char* description;  // for tooltips, after "What a point is drawn as: "
-    bool reads_radius;
+    bool reads_radius;        // or the size
     bool reads_normal;
     SplatShape shape;
     const char* define;     // the shaders' permutation; empty for none

@@ -65,6 +65,7 @@ struct SplatPass::Impl {
     // From begin() to end(). No view: nothing is drawn.
     std::optional<SplatView> view;
     unsigned samples = 1;
+    bool paraboloids = false;
     GLuint vertex_array = 0;
     GLint scissor[4] = {0, 0, 0, 0};
     GLboolean scissor_test = GL_FALSE;
@@ -75,10 +76,11 @@ struct SplatPass::Impl {
     std::vector<GLsizei> count;
 
     void begin(const Camera& camera, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
-               unsigned framebuffer_samples, const ShownValues& values)
+               unsigned framebuffer_samples, bool as_paraboloids, const ShownValues& values)
     {
         if (!device) device = Device::ask();
         samples = std::max(framebuffer_samples, 1u);
+        paraboloids = as_paraboloids;
         current = nullptr;
         std::array<int, 4> viewport{};
         glGetIntegerv(GL_VIEWPORT, viewport.data());
@@ -88,6 +90,8 @@ struct SplatPass::Impl {
             return;
         }
         view = SplatView{*splat_camera, &tree, usable, viewport, 0, device->largest_point, values};
+        if (paraboloids && traits_of(usable.splats).shape == SplatShape::sphere)
+            view->style.radius_scale *= radius_of_paraboloid;
 
         glEnable(GL_DEPTH_TEST);
         glDepthFunc(reversed ? GL_GREATER : GL_LESS);
@@ -156,7 +160,8 @@ struct SplatPass::Impl {
         SplatPermutation p;
         p.mode = drawable_mode(view->style.splats, entry.format.radius, entry.format.normal);
         const bool is_disc = traits_of(p.mode).shape == SplatShape::disc;
-        p.orthographic = is_disc && view->camera.orthographic;
+        p.paraboloid = paraboloids && traits_of(p.mode).shape == SplatShape::sphere;
+        p.orthographic = (is_disc || p.paraboloid) && view->camera.orthographic;
         if (p.orthographic) p.mode = traits_of(p.mode).in_parallel;
         p.colouring = traits_of(view->style.colour).colouring;
         // The entry may still hold what another style shows.
@@ -292,9 +297,9 @@ SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
 void SplatPass::begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed,
-                      unsigned samples, const ShownValues& values)
+                      unsigned samples, bool paraboloids, const ShownValues& values)
 {
-    impl_->begin(view, info, usable, reversed, samples, values);
+    impl_->begin(view, info, usable, reversed, samples, paraboloids, values);
 }
 void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
 std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts)

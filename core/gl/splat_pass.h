@@ -5,8 +5,11 @@
 // frustum):
 //   constant     a square of point_size_px, whatever the point; visible while its centre is in the view, like every
 //                point of OpenGL.
-//   dynamic      an image-aligned square of 2 r n h / (|pz| (t - b)) pixels (eq. 7.1 with a diameter), analogously in
-//                orthographic views; at least one pixel, so no point vanishes. Its depth is its centre's.
+//   adaptive     an image-aligned square of 2 r n h / (|pz| (t - b)) pixels (eq. 7.1 with a diameter), analogously in
+//                orthographic views; at least one pixel, so no point vanishes. Its depth is its centre's. As a
+//                paraboloid it is a disc, radius_of_paraboloid times as large, and its depth is the centre's plus half
+//                a radius times the square of the relative distance from the centre (Schuetz and Wimmer 2015), so that
+//                where splats overlap the one whose centre is nearest is seen.
 //   affine       the point's disc under rays that are parallel to the view around its centre (eqs 7.2 to 7.4). Exact
 //                for an orthographic view. In perspective the disc's edge-on direction is taken as perpendicular to the
 //                view's axis, not to the ray: discs near the picture's border are too thick or too thin, and a nearly
@@ -50,6 +53,10 @@
 
 namespace pcm {
 
+// Paraboloids are larger than the squares that they replace, about as large as circles around these, so that they leave
+// no more holes.
+inline constexpr float radius_of_paraboloid = 1.25f;
+
 class SplatPass {
 public:
     // Without `doubles` it works as on a device without double precision.
@@ -66,10 +73,10 @@ public:
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
     // `values` are those that the style's ramp shows.
     void begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples,
-               const ShownValues& values = {});
-    // Draws the entry's points in the style, as far as the entry has its attributes: without normals as dynamic splats,
-    // without radii as constant ones (drawable_mode()), without colours in the style's uniform colour, with colours of
-    // another attribute in these.
+               bool paraboloids = false, const ShownValues& values = {});
+    // Draws the entry's points in the style, as far as the entry has its attributes: without normals as adaptive
+    // splats, without radii as constant ones (drawable_mode()), without colours in the style's uniform colour, with
+    // colours of another attribute in these.
     void draw(const VertexEntry& entry, const ChunkLook& look);
     // What draw() would draw with splats of their own sizes: adds the parts of the entry that are in view. Returns the
     // exact number of invocations of the vertex stage: one per point that is drawn, four where splats may be larger

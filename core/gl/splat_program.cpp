@@ -18,8 +18,8 @@ std::array<float, 2> floats(const std::array<double, 2>& v)
 
 bool SplatPermutation::operator<(const SplatPermutation& o) const
 {
-    return std::tie(mode, colouring, orthographic, quads, samples, doubles) <
-           std::tie(o.mode, o.colouring, o.orthographic, o.quads, o.samples, o.doubles);
+    return std::tie(mode, colouring, orthographic, quads, samples, doubles, paraboloid) <
+           std::tie(o.mode, o.colouring, o.orthographic, o.quads, o.samples, o.doubles, o.paraboloid);
 }
 
 std::vector<std::string> SplatPermutation::defines() const
@@ -33,6 +33,7 @@ std::vector<std::string> SplatPermutation::defines() const
     if (quads) list.emplace_back("QUADS");
     if (samples > 1) list.emplace_back("SAMPLES " + std::to_string(samples));
     if (doubles) list.emplace_back("DOUBLE");
+    if (paraboloid) list.emplace_back("PARABOLOID");
     return list;
 }
 
@@ -109,6 +110,7 @@ void SplatProgram::set_view(const SplatView& view) const
                 height / (height + 2 * static_cast<float>(view.guard)));
     if (at_.ramp >= 0)
         glUniform3fv(at_.ramp, static_cast<GLsizei>(ramp_stops), traits_of(ramp_of(view.style)).table.front().data());
+    if (at_.depth_of >= 0) glUniform2fv(at_.depth_of, 1, floats(c.depth_of).data());
     if (at_.focal >= 0) set_disc(view);
 }
 
@@ -140,7 +142,6 @@ void SplatProgram::set_disc(const SplatView& view) const
     const SplatCamera& c = view.camera;
     set(at_.focal, c.focal);
     set(at_.principal, c.principal);
-    glUniform2fv(at_.depth_of, 1, floats(c.depth_of).data());
     if (at_.sample_places >= 0) {
         std::vector<float> places(2 * samples_);
         for (unsigned s = 0; s < samples_; ++s) {

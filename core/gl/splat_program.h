@@ -24,6 +24,7 @@ struct SplatPermutation {
     bool quads = false;  // instanced strips of four vertices in place of points
     unsigned samples = 1;
     bool doubles = false;
+    bool paraboloid = false;  // of the mode adaptive
 
     bool operator<(const SplatPermutation& o) const;
     std::vector<std::string> defines() const;

@@ -66,13 +66,10 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
 {
     if (notice) notice->clear();
     CloudStyle style = asked;
-    const bool has_radius = has(schema, attribute_name::radius, 1);
-    style.splats = drawable_mode(asked.splats, has_radius, has(schema, attribute_name::normal, 3));
+    // Every point has a size, which stands for its radius.
+    style.splats = drawable_mode(asked.splats, true, has(schema, attribute_name::normal, 3));
     if (style.splats != asked.splats)
-        add(notice,
-            std::string("the cloud has no ") +
-                (!has_radius && traits_of(asked.splats).reads_radius ? "radii" : "normals"),
-            std::string(name_of(style.splats)) + " splats are drawn");
+        add(notice, "the cloud has no normals", std::string(name_of(style.splats)) + " splats are drawn");
     for (;;) {
         const ColourTraits& traits = traits_of(style.colour);
         if (traits.source == ColourSource::none) return style;

@@ -16,10 +16,10 @@
 namespace pcm {
 
 struct CloudStyle {
-    SplatMode splats = SplatMode::constant;
+    SplatMode splats = SplatMode::adaptive;
     ColourMode colour = ColourMode::rgb;
     float point_size_px = 2;  // SplatShape::pixels: side of the square, clamped to the driver's range
-    float radius_scale = 1;   // the other shapes: factor on the points' radii
+    float radius_scale = 1;   // the other shapes: factor on the points' radii or sizes
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
     std::string attribute;  // for ColourMode::attribute, as place_of() reads it: "gps_time", "rgb[0]"
     ColourRamp ramp = ColourRamp::automatic;
@@ -47,7 +47,7 @@ inline bool operator==(const ShownValues& a, const ShownValues& b)
 // The ramp that a style means by `automatic`, else its own.
 ColourRamp ramp_of(const CloudStyle& style);
 
-// The nearest style that a cloud of this schema supports: without normals dynamic splats, without radii constant ones;
+// The nearest style that a cloud of this schema supports: without normals adaptive splats;
 // without rgb intensity, without intensity, classes or the named attribute height. The same where `is_blank`, which may
 // be empty, says that all points of a sample would have one colour. `notice`, which may be null, becomes a sentence
 // that says what is missing and what is shown instead; empty when nothing is missing.

@@ -24,15 +24,36 @@ bool keeps_its_name(const File& file)
            opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
+// What a user types; a path with blanks in quotes.
+std::string repair_command(const fs::path& folder)
+{
+    const std::string path = folder.string();
+    const bool plain = path.find_first_of(" \t'\"\\$&;|<>()*?") == std::string::npos;
+    return "pcmlab repair " + (plain ? path : "\"" + path + "\"");
+}
+
+// The error of an index that cannot be decoded, with what to do about it.
+Error with_repair(const Error& error, const fs::path& folder)
+{
+    const bool is_damage = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated ||
+                           error.code() == ErrorCode::bad_format || error.code() == ErrorCode::not_a_tree;
+    if (!is_damage) return error;
+    std::string what = error.what();
+    if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
+        what.erase(0, path.size());
+    return Error(error.code(), error.path(), what,
+                 "rebuild the index from the chunks, in a terminal: " + repair_command(folder));
+}
+
 [[noreturn]] void refuse_folder(const fs::path& folder)
 {
     if (fs::exists(folder / build_marker_name))
         throw Error(ErrorCode::interrupted_build, folder, "the build of this tree was interrupted or is still running",
                     "build it again, or remove the folder");
-    throw Error(
-        ErrorCode::not_a_tree, folder,
-        std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
-        is_tree_folder(folder) ? "rebuild it from the chunks with 'pcmlab repair'" : "make one with 'pcmlab build'");
+    throw Error(ErrorCode::not_a_tree, folder,
+                std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
+                is_tree_folder(folder) ? "rebuild it from the chunks, in a terminal: " + repair_command(folder)
+                                       : "make one with 'pcmlab build'");
 }
 
 }  // namespace
@@ -52,7 +73,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         if (was_being_replaced(folder))
             throw Error(ErrorCode::interrupted_build, folder,
                         "a build was about to replace this tree when it was interrupted",
-                        "build it again, or put the tree back with 'pcmlab repair'");
+                        "build it again, or put the tree back: " + repair_command(folder));
         throw Error(ErrorCode::not_found, folder, "no such tree",
                     fs::exists(build_folder_of(folder), error)
                         ? "a build of it was interrupted or is still running: build it again"
@@ -70,7 +91,12 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
         const File index_file(folder / index_file_name, File::Mode::read);
-        const std::shared_ptr<Tree> tree = without_files(folder, read_index(index_file));
+        std::shared_ptr<Tree> tree;
+        try {
+            tree = without_files(folder, read_index(index_file));
+        } catch (const Error& failure) {
+            throw with_repair(failure, folder);
+        }
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
         } catch (const Error&) {
@@ -151,6 +177,7 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
     Chunk chunk;
     chunk.attributes.resize(info_.schema.size());
     if (columns.positions) chunk.positions = std::make_shared<ChunkPositions>();
+    if (columns.sizes) chunk.sizes = std::make_shared<Column>(attribute_of_sizes());
     for (std::size_t i = 0; i < info_.schema.size(); ++i)
         if (columns.attributes.test(i)) chunk.attributes[i] = std::make_shared<Column>(info_.schema[i]);
     return chunk;
@@ -165,7 +192,7 @@ void Tree::check(NodeId id, const BpcHeader& header) const
         throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it does not belong to node " +
                         std::to_string(id),
-                    "rebuild the index from the chunks with 'pcmlab repair'");
+                    "rebuild the index from the chunks, in a terminal: " + repair_command(folder_));
 }
 
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const

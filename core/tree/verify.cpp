@@ -157,7 +157,7 @@ private:
     void work()
     {
         const RowLayout layout(tree_.info().schema, tree_.info().wide);
-        const ColumnSet all = ColumnSet::all(tree_.info().schema);
+        const ColumnSet all = ColumnSet::whole(tree_.info().schema);
         std::vector<std::byte> scratch;
         for (std::size_t id; !signal_.stopped && (id = next_++) < nodes_.size();) {
             if (nodes_[id].points == 0) continue;

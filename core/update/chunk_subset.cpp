@@ -55,6 +55,7 @@ Chunk subset_of(const Chunk& chunk, const std::vector<std::uint32_t>& numbers)
     Chunk result;
     result.points = static_cast<std::uint32_t>(numbers.size());
     if (chunk.positions) result.positions = positions_of(*chunk.positions, numbers);
+    if (chunk.sizes) result.sizes = column_of(*chunk.sizes, numbers);
     for (const auto& column : chunk.attributes)
         result.attributes.push_back(column ? column_of(*column, numbers) : nullptr);
     return result;

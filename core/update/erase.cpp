@@ -45,7 +45,7 @@ public:
           count_only_(count_only)
     {
         for (const std::size_t k : selector_.tested()) tested_.attributes.set(k);
-        others_ = ColumnSet::all(info_.schema);
+        others_ = ColumnSet::whole(info_.schema);
         others_.positions = false;
         others_.attributes &= ~tested_.attributes;
     }
@@ -54,7 +54,7 @@ public:
     void make_leaf(Examined& examined) const
     {
         examined.node.spacing = 0;
-        if (examined.deleted == 0) examined.rest = tree_.read_chunk(examined.node.id, ColumnSet::all(info_.schema));
+        if (examined.deleted == 0) examined.rest = tree_.read_chunk(examined.node.id, ColumnSet::whole(info_.schema));
         examined.bytes = encode_chunk(examined.rest, info_.schema, info_.grid, identity_of(examined.node, generation_));
     }
 
@@ -79,6 +79,7 @@ public:
         }
         if (count_only_) return examined;
         const Chunk more = tree_.read_chunk(node.id, others_);
+        chunk.sizes = more.sizes;
         for (std::size_t k = 0; k < chunk.attributes.size(); ++k)
             if (!chunk.attributes[k]) chunk.attributes[k] = more.attributes[k];
         std::vector<std::byte> scratch;

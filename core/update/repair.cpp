@@ -237,7 +237,7 @@ private:
         Checked checked;
         if (node.points == 0) return checked;
         try {
-            const ColumnSet all = ColumnSet::all(info_.schema);
+            const ColumnSet all = ColumnSet::whole(info_.schema);
             DecodedChunk decoded = read_chunk(files[node.extent.file], node.extent.offset, node.extent.bytes,
                                               node.extent.header_bytes, all);
             if (!decoded.header.schema.is_beginning_of(info_.schema))

@@ -1,7 +1,11 @@
 #include "plugin/filter/filter_plugin.h"
 
 #include "plugin/filter/filter.h"
+#include "plugin/host/cancelled.h"
+#include "plugin/host/field_buttons.h"
 #include "plugin/host/text.h"
+
+#include <utility>
 
 using namespace pcm::host;
 
@@ -35,15 +39,26 @@ MeshFilterInterface::FilterClass PointCloudFilters::getClass(QAction* action)
     return applied_ ? menus : FilterClass(MeshCreation | menus);
 }
 
-void PointCloudFilters::initParameterSet(QAction* action, MeshDocument&, RichParameterList& parameters)
+void PointCloudFilters::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters)
 {
+    dialog_without_layer_ = document.mm() == nullptr;
     filter_of(ID(action)).add_parameters(parameters);
+    add_field_buttons(parameters, &document);
+}
+
+// When its dialog for a filter is closed, MeshLab restores the layer that was current when it was opened from a state
+// that it has not saved. Without a layer it compares null with a pointer that was never set, and may crash. For what
+// changes nothing known it restores nothing. It asks right after initParameterSet(); later answers are about layers.
+int PointCloudFilters::postCondition(QAction*) const
+{
+    return std::exchange(dialog_without_layer_, false) ? MeshModel::MM_UNKNOWN : MeshModel::MM_NONE;
 }
 
 bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                                     vcg::CallBackPos* callback)
 {
     errorMessage.clear();
+    dialog_without_layer_ = false;
     applied_ = true;
     const Filter& filter = filter_of(ID(action));
     try {
@@ -56,6 +71,12 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     } catch (...) {
         // An exception that leaves this function would leave the document busy for ever. Windows show errorMessage,
         // meshlabserver prints only the log.
+        if (const auto text = cancelled_text(filter.name)) {
+            errorMessage = *text;
+            Log(GLLogStream::FILTER, text->toStdString());
+            say_cancelled(*text);
+            return false;
+        }
         const std::string error = current_error();
         errorMessage = QString::fromStdString(error);
         Log(GLLogStream::WARNING, std::string(filter.name) + ": " + error);

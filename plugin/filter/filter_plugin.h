@@ -16,7 +16,7 @@ public:
     FilterClass getClass(QAction* action) override;
     FILTER_ARITY filterArity(QAction*) const override { return NONE; }
     int getPreConditions(QAction*) const override { return MeshModel::MM_NONE; }
-    int postCondition(QAction*) const override { return MeshModel::MM_NONE; }
+    int postCondition(QAction*) const override;
     // The overload with a document: MeshLab calls the other one with a null reference when there is no layer.
     void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters) override;
     bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
@@ -24,4 +24,5 @@ public:
 
 private:
     bool applied_ = false;  // any filter: MeshLab has made its menus
+    mutable bool dialog_without_layer_ = false;
 };

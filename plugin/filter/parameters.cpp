@@ -149,15 +149,15 @@ std::optional<double> largest_coordinate_of(const RichParameterList& parameters)
 
 void add_tree_parameter(RichParameterList& parameters)
 {
-    parameters.addParam(
-        RichString("Tree", "", "Tree folder",
-                   "Path of a tree folder, NAME.pct. Empty, the default: the tree that the current layer shows."));
+    parameters.addParam(RichString("Tree", "", "Tree folder",
+                                   "Path of a tree folder, NAME.pct, or of the index.pct in it. Empty, the default: "
+                                   "the tree that the current layer shows."));
 }
 
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document)
 {
     const QString given = parameters.getString("Tree");
-    return given.trimmed().isEmpty() ? shown_tree(document)->tree()->folder() : absolute_path(given);
+    return given.trimmed().isEmpty() ? shown_tree(document)->tree()->folder() : tree_folder_of(absolute_path(given));
 }
 
 std::shared_ptr<PointCloud> shown_tree(MeshDocument& document)

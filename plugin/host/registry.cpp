@@ -6,6 +6,8 @@
 
 #include <meshlab/glarea.h>
 
+#include <QMainWindow>
+
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -133,6 +135,13 @@ std::vector<GLArea*> views_of(const MeshDocument& document)
         if (view->md() == &document) views.push_back(view);
     }
     return views;
+}
+
+QMainWindow* window_of(const GLArea& area)
+{
+    for (QWidget* widget = area.parentWidget(); widget; widget = widget->parentWidget())
+        if (widget->inherits("MainWindow")) return qobject_cast<QMainWindow*>(widget);
+    return nullptr;
 }
 
 }  // namespace pcm::host

@@ -23,6 +23,7 @@
 #include <vector>
 
 class GLArea;
+class QMainWindow;
 
 namespace pcm::host {
 
@@ -79,6 +80,9 @@ private:
 
 // The views that show a document; none in meshlabserver.
 std::vector<GLArea*> views_of(const MeshDocument& document);
+
+// MeshLab's window around a view; null while it has none.
+QMainWindow* window_of(const GLArea& area);
 
 // Name of the per-mesh attribute (std::string) that holds the folder of a layer's tree.
 inline constexpr const char* tree_tag = "pcm_tree";

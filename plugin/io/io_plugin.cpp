@@ -4,11 +4,14 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/host/cancelled.h"
+#include "plugin/host/field_buttons.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/shading.h"
 #include "plugin/host/text.h"
 #include "plugin/io/export.h"
+#include "plugin/io/export_dialog.h"
 #include "plugin/io/formats.h"
 #include "plugin/io/import.h"
 #include "plugin/io/stock.h"
@@ -52,6 +55,12 @@ std::string error_about(const std::filesystem::path& path)
 
 }  // namespace
 
+PointCloudIo::PointCloudIo()
+{
+    connect(&Registry::instance(), &Registry::attached, this,
+            [](const MeshDocument* document) { ExportDialog::take_over(*document); });
+}
+
 QList<MeshIOInterface::Format> PointCloudIo::importFormats() const { return import_formats(); }
 
 void PointCloudIo::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_global_settings(parameters); }
@@ -64,6 +73,7 @@ void PointCloudIo::initPreOpenParameter(const QString& format, const QString& fi
         add_file_settings(parameters, path);
     else if (auto* stock = stock_importer(format, this))
         stock->initPreOpenParameter(format, file_name, parameters);
+    add_field_buttons(parameters, nullptr);
 }
 
 void PointCloudIo::initOpenParameter(const QString&, MeshModel& layer, RichParameterList&)
@@ -93,9 +103,7 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
         mask |= mask_of(layer);
         return true;
     } catch (...) {
-        const std::string error = error_about(path);
-        errorMessage = QString::fromStdString(error);
-        say(GLLogStream::WARNING, "Cannot open " + error, parent);
+        report_failure("Opening", "open", path, parent);
         return false;
     }
 }
@@ -132,6 +140,22 @@ bool PointCloudIo::hand_over_open(MeshIOInterface& stock, const QString& format,
     return opened;
 }
 
+// Inside a catch block.
+void PointCloudIo::report_failure(const char* doing, const char* verb, const std::filesystem::path& path,
+                                  const QWidget* window)
+{
+    const QString what = QString(doing) + " " + QString::fromStdString(path.string());
+    if (const auto text = cancelled_text(what)) {
+        errorMessage = *text;
+        say(GLLogStream::FILTER, text->toStdString(), window);
+        if (window) say_cancelled(*text);
+        return;
+    }
+    const std::string error = error_about(path);
+    errorMessage = QString::fromStdString(error);
+    say(GLLogStream::WARNING, std::string("Cannot ") + verb + " " + error, window);
+}
+
 void PointCloudIo::say(GLLogStream::Levels level, const std::string& line, const QWidget* window)
 {
     Log(level, line);
@@ -153,6 +177,7 @@ void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, Ri
         stock->initSaveParameter(format, layer, parameters);
     else
         add_export_settings(parameters, format.toLower().toStdString(), layer);
+    add_field_buttons(parameters, layer.parent);
 }
 
 // MeshLab does not pass the layer, so this is what either exporter can write.
@@ -180,11 +205,10 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         Operation operation(callback);
         for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
             say(GLLogStream::FILTER, line, parent);
+        keep_file_of(layer);
         return true;
     } catch (...) {
-        const std::string error = error_about(path);
-        errorMessage = QString::fromStdString(error);
-        say(GLLogStream::WARNING, "Cannot save " + error, parent);
+        report_failure("Saving", "save", path, parent);
         return false;
     }
 }

@@ -18,6 +18,7 @@ class PointCloudIo : public QObject, public MeshIOInterface {
     Q_INTERFACES(MeshIOInterface)
 
 public:
+    PointCloudIo();
     QString pluginName() const override { return "IOPointCloud"; }
     QList<Format> importFormats() const override;
     QList<Format> exportFormats() const override;
@@ -35,6 +36,7 @@ public:
 private:
     // Writes to the log, and without a window also to standard output: meshlabserver does not print the log of imports.
     void say(GLLogStream::Levels level, const std::string& line, const QWidget* window);
+    void report_failure(const char* doing, const char* verb, const std::filesystem::path& path, const QWidget* window);
     void join_anyway(const std::filesystem::path& path, const std::vector<std::string>& reasons,
                      pcm::host::Operation& operation, QWidget* window);
     bool hand_over_open(MeshIOInterface& stock, const QString& format, const QString& file_name, MeshModel& layer,

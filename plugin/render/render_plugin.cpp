@@ -2,6 +2,9 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
+#include "plugin/render/dock.h"
+#include "plugin/render/opening.h"
+#include "plugin/render/project_settings.h"
 #include "plugin/render/view.h"
 
 #include <meshlab/glarea.h>
@@ -19,6 +22,9 @@ PointCloudDecorator::PointCloudDecorator()
     actionList << action;
 
     Registry& registry = Registry::instance();
+    connect(&registry, &Registry::attached, this, [this](MeshDocument* document, int mesh_id) {
+        for (GLArea* area : views_of(*document)) show_at_first_paint(*area, mesh_id);
+    });
     connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_when_idle);
     connect(&registry, &Registry::detached, this, [](MeshDocument* document, int mesh_id) {
         for (GLArea* area : views_of(*document))
@@ -53,11 +59,10 @@ bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const
 void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const RichParameterList* parameters,
                                        GLArea* area, QPainter*, GLLogStream& document_log)
 {
-    const auto tree = Registry::instance().find(layer);
-    if (!tree) return;
+    if (!Registry::instance().find(layer)) return;
     QString text;
     try {
-        text = View::of(area, action)->draw(layer, *tree, read_settings(*parameters));
+        text = View::of(area, action)->draw(read_settings(*parameters));
     } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
@@ -68,11 +73,13 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
         // The log belongs to the document: if the document is destroyed, Qt drops this call.
         QTimer::singleShot(0, &layer.parent->Log, [this, alive, other, document = layer.parent, mesh_id = layer.id()] {
             MeshModel* shown = alive ? document->getMesh(mesh_id) : nullptr;
-            if (shown) switch_on(*other, *shown);
+            if (!shown) return;
+            show_at_first_paint(*other, mesh_id);
+            switch_on(*other, *shown);
         });
     }
     // MeshLab clears these lines only when it shows them.
-    if (area->infoAreaVisible) document_log.RealTimeLog("Point Cloud", layer.label(), text);
+    if (area->infoAreaVisible && !text.isEmpty()) document_log.RealTimeLog("Point Cloud", QString(), text);
 }
 
 void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
@@ -88,6 +95,12 @@ void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParamet
     if (View* view = View::find(area)) view->close();
 }
 
+void PointCloudDecorator::show_at_first_paint(GLArea& area, int mesh_id)
+{
+    ProjectSettings::follow(area);
+    Opening::expect(area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
+}
+
 void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
 {
     constexpr int wait_ms = 20;
@@ -100,14 +113,20 @@ void PointCloudDecorator::show_when_idle(MeshDocument* document, int mesh_id)
     });
 }
 
-void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
+// Like GLArea::setDecorator, but for this layer: the current layer may have changed in the meantime.
+void PointCloudDecorator::list(GLArea& area, MeshModel& layer)
 {
     QAction* const action = actionList.front();
-    // Like GLArea::setDecorator, but for this layer: the current layer may have changed in the meantime.
     QList<QAction*>& decorators = area.iPerMeshDecoratorsListMap[layer.id()];
     area.makeCurrent();
     if (startDecorate(action, layer, area.glas.currentGlobalParamSet, &area) && !decorators.contains(action))
         decorators.push_back(action);
+}
+
+void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
+{
+    list(area, layer);
+    Dock::show_for(area);
     area.update();
     QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
     // Makes the layer panel list our parameters.

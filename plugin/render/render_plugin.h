@@ -32,5 +32,8 @@ public:
 private:
     // Switches the decorator on for a newly opened tree: MeshLab's decorators are off until the user asks for them.
     void show_when_idle(MeshDocument* document, int mesh_id);
+    // The same without menus and panels, before MeshLab paints the layer.
+    void show_at_first_paint(GLArea& area, int mesh_id);
+    void list(GLArea& area, MeshModel& layer);
     void switch_on(GLArea& area, MeshModel& layer);
 };

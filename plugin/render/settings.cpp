@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace pcm::host {
 
@@ -14,6 +15,9 @@ const char* const splat_size = "MeshLab::PointCloud::SplatSize";
 const char* const radius_scale = "MeshLab::PointCloud::RadiusScale";
 const char* const samples = "MeshLab::PointCloud::Samples";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
+const char* const details = "MeshLab::PointCloud::Details";
+const char* const first_view = "MeshLab::PointCloud::FirstView";
+const char* const background = "MeshLab::PointCloud::Background";
 const char* const target_spacing = "MeshLab::PointCloud::TargetSpacing";
 const char* const frame_budget = "MeshLab::PointCloud::FrameBudget";
 const char* const point_budget = "MeshLab::PointCloud::PointBudget";
@@ -21,6 +25,7 @@ const char* const upload_budget = "MeshLab::PointCloud::UploadBudget";
 const char* const l1_size = "MeshLab::PointCloud::VideoMemory";
 const char* const l2_size = "MeshLab::PointCloud::Memory";
 
+const QColor backgrounds[] = {Qt::black, QColor(64, 64, 64), Qt::white};  // of the choices after MeshLab's
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
 
 // The choices of a table of modes: splat_modes() or colour_modes().
@@ -53,16 +58,27 @@ void add_style(RichParameterList& parameters)
     const CloudStyle style;
     parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), labels_of(splat_modes()), "Splats",
                                  "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
-                                     ". A cloud without normals or radii is shown with the most similar of these that "
-                                     "needs neither, and the log says so. Default: squares of one size."));
+                                     ". A cloud without normals is shown with the most similar of these that "
+                                     "needs none, and the log says so. Default: adaptive."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
-    parameters.addParam(RichFloat(radius_scale, style.radius_scale, "Radius scale",
-                                  "Factor on the points' radii, from 0.001 to 1000, for the other splats. Default 1."));
+    parameters.addParam(
+        RichFloat(radius_scale, style.radius_scale, "Radius scale",
+                  "Factor on the points' radii or sizes, from 0.001 to 1000, for the other splats. Default 1."));
     add_colour_settings(parameters);
 }
 
-// Quality of the picture: multisampling, lighting, level of detail.
+void add_lighting(RichParameterList& parameters)
+{
+    const RenderOptions render;
+    parameters.addParam(RichFloat(
+        eye_dome, render.eye_dome, "Eye-dome lighting",
+        QString("Darkens points that lie behind their neighbours on the screen, with a strength from 0 (off) to 10. "
+                "It shows shapes in clouds without normals or colours. Default %1.")
+            .arg(static_cast<double>(render.eye_dome))));
+}
+
+// Quality of the picture: multisampling, level of detail.
 void add_quality(RichParameterList& parameters)
 {
     const RenderOptions render;
@@ -73,15 +89,31 @@ void add_quality(RichParameterList& parameters)
         samples, default_samples, sample_counts, "Samples per pixel",
         "Multisampling of edges (MSAA), in samples per pixel, limited to what the graphics card supports. Default " +
             sample_counts[default_samples] + "."));
-    parameters.addParam(RichFloat(
-        eye_dome, render.eye_dome, "Eye-dome lighting",
-        QString("Darkens points that lie behind their neighbours on the screen, with a strength from 0 (off) to 10. "
-                "It shows shapes in clouds without normals or colours. Default %1.")
-            .arg(static_cast<double>(render.eye_dome))));
     parameters.addParam(RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
                                   QString("Largest distance between neighbouring points on the screen while the view "
                                           "moves, in pixels, from 0.1 to 1000. Default %1.")
                                       .arg(render.target_spacing_px)));
+}
+
+void add_background(RichParameterList& parameters)
+{
+    parameters.addParam(RichEnum(background, 0, {"MeshLab's", "Black", "Grey", "White"}, "Background",
+                                 "What is behind the clouds: the gradient of MeshLab's Tools > Options, or one colour. "
+                                 "Default MeshLab's."));
+}
+
+void add_details(RichParameterList& parameters)
+{
+    parameters.addParam(RichBool(details, false, "Show details",
+                                 "Whether the text in the view also has the time per frame, in milliseconds, the "
+                                 "screen error, in pixels, and how full the caches are. Default off."));
+}
+
+void add_first_view(RichParameterList& parameters)
+{
+    parameters.addParam(RichEnum(first_view, 0, {"Obliquely from above", "From above"}, "First view",
+                                 "Where a view looks from when a cloud is opened in it and it shows nothing else: "
+                                 "obliquely from above, or straight down as MeshLab does. Default obliquely."));
 }
 
 // Limits of time and memory.
@@ -120,12 +152,25 @@ void add_budgets(RichParameterList& parameters)
 
 }  // namespace
 
-void add_settings(RichParameterList& parameters)
+void add_first_settings(RichParameterList& parameters)
 {
     add_style(parameters);
+    add_lighting(parameters);
+    add_background(parameters);
+}
+
+void add_settings(RichParameterList& parameters)
+{
+    add_first_settings(parameters);
+    add_details(parameters);
     add_quality(parameters);
+    add_first_view(parameters);
     add_budgets(parameters);
 }
+
+bool is_memory(const QString& name) { return name == l1_size || name == l2_size; }
+
+bool zero_is_off(const QString& name) { return name == eye_dome; }
 
 Settings read_settings(const RichParameterList& parameters)
 {
@@ -148,6 +193,10 @@ Settings read_settings(const RichParameterList& parameters)
     render.frame_budget_ms = number(frame_budget, 1, 1e6);
     render.point_budget = static_cast<std::uint64_t>(number(point_budget, 0.01, 1e6) * 1e6);
     render.upload_budget_ms = number(upload_budget, 0.1, 1e6);
+    settings.oblique_first_view = parameters.getEnum(first_view) == 0;
+    if (const int i = parameters.getEnum(background); i > 0 && i <= int(std::size(backgrounds)))
+        settings.background = backgrounds[i - 1];
+    settings.details = parameters.getBool(details);
     settings.l1_bytes = mebibytes(parameters, l1_size, 8);
     settings.l2_bytes = mebibytes(parameters, l2_size, 16);
     return settings;

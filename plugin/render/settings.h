@@ -7,6 +7,10 @@
 
 #include <common/interfaces.h>
 
+#include <QColor>
+
+#include <optional>
+
 namespace pcm::host {
 
 struct Settings {
@@ -15,9 +19,19 @@ struct Settings {
     ColourSettings colour;
     std::uint64_t l1_bytes = 0;
     std::uint64_t l2_bytes = 0;
+    bool details = false;  // in the text about the clouds
+    bool oblique_first_view = true;
+    std::optional<QColor> background;  // instead of MeshLab's
 };
 
+// All settings, those that matter first.
 void add_settings(RichParameterList& parameters);
+// The first of them: what points are drawn as, their size and colour, lighting, background.
+void add_first_settings(RichParameterList& parameters);
+// Whether this is an amount of memory.
+bool is_memory(const QString& name);
+// Whether the number 0 switches this setting off.
+bool zero_is_off(const QString& name);
 
 // A value out of its range is replaced with the nearest valid one.
 Settings read_settings(const RichParameterList& parameters);

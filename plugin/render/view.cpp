@@ -2,7 +2,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "pcm/io/crs/height_unit.h"
-#include "plugin/host/text.h"
+#include "plugin/render/overlay.h"
 
 #include <meshlab/glarea.h>
 
@@ -96,38 +96,6 @@ Matrix4d placement_of(const MeshModel& layer)
     return placement;
 }
 
-std::string megabytes(std::uint64_t bytes) { return grouped((bytes + (1u << 19)) >> 20); }
-
-// Fill and hit rate of a cache.
-std::string cache_text(const std::string& name, std::uint64_t used, std::uint64_t capacity, std::uint64_t hits,
-                       std::uint64_t misses)
-{
-    const std::uint64_t asked = hits + misses;
-    return name + " " + megabytes(used) + " of " + megabytes(capacity) + " MB, " +
-           (asked ? grouped(100 * hits / asked) : "0") + " % hits";
-}
-
-// Number of points, quality of the picture, and time.
-QString status_text(const FrameReport& report, const CloudReport& cloud, std::uint64_t total, double target_px,
-                    const std::string& caches)
-{
-    std::string points = grouped(cloud.points_drawn) + " of " + grouped(total) + " points";
-    if (cloud.points_hidden > 0) points += "; " + grouped(cloud.points_hidden) + " hidden by the conditions";
-    if (report.clouds.size() > 1) points += "; all layers: " + grouped(report.points_drawn);
-    const std::string detail = report.full_resolution       ? std::string("full resolution")
-                               : report.screen_error_px > 0 ? "screen error " + brief(report.screen_error_px) +
-                                                                  " px (target " + brief(target_px) + ")"
-                                                            : std::string("all points in view");
-    const std::string time = brief(report.measured_ms > 0 ? report.measured_ms : report.frame_ms) + " ms per frame" +
-                             (report.refining ? ", refining" : "") +
-                             (report.samples > 1 ? ", " + std::to_string(report.samples) + " samples per pixel" : "");
-    QString rows;
-    for (const std::string& row :
-         {points, detail + ", " + time, cloud.notice, caches, cloud.error.empty() ? report.error : cloud.error})
-        if (!row.empty()) rows += "<tr><td>" + QString::fromStdString(row).toHtmlEscaped() + "</td></tr>";
-    return "<table>" + rows + "</table>";
-}
-
 }  // namespace
 
 View* View::find(GLArea* area) { return area->findChild<View*>(QString(), Qt::FindDirectChildrenOnly); }
@@ -152,24 +120,38 @@ void View::begin(MeshModel& layer)
     show_native(layer.id(), false);
 }
 
-QString View::draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings)
+QString View::draw(const Settings& settings)
 {
-    if (!drawn_) {
-        drawn_ = true;  // before an exception can be thrown: one attempt per paint event
-        draw_scene(settings);
-        publish_state();
-    }
-    const Layer& entry = layers_[layer.id()];
-    if (!entry.report) return {};
+    if (drawn_) return {};
+    drawn_ = true;  // before an exception can be thrown: one attempt per paint event
+    draw_scene(settings);
+    text_ = describe(settings);
+    publish_state();
+    return text_;
+}
+
+QString View::describe(const Settings& settings) const
+{
+    std::vector<OverlayCloud> clouds(report_.clouds.size());
+    OverlayDetails details;
+    details.target_spacing_px = settings.render.target_spacing_px;
     const L1Statistics l1 = painter_->statistics();
-    const L2Statistics l2 = tree.cloud->cache().statistics();
-    const std::string caches =
-        cache_text("video memory", l1.resident_bytes, settings.l1_bytes, l1.hits,
-                   l1.compulsory_misses + l1.capacity_misses) +
-        "; " +
-        cache_text("RAM", l2.resident_bytes, settings.l2_bytes, l2.hits, l2.compulsory_misses + l2.capacity_misses);
-    return status_text(report_, report_.clouds[*entry.report], tree.cloud->info().points,
-                       settings.render.target_spacing_px, caches);
+    details.caches.push_back(
+        {"video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses});
+    CacheUse memory{"main memory"};
+    for (const auto& [mesh_id, layer] : layers_) {
+        const MeshModel* shown = layer.report ? area_->md()->getMesh(mesh_id) : nullptr;
+        if (!shown) continue;
+        PointCloud& cloud = layer.painted->cloud();
+        clouds[*layer.report] = {shown->label(), cloud.info().points};
+        const L2Statistics l2 = cloud.cache().statistics();
+        memory.used_bytes += l2.resident_bytes;
+        memory.capacity_bytes += settings.l2_bytes;
+        memory.hits += l2.hits;
+        memory.misses += l2.compulsory_misses + l2.capacity_misses;
+    }
+    details.caches.push_back(memory);
+    return overlay_text(report_, clouds, settings.details ? &details : nullptr);
 }
 
 void View::draw_scene(const Settings& settings)
@@ -233,6 +215,7 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
 {
     if (!tile_) tile_ = std::make_unique<Picture>();
     options.converge = false;  // refine to the target spacing only, in pixels of the snapshot
+    options.paraboloids = true;
     options.frame_budget_ms = options.upload_budget_ms = tile_patience_ms;
     QElapsedTimer taken;
     taken.start();
@@ -396,6 +379,7 @@ void View::publish_state()
     state["error"] = error;
     state["notice"] = notice;
     state["legend"] = any ? lines_of(legends_) : QStringList();
+    state["text"] = text_;
     state["frame"] = ++frame_;
     area_->setProperty("pcm_state", state);
 }

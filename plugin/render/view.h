@@ -39,9 +39,10 @@ public:
 
     // From now on the layer's tree is drawn in this view, and MeshLab's own points of the layer are hidden.
     void begin(MeshModel& layer);
-    // Draws all layers that this view shows, unless that was done in this paint event. Returns the text about this
-    // layer for MeshLab's info pane. Throws what drawing throws.
-    QString draw(const MeshModel& layer, const TreeLayer& tree, const Settings& settings);
+    // Draws all layers that this view shows, unless that was done in this paint event. Returns the text about them for
+    // MeshLab's box; nothing after the first call of a paint event, so that there is one box. Throws what drawing
+    // throws.
+    QString draw(const Settings& settings);
     // Undoes begin().
     void end(int mesh_id);
     // The document is being closed: frees our GL objects. MeshLab has freed its own already.
@@ -64,6 +65,7 @@ private:
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
     void draw_scene(const Settings& settings);
+    QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
     void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
     bool click_legend(const QEvent& event);
@@ -82,6 +84,7 @@ private:
     std::unique_ptr<Picture> tile_;  // while a tiled snapshot is being taken
     bool drawn_ = false;             // in the current paint event
     FrameReport report_;             // of the last paint event
+    QString text_;                   // about report_
     bool look_again_ = false;
     LegendBox legend_box_;
     std::vector<LayerLegend> legends_;  // of the last paint event

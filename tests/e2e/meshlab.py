@@ -40,6 +40,23 @@ class Run:
         found = (json.loads(m[1]) for m in re.finditer(r"driver: legend (\{.*\})", self.text))
         return {legend["name"]: legend["lines"] for legend in found}
 
+    def boxes(self):
+        """What the driver's print-boxes printed."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: box (\{.*\})", self.text)]
+
+    def parameters(self):
+        """What the driver's print-parameters printed, by name."""
+        found = (json.loads(m[1]) for m in re.finditer(r"driver: parameters (\{.*\})", self.text))
+        return {values["name"]: values for values in found}
+
+    def fields(self):
+        """What the driver's print-field printed, in order."""
+        return re.findall(r"driver: field [^:]*: (.*)", self.text)
+
+    def paints(self):
+        """What the driver's print-paints printed."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: paints (\{.*\})", self.text)]
+
     def cameras(self):
         """What the driver's print-camera printed, by name."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))
@@ -88,6 +105,9 @@ FIXED_VIEW = NO_TIME_LIMIT + """
 class MeshLabTest(unittest.TestCase):
     """A test with its own folder and its own settings of MeshLab."""
 
+    # Most tests look straight down, as MeshLab does: their cameras and pictures shall not depend on ours.
+    first_view = 1
+
     @classmethod
     def setUpClass(cls):
         cls.prefix = BUILD / "e2e-meshlab"
@@ -104,8 +124,17 @@ class MeshLabTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
                                 XDG_RUNTIME_DIR=str(self.folder / "runtime"), LIBGL_ALWAYS_SOFTWARE="1")
-        (self.folder / "config").mkdir()
+        (self.folder / "config" / "VCG").mkdir(parents=True)
+        self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
         (self.folder / "runtime").mkdir(mode=0o700)
+
+    def setting(self, name, kind, value, **more):
+        """Stores one of our settings as MeshLab does, before it is started."""
+        name = "MeshLab::PointCloud::" + name
+        attributes = " ".join(f"{key}={quoteattr(str(text))}" for key, text in dict(more, type=kind, name=name, value=value).items())
+        document = f"<!DOCTYPE MeshLabSettings><Param {attributes}/>".replace('"', '\\"')
+        with open(self.folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
+            file.write(f'{name.replace(":", "%3A")}="{document}"\n')
 
     def result(self, name):
         """Path of a picture or log of this test."""

@@ -167,6 +167,7 @@ RenderOptions everything()
     options.target_spacing_px = 0;
     options.frame_budget_ms = 1e9;  // the picture does not depend on the machine's speed
     options.upload_budget_ms = 1000;
+    options.eye_dome = 0;
     return options;
 }
 

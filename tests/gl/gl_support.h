@@ -60,6 +60,14 @@ std::shared_ptr<PointCloud> make_cloud(const TemporaryFolder& folder, const std:
                                        const std::vector<LasPoint>& points, std::uint32_t chunk_points = 5000);
 
 // One cloud in one view, with everything needed to draw it. White squares of two pixels unless the style is changed.
+// Constant splats of two pixels: pictures that a test can work out.
+inline CloudStyle constant_squares()
+{
+    CloudStyle style;
+    style.splats = SplatMode::constant;
+    return style;
+}
+
 class Drawing {
 public:
     explicit Drawing(std::shared_ptr<PointCloud> cloud, const L1Options& l1 = {});
@@ -69,7 +77,7 @@ public:
     const std::shared_ptr<L1Cache>& l1() const { return drawn.l1(); }
     void release();  // an L1 of its own too
 
-    CloudStyle style;
+    CloudStyle style = constant_squares();
     DrawnCloud drawn;
     Renderer renderer;
     Picture picture;

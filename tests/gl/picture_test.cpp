@@ -34,6 +34,7 @@ TEST(Picture, ARestingViewBecomesTheFullResolutionPicture)
             Drawing drawing(cloud, l1);
             drawing.style.colour = ColourMode::rgb;
             RenderOptions options;
+            options.eye_dome = 0;
             options.target_spacing_px = way == 1 ? 20 : 4;
             options.frame_budget_ms = 1e9;
             options.point_budget = way == 2 ? 5000 : 30000;
@@ -175,6 +176,7 @@ TEST(Picture, SeveralCloudsShareABudgetByScreenError)
     far_item.placement = translation(20, -5, -80);
     const Camera view = view_of(translation(0, 0, -20), perspective(0.9, 2, 0.1, 1000), 200, 100);
     RenderOptions options;
+    options.eye_dome = 0;
     options.frame_budget_ms = 1e9;
     options.target_spacing_px = 0.1;
     options.point_budget = 30000;
@@ -291,6 +293,7 @@ TEST(Picture, AMovingViewIsNeverBlankWhereThereArePoints)
     drawing.style.point_size_px = 3;
     const Framebuffer framebuffer(160, 120);
     RenderOptions options;
+    options.eye_dome = 0;
     options.frame_budget_ms = 1e9;
     options.point_budget = 25000;
     for (int frame = 0; frame < 120; ++frame) {

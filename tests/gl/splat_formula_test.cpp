@@ -102,9 +102,9 @@ std::vector<Splat> splats_of(SplatMode mode, const Camera& view, const std::vect
 {
     std::vector<Splat> splats;
     for (const Disc& disc : discs)
-        splats.push_back(mode == SplatMode::constant  ? constant_splat(view, disc, point_size)
-                         : mode == SplatMode::dynamic ? dynamic_splat(view, disc)
-                                                      : affine_splat(view, disc));
+        splats.push_back(mode == SplatMode::constant   ? constant_splat(view, disc, point_size)
+                         : mode == SplatMode::adaptive ? dynamic_splat(view, disc)
+                                                       : affine_splat(view, disc));
     return splats;
 }
 
@@ -163,7 +163,7 @@ TEST(SplatFormula, EachAgreesWithItsFormula)
         PCM_REQUIRE_GL(context, profile);
         const SplatScene scene(fine_grid(), field(80, 1));
         for (const Camera& view : {perspective_view(), parallel_view()})
-            for (const SplatMode mode : {SplatMode::constant, SplatMode::dynamic, SplatMode::affine})
+            for (const SplatMode mode : {SplatMode::constant, SplatMode::adaptive, SplatMode::affine})
                 for (const bool reversed : {true, false}) {
                     if (!reversed && view.projection[11] != 0)
                         continue;  // floats near 1 resolve less; splat_disc_test.cpp tests that
@@ -184,8 +184,8 @@ TEST(SplatFormula, DynamicSquaresOfAnySizeAtTheBorder)
     for (const double size : {0.5, 8.0}) {
         const SplatScene scene(fine_grid(), field(60, 2, 1.5, size));
         for (const Camera& view : {perspective_view(), parallel_view()}) {
-            const auto truth = picture_of(view, splats_of(SplatMode::dynamic, view, scene.discs(view), 0), 0.02);
-            expect_same(draw(scene, view, style_of(SplatMode::dynamic)), truth, view, true, 500);
+            const auto truth = picture_of(view, splats_of(SplatMode::adaptive, view, scene.discs(view), 0), 0.02);
+            expect_same(draw(scene, view, style_of(SplatMode::adaptive)), truth, view, true, 500);
         }
     }
     // No point vanishes: with a radius of 0, or far away, it covers one pixel. (A square of 1 pixel covers exactly one
@@ -193,7 +193,7 @@ TEST(SplatFormula, DynamicSquaresOfAnySizeAtTheBorder)
     std::vector<Disc> tiny;
     for (int d = 0; d < 50; ++d) tiny.push_back({{-4 + 0.16 * d, 0.013 * d, -9}, {0, 0, 1}, d % 2 ? 0.0 : 1e-9});
     const SplatScene scene(fine_grid(), tiny);
-    const Drawn picture = draw(scene, perspective_view(), style_of(SplatMode::dynamic));
+    const Drawn picture = draw(scene, perspective_view(), style_of(SplatMode::adaptive));
     EXPECT_EQ(std::count_if(picture.colours.begin(), picture.colours.end(), [](const Pixel& p) { return p.a == 255; }),
               50);
 }
@@ -213,7 +213,7 @@ TEST(SplatFormula, ErrorsAreOrdered)
     };
     const std::size_t perspective_errors = wrong(SplatMode::perspective);
     const std::size_t affine_errors = wrong(SplatMode::affine);
-    const std::size_t dynamic_errors = wrong(SplatMode::dynamic);
+    const std::size_t dynamic_errors = wrong(SplatMode::adaptive);
     EXPECT_LE(perspective_errors, 2u);
     EXPECT_LT(5 * perspective_errors, affine_errors);
     EXPECT_LT(5 * affine_errors, 4 * dynamic_errors);
@@ -244,7 +244,7 @@ TEST(SplatFormula, AFixedPointStaysUnderASlowPanAtMapCoordinates)
             view_of(product(turn, translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2])), projection,
                     side, side, origin);
         for (const SplatMode mode :
-             {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
+             {SplatMode::constant, SplatMode::adaptive, SplatMode::affine, SplatMode::perspective}) {
             SCOPED_TRACE(testing::Message() << name_of(mode) << ", frame " << frame);
             CloudStyle style = style_of(mode);
             style.point_size_px = 7;
@@ -266,7 +266,7 @@ TEST(SplatFormula, DiscsAreAntialiasedSampleBySample)
         std::array<std::array<float, 2>, samples> places{};
         for (unsigned s = 0; s < samples; ++s) glGetMultisamplefv(GL_SAMPLE_POSITION, s, places[s].data());
         for (const Camera& view : {perspective_view(), parallel_view()})
-            for (const SplatMode mode : {SplatMode::affine, SplatMode::perspective, SplatMode::dynamic}) {
+            for (const SplatMode mode : {SplatMode::affine, SplatMode::perspective, SplatMode::adaptive}) {
                 SCOPED_TRACE(testing::Message()
                              << name_of(mode) << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
                 const SplatScene scene(fine_grid(), field(12, 6));

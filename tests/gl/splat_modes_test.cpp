@@ -34,7 +34,7 @@ TEST(SplatModes, RowsAreInTheOrderOfTheEnumeratorsAndNamesAreUnique)
     }
     // Scripts, and the settings that MeshLab stores by number.
     EXPECT_STREQ(splat_modes()[0].name, "constant");
-    EXPECT_STREQ(splat_modes()[1].name, "dynamic");
+    EXPECT_STREQ(splat_modes()[1].name, "adaptive");
     EXPECT_STREQ(splat_modes()[2].name, "affine");
     EXPECT_STREQ(splat_modes()[3].name, "perspective");
     EXPECT_EQ(static_cast<int>(SplatMode::perspective), 3);
@@ -60,10 +60,10 @@ TEST(SplatModes, TheNearestModeReadsOnlyWhatIsThere)
                 EXPECT_TRUE(normal || !drawn.reads_normal) << row.name;
                 if ((radius || !row.reads_radius) && (normal || !row.reads_normal)) EXPECT_EQ(drawn.mode, row.mode);
             }
-    EXPECT_EQ(drawable_mode(SplatMode::perspective, true, false), SplatMode::dynamic);
+    EXPECT_EQ(drawable_mode(SplatMode::perspective, true, false), SplatMode::adaptive);
     EXPECT_EQ(drawable_mode(SplatMode::perspective, false, true), SplatMode::constant);
     EXPECT_EQ(drawable_mode(SplatMode::affine, false, false), SplatMode::constant);
-    EXPECT_EQ(drawable_mode(SplatMode::dynamic, false, true), SplatMode::constant);
+    EXPECT_EQ(drawable_mode(SplatMode::adaptive, false, true), SplatMode::constant);
 }
 
 TEST(SplatModes, TheNoticeNamesWhatTheCloudLacks)
@@ -79,8 +79,9 @@ TEST(SplatModes, TheNoticeNamesWhatTheCloudLacks)
     const Attribute radius{"radius", ScalarType::f32}, normal{"normal", ScalarType::f32, 3};
     EXPECT_EQ(notice_of(SplatMode::perspective, {radius, normal}), "");
     EXPECT_EQ(notice_of(SplatMode::constant, {}), "");
-    EXPECT_EQ(notice_of(SplatMode::perspective, {radius}), "the cloud has no normals: dynamic splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::affine, {normal}), "the cloud has no radii: constant splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::affine, {}), "the cloud has no radii: constant splats are drawn");
-    EXPECT_EQ(notice_of(SplatMode::dynamic, {normal}), "the cloud has no radii: constant splats are drawn");
+    EXPECT_EQ(notice_of(SplatMode::perspective, {radius}), "the cloud has no normals: adaptive splats are drawn");
+    // Every point has a size, which stands for a radius.
+    EXPECT_EQ(notice_of(SplatMode::affine, {normal}), "");
+    EXPECT_EQ(notice_of(SplatMode::affine, {}), "the cloud has no normals: adaptive splats are drawn");
+    EXPECT_EQ(notice_of(SplatMode::adaptive, {}), "");
 }

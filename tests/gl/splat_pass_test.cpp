@@ -35,9 +35,9 @@ TEST(SplatPass, MissingAttributesAreReplaced)
     const SplatScene no_colours(fine_grid(), discs, {ColourSource::none, true, true});
     const auto same = [](const Drawn& a, const Drawn& b) { return a.colours == b.colours && a.depths == b.depths; };
     EXPECT_TRUE(
-        same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::dynamic))));
+        same(draw(no_normals, view, style_of(SplatMode::perspective)), draw(all, view, style_of(SplatMode::adaptive))));
     EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::affine)), draw(all, view, style_of(SplatMode::constant))));
-    EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::dynamic)), draw(all, view, style_of(SplatMode::constant))));
+    EXPECT_TRUE(same(draw(bare, view, style_of(SplatMode::adaptive)), draw(all, view, style_of(SplatMode::constant))));
     const Drawn uncoloured = draw(no_colours, view, style_of(SplatMode::perspective));
     const Drawn coloured = draw(all, view, style_of(SplatMode::perspective));
     EXPECT_EQ(uncoloured.depths, coloured.depths);
@@ -77,7 +77,7 @@ TEST(SplatPass, GapsAreFilled)
     PCM_REQUIRE_GL(context, Profile::core);
     for (const Camera& view : {perspective_view(), parallel_view()})
         for (const SplatMode mode :
-             {SplatMode::constant, SplatMode::dynamic, SplatMode::affine, SplatMode::perspective})
+             {SplatMode::constant, SplatMode::adaptive, SplatMode::affine, SplatMode::perspective})
             for (const double depth : {3.0, 9.0}) {
                 // Facing the view, so that discs are as large as squares.
                 const SplatScene scene(fine_grid(), {{{-0.4 * depth, 0, -depth}, {0, 0, 1}, 1e-4},
@@ -91,7 +91,7 @@ TEST(SplatPass, GapsAreFilled)
                     return static_cast<double>(count);
                 };
                 for (const float size : {6.0f, 13.0f, 20.0f}) {
-                    const bool square = mode == SplatMode::constant || mode == SplatMode::dynamic;
+                    const bool square = mode == SplatMode::constant || mode == SplatMode::adaptive;
                     const double one = static_cast<double>(size * size) * (square ? 1 : pi / 4);
                     EXPECT_NEAR(covered(scene, size), 2 * one, 0.12 * 2 * one + 4)
                         << name_of(mode) << " at " << depth << ", " << size << " px";
@@ -155,7 +155,7 @@ TEST(SplatPass, LeavesViewportScissorAndStateAsTheyWere)
     glViewport(20, 15, width, height);
     glScissor(50, 40, 60, 50);
     for (const bool scissor : {false, true})
-        for (const SplatMode mode : {SplatMode::dynamic, SplatMode::affine, SplatMode::perspective}) {
+        for (const SplatMode mode : {SplatMode::adaptive, SplatMode::affine, SplatMode::perspective}) {
             glDisable(GL_SCISSOR_TEST);
             framebuffer.clear(true);
             if (scissor) glEnable(GL_SCISSOR_TEST);

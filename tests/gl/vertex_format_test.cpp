@@ -45,10 +45,12 @@ TEST(VertexFormat, StridesDivideThePageAndMembersDoNotOverlap)
 TEST(VertexFormat, AStyleUploadsWhatItReadsAndNothingElse)
 {
     CloudStyle style;
+    EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, true, false}));
+    style.splats = SplatMode::constant;
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, false, false}));
     style.colour = ColourMode::height;
     EXPECT_EQ(format_of(style).stride(), 12u);
-    style.splats = SplatMode::dynamic;
+    style.splats = SplatMode::adaptive;
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::none, true, false}));
     EXPECT_EQ(format_of(style).stride(), 16u);
     style.colour = ColourMode::classification;

@@ -88,6 +88,36 @@ TEST_F(ForeignFiles, AFifoIsNotWaitedFor)
     EXPECT_THROW(TreeLock{tree()}, Error);
 }
 
+TEST_F(ForeignFiles, ADamagedIndexNamesTheCommandThatRepairsIt)
+{
+    build();
+    const std::vector<std::byte> index = read_file(index_path());
+    const std::string command = "in a terminal: pcmlab repair " + tree().string() + ")";
+    std::vector<std::byte> changed = index;
+    changed[changed.size() / 2] ^= std::byte{1};
+    write_file(index_path(), changed);
+    expect_refused(ErrorCode::corrupt, command);
+    write_file(index_path(), std::vector<std::byte>(index.begin(), index.begin() + 5));
+    expect_refused(ErrorCode::not_a_tree, command);
+    write_file(index_path(), std::vector<std::byte>(index.begin(), index.begin() + 100));
+    expect_refused(ErrorCode::corrupt, command);
+    fs::remove(index_path());
+    expect_refused(ErrorCode::not_a_tree, command);
+    write_file(index_path(), index);
+    const fs::path with_blank = folder_ / "a b.pct";
+    fs::rename(tree(), with_blank);
+    write_file(with_blank / index_file_name, changed);
+    try {
+        Tree::open(with_blank);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("repair \"" + with_blank.string() + "\""), std::string::npos)
+            << error.what();
+        EXPECT_EQ(std::string(error.what()).find(error.path().string()), 0u);
+        EXPECT_EQ(std::string(error.what()).find(error.path().string(), 1), std::string::npos) << "the path twice";
+    }
+}
+
 TEST_F(ForeignFiles, DevicesAndFoldersAreRefused)
 {
     build();

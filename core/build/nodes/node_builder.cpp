@@ -101,6 +101,7 @@ auto NodeBuilder<Coord>::divide(const LeveledRows& points, const std::vector<Lev
         const std::byte* row = points.rows.data() + i * row_bytes;
         to.rows.insert(to.rows.end(), row, row + row_bytes);
         to.levels.push_back(level);
+        to.sizes.push_back(points.sizes[i]);
     }
     return region;
 }
@@ -114,6 +115,7 @@ auto NodeBuilder<Coord>::join(Region left, Region right) -> Region
         LeveledRows &to = region.above[depth], &from = right.above[depth];
         to.rows.insert(to.rows.end(), from.rows.begin(), from.rows.end());
         to.levels.insert(to.levels.end(), from.levels.begin(), from.levels.end());
+        to.sizes.insert(to.sizes.end(), from.sizes.begin(), from.sizes.end());
         from = LeveledRows();
     }
     return region;
@@ -274,6 +276,10 @@ void NodeBuilder<Coord>::emit(const LeveledRows& points, const Indices& indices,
     chunk.points = draft.points;
     chunk.positions = positions_of(points, order, draft);
     for (auto& column : columns_of(points, order)) chunk.attributes.push_back(std::move(column));
+    const auto sizes = std::make_shared<Column>(attribute_of_sizes());
+    sizes->resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) sizes->as<std::uint8_t>()[i] = points.sizes[order[i]];
+    chunk.sizes = sizes;
     ChunkIdentity identity;
     identity.path = draft.path;
     identity.part = options_.part;

@@ -38,10 +38,10 @@ struct LevelRange {
 // As many levels from `first` on as together have at most `most` points; all that are left when they fit.
 LevelRange levels_that_fit(const std::vector<std::uint64_t>& histogram, std::size_t first, std::uint64_t most);
 
-// Points with their levels, rows one after the other.
+// Points with their levels and the codes of their sizes (tree/point_size.h), rows one after the other.
 struct LeveledRows {
     std::vector<std::byte> rows;
-    std::vector<std::uint8_t> levels;
+    std::vector<std::uint8_t> levels, sizes;
 };
 
 template <class Coord>

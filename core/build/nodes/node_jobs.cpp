@@ -1,6 +1,7 @@
 #include "pcm/build/nodes/node_jobs.h"
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/build/nodes/point_sizes.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 
@@ -129,12 +130,19 @@ void NodeJobs<Coord>::plan()
 }
 
 template <class Coord>
+LeveledRows NodeJobs<Coord>::rows_of(std::size_t bin) const
+{
+    LeveledRows points{bins_.read(bin), levels_.levels(bin), {}};
+    points.sizes = find_sizes<Coord>(points.rows.data(), points.levels.size(), options_.layout.bytes, options_.grid);
+    return points;
+}
+
+template <class Coord>
 auto NodeJobs<Coord>::build(Builder& builder, Job& job, typename Builder::Region left, typename Builder::Region right,
                             typename Builder::Output& output) const -> typename Builder::Region
 {
     if (!job.bin) return builder.merge(std::move(left), std::move(right), job.path, job.own, output);
-    const LeveledRows points{bins_.read(*job.bin), levels_.levels(*job.bin)};
-    return builder.build(points, job.path, job.above, output);
+    return builder.build(rows_of(*job.bin), job.path, job.above, output);
 }
 
 template <class Coord>
@@ -198,7 +206,7 @@ auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> ty
     const Job& job = jobs_[number];
     typename Builder::Region region;
     if (job.bin) {
-        region = builder.hand_up({bins_.read(*job.bin), levels_.levels(*job.bin)}, job.above);
+        region = builder.hand_up(rows_of(*job.bin), job.above);
     } else {
         region = Builder::join(regained(builder, job.inputs[0]), regained(builder, job.inputs[1]));
         region.above.pop_back();

@@ -67,6 +67,7 @@ private:
     void load(std::size_t job, ByteReader& in);
     std::optional<std::size_t> list(std::uint32_t node, const NodePath& path);
     std::uint64_t rows(std::uint32_t node) const;
+    LeveledRows rows_of(std::size_t bin) const;
     void plan();
     typename Builder::Region build(Builder& builder, Job& job, typename Builder::Region left,
                                    typename Builder::Region right, typename Builder::Output& output) const;

@@ -299,7 +299,7 @@ void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr
 RenderOptions options_of(const RenderArguments& arguments)
 {
     RenderOptions options = arguments.options;
-    options.converge = arguments.until == "full";
+    options.converge = options.paraboloids = arguments.until == "full";
     // Nobody looks at single frames here. They end so that Ctrl-C is noticed, and so that the lists of chunks to load,
     // which each frame makes, stay up to date.
     options.upload_budget_ms = 50;

@@ -17,7 +17,7 @@ namespace pcm::cli {
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
-    std::string output, size = "1280x720", splats = "constant", colour = "rgb", uniform_colour, ramp = "auto", range,
+    std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
     std::vector<std::string> where;
     std::vector<double> eye, target, up;

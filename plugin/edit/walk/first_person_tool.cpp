@@ -2,8 +2,8 @@
 
 #include "pcm/cloud/vector.h"
 #include "plugin/edit/walk/scene_reach.h"
-#include "plugin/edit/walk/trackball_pose.h"
 #include "plugin/host/text.h"
+#include "plugin/host/trackball_pose.h"
 
 #include <meshlab/glarea.h>
 

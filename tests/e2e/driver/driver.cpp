@@ -1,6 +1,7 @@
 #include "tests/e2e/driver/driver.h"
 
 #include "tests/e2e/driver/commands.h"
+#include "tests/e2e/driver/paint_witness.h"
 
 #include <common/GLLogStream.h>
 #include <common/interfaces.h>
@@ -49,6 +50,8 @@ TestDriver::TestDriver()
     started.start();
     QTimer::singleShot(step_ms, this, SLOT(step()));
 }
+
+TestDriver::~TestDriver() = default;
 
 void TestDriver::fail(const QString& why)
 {

@@ -10,8 +10,11 @@
 #include <QStringList>
 #include <QtPlugin>
 
+#include <memory>
+
 class GLArea;
 class MeshDocument;
+class PaintWitness;
 class QMainWindow;
 
 enum class Done { yes, not_yet };
@@ -23,6 +26,7 @@ class TestDriver : public QObject {
     Q_PLUGIN_METADATA(IID "pcm.TestDriver/1.0")
 public:
     TestDriver();
+    ~TestDriver() override;
 
     // For commands that wait: not_yet means that the command is run again soon. Fails when `condition` stays false too
     // long.
@@ -42,6 +46,7 @@ public:
     int frame_before = 0;           // the last frame before a command that waits for a new one
     int opening = 0;                // files that MeshLab has not finished opening
     QString message;                // text of the last message box
+    std::unique_ptr<PaintWitness> witness;
 
 private slots:
     void step();

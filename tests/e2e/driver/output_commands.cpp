@@ -1,4 +1,5 @@
 #include "tests/e2e/driver/commands.h"
+#include "tests/e2e/driver/paint_witness.h"
 
 #include <meshlab/glarea.h>
 
@@ -93,6 +94,49 @@ Done print_camera(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
+// print-boxes: the boxes of text in the view
+Done print_boxes(TestDriver& driver, const QString&)
+{
+    const PaintWitness witness(driver.area());
+    driver.area()->repaint();
+    for (auto box = witness.boxes.cbegin(); box != witness.boxes.cend(); ++box)
+        say("box " + compact({{"title", box.key()}, {"layer", box->first}, {"text", box->second}}));
+    return Done::yes;
+}
+
+// print-parameters NAME: the settings of point clouds
+Done print_parameters(TestDriver& driver, const QString& name)
+{
+    QJsonObject values{{"name", name}};
+    for (const RichParameter& parameter : *driver.area()->glas.currentGlobalParamSet) {
+        if (!parameter.name().startsWith("MeshLab::PointCloud::")) continue;
+        const Value& value = parameter.value();
+        values[parameter.name().section("::", -1)] = value.isFloat()    ? QJsonValue(double(value.getFloat()))
+                                                     : value.isEnum()   ? QJsonValue(value.getEnum())
+                                                     : value.isBool()   ? QJsonValue(value.getBool())
+                                                     : value.isInt()    ? QJsonValue(value.getInt())
+                                                     : value.isColor()  ? QJsonValue(value.getColor().name())
+                                                     : value.isString() ? QJsonValue(value.getString())
+                                                                        : QJsonValue();
+    }
+    say("parameters " + compact(values));
+    return Done::yes;
+}
+
+// count-paints: from now on, until print-paints
+Done count_paints(TestDriver& driver, const QString&)
+{
+    driver.witness = std::make_unique<PaintWitness>(driver.area());
+    return Done::yes;
+}
+
+Done print_paints(TestDriver& driver, const QString&)
+{
+    say("paints " + compact({{"all", driver.witness->paints}, {"native", driver.witness->native_paints}}));
+    driver.witness.reset();
+    return Done::yes;
+}
+
 // picture FILE: the view without MeshLab's texts
 Done picture(TestDriver& driver, const QString& file)
 {
@@ -135,6 +179,10 @@ std::vector<Command> output_commands()
          }},
         {"print-layers", print_layers},
         {"print-camera", print_camera},
+        {"print-boxes", print_boxes},
+        {"print-parameters", print_parameters},
+        {"count-paints", count_paints},
+        {"print-paints", print_paints},
         {"picture", picture},
         {"screen", screen},
     };

@@ -7,12 +7,16 @@
 #include <QApplication>
 #include <QCheckBox>
 #include <QComboBox>
+#include <QDockWidget>
+#include <QDoubleSpinBox>
+#include <QFileDialog>
 #include <QKeyEvent>
 #include <QLabel>
 #include <QLineEdit>
 #include <QMainWindow>
 #include <QMenu>
 #include <QMessageBox>
+#include <QPointer>
 #include <QTimer>
 #include <QTreeWidget>
 
@@ -61,6 +65,13 @@ Done open(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// open-project FILE
+Done open_project(TestDriver& driver, const QString& file)
+{
+    QMetaObject::invokeMethod(driver.window(), "openProject", Qt::QueuedConnection, Q_ARG(QString, file));
+    return Done::yes;
+}
+
 // Saves the current layer, with or without the dialog about what is to be written.
 void save(TestDriver& driver, const QString& file, bool everything)
 {
@@ -92,7 +103,7 @@ Done press(TestDriver& driver, const QString& argument)
         auto* button = qobject_cast<QAbstractButton*>(widget);
         if (!button || !button->isVisible() || button->text().remove('&') != argument) continue;
         if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
-            driver.message = box->text() + " " + box->informativeText();
+            driver.message = box->windowTitle() + ": " + box->text() + " " + box->informativeText();
             say("message: " + driver.message);
         }
         QTimer::singleShot(0, button, SLOT(click()));
@@ -131,6 +142,8 @@ Done parameter(TestDriver& driver, const QString& argument)
         parameters->setValue(name, FloatValue(static_cast<float>(number)));
     else if (value.isEnum())
         parameters->setValue(name, EnumValue(static_cast<int>(number)));
+    else if (value.isBool())
+        parameters->setValue(name, BoolValue(number != 0));
     else if (value.isString())
         parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
     else if (value.isBool())
@@ -138,6 +151,72 @@ Done parameter(TestDriver& driver, const QString& argument)
     else
         parameters->setValue(name, IntValue(static_cast<int>(number)));
     driver.area()->update();
+    return Done::yes;
+}
+
+// field-button LABEL = TEXT: a button in a field of the open dialog
+Done field_button(TestDriver& driver, const QString& argument)
+{
+    QWidget* widget = field(argument.section('=', 0, 0).trimmed());
+    if (widget)
+        for (QAction* action : widget->actions())
+            if (action->text() == argument.section('=', 1).trimmed()) {
+                QTimer::singleShot(0, action, SLOT(trigger()));
+                return Done::yes;
+            }
+    return driver.until(false, "a button '" + argument + "'");
+}
+
+// print-field LABEL: the text of a field of the open dialog
+Done print_field(TestDriver& driver, const QString& argument)
+{
+    const auto* edit = qobject_cast<QLineEdit*>(field(argument));
+    if (!edit) driver.fail("no field '" + argument + "'");
+    say("field " + argument + ": " + edit->text());
+    return Done::yes;
+}
+
+// pick PATH [; PATH...]: in the open dialog for files; nothing keeps the name that it proposes
+Done pick(TestDriver& driver, const QString& argument)
+{
+    static QPointer<QFileDialog> picked;
+    static bool waits_for_end = false;
+    auto* dialog = qobject_cast<QFileDialog*>(qApp->activeModalWidget());
+    if (waits_for_end) {
+        waits_for_end = picked && picked == dialog;
+        return driver.until(!waits_for_end, "the end of a dialog for files");
+    }
+    auto* name = dialog ? dialog->findChild<QLineEdit*>("fileNameEdit") : nullptr;
+    if (!name) return driver.until(false, "a dialog for files");
+    driver.message = dialog->windowTitle() + " " + dialog->selectedNameFilter() + " " + name->text();
+    say("file dialog: " + driver.message);
+    QStringList names;
+    for (const QString& path : argument.split("; ", Qt::SkipEmptyParts)) names << path.trimmed();
+    if (!names.empty()) name->setText(names.size() == 1 ? names.first() : '"' + names.join("\" \"") + '"');
+    picked = dialog;
+    waits_for_end = true;
+    QMetaObject::invokeMethod(dialog, "accept", Qt::QueuedConnection);
+    return Done::not_yet;
+}
+
+// panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
+Done panel(TestDriver& driver, const QString& argument)
+{
+    const QString name = "MeshLab::PointCloud::" + argument.section('=', 0, 0).trimmed();
+    const QString value = argument.section('=', 1).trimmed();
+    const auto* dock = driver.window()->findChild<QDockWidget*>("PointCloudDock");
+    auto* widget = dock ? dock->findChild<QWidget*>(name) : nullptr;
+    if (!widget || !dock->isVisible()) driver.fail("the panel has no '" + name + "'");
+    if (auto* choice = qobject_cast<QComboBox*>(widget)) {
+        if (choice->findText(value) < 0) driver.fail("'" + name + "' offers no '" + value + "'");
+        choice->setCurrentText(value);
+    } else if (auto* number = qobject_cast<QDoubleSpinBox*>(widget)) {
+        number->setValue(value.toDouble());
+    } else if (auto* tick = qobject_cast<QCheckBox*>(widget)) {
+        if (tick->isChecked() != (value == "on")) tick->click();
+    } else {
+        driver.fail("'" + name + "' is of an unknown kind");
+    }
     return Done::yes;
 }
 
@@ -168,12 +247,17 @@ std::vector<Command> window_commands()
 {
     return {
         {"open", open},
+        {"open-project", open_project},
         {"export", [](TestDriver& driver, const QString& file) { return save(driver, file, true), Done::yes; }},
         {"export-asking", [](TestDriver& driver, const QString& file) { return save(driver, file, false), Done::yes; }},
         {"trigger", trigger},
         {"press", press},
         {"set", set},
         {"parameter", parameter},
+        {"field-button", field_button},
+        {"print-field", print_field},
+        {"pick", pick},
+        {"panel", panel},
         {"unfold", unfold},
         {"escape", escape},
         {"quit", quit},

@@ -1,4 +1,4 @@
-#include "plugin/edit/walk/trackball_pose.h"
+#include "plugin/host/trackball_pose.h"
 
 #include <algorithm>
 #include <array>

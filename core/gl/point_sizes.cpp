@@ -1,0 +1,50 @@
+#include "pcm/gl/point_sizes.h"
+
+#include "pcm/tree/point_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double most_of_cloud = 0.05;
+
+// The distance of neighbours in a leaf: the spacing of its finest level, which is half of the one before where it has
+// all the rest.
+double spacing_of_leaf(const Node& leaf, const std::vector<double>& spacings)
+{
+    const std::size_t end = std::min(spacings.size(), leaf.first_level + leaf.level_points.size());
+    if (end == 0) return 0;
+    if (spacings[end - 1] > 0 || end == 1) return spacings[end - 1];
+    return spacings[end - 2] / 2;
+}
+
+}  // namespace
+
+PointSizes::PointSizes(const Tree& tree) : unknown_(tree.nodes().size(), 0.0f)
+{
+    const Box3d box = tree.info().bounds();
+    const float most = static_cast<float>(
+        most_of_cloud * std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]}));
+    const double least = least_point_size(tree.info().grid);
+    for (std::size_t code = 1; code < radius_.size(); ++code)
+        radius_[code] = std::min(most, static_cast<float>(point_size(static_cast<std::uint8_t>(code), least)));
+    // Parents come first in the node vector.
+    const std::vector<Node>& nodes = tree.nodes();
+    for (std::size_t id = nodes.size(); id-- > 0;) {
+        const Node& node = nodes[id];
+        if (node.children[0] == no_node && node.children[1] == no_node)
+            unknown_[id] = std::min(most, static_cast<float>(spacing_of_leaf(node, tree.info().spacings)));
+        if (node.parent != no_node) unknown_[node.parent] = std::max(unknown_[node.parent], unknown_[id]);
+    }
+}
+
+void PointSizes::fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const
+{
+    const auto* code = codes.as<std::uint8_t>();
+    for (std::size_t i = 0; i < radii.size(); ++i)
+        if (radii[i] == 0) radii[i] = code[i] == unknown_size ? unknown_[node] : radius_[code[i]];
+}
+
+}  // namespace pcm

@@ -1,0 +1,26 @@
+// The sizes of points as radii of splats. No OpenGL here.
+#pragma once
+
+#include "pcm/cloud/attribute.h"
+#include "pcm/tree/tree.h"
+
+#include <array>
+#include <vector>
+
+namespace pcm {
+
+class PointSizes {
+public:
+    explicit PointSizes(const Tree& tree);
+
+    // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
+    // the spacing of the finest level below the node. No size is larger than a twentieth of the cloud, so that a
+    // handful of points stay points.
+    void fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const;
+
+private:
+    std::array<float, 256> radius_{};  // of each code
+    std::vector<float> unknown_;       // of each node
+};
+
+}  // namespace pcm

@@ -1,0 +1,44 @@
+// The widget with which a user changes one of our settings, of whatever type it is.
+#pragma once
+
+#include <common/interfaces.h>
+
+#include <QString>
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+class QGridLayout;
+
+namespace pcm::host {
+
+class SettingEditor {
+public:
+    virtual ~SettingEditor() = default;
+    virtual void show(const Value& value) = 0;  // does not call `changed`
+
+    const QString& name() const { return name_; }
+
+protected:
+    using Changed = std::function<void(const QString& name, const Value& value)>;
+    SettingEditor(const QString& name, Changed changed) : name_(name), changed_(std::move(changed)) {}
+    // What the user has chosen.
+    void change(const Value& value)
+    {
+        if (!showing_) changed_(name_, value);
+    }
+    bool showing_ = false;
+
+private:
+    QString name_;
+    Changed changed_;
+};
+
+// The editor of `setting`, a row that is added to `rows`: its label and its widget, both with the tooltip of the
+// setting. `off_at_zero`: a number of which 0 means off, which gets a check box. Owned by the caller; the widgets are
+// the parent's.
+std::unique_ptr<SettingEditor> add_setting_editor(QGridLayout& rows, const RichParameter& setting, bool off_at_zero,
+                                                  std::function<void(const QString& name, const Value& value)> changed);
+
+}  // namespace pcm::host
