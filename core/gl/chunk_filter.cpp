@@ -17,6 +17,13 @@ void keep(std::array<PageVector<T>, 3>& to, const std::array<PageVector<T>, 3>& 
     }
 }
 
+std::shared_ptr<const Column> kept_of(const Column& column, const std::vector<std::uint32_t>& kept)
+{
+    auto rest = std::make_shared<Column>(column);
+    keep_points(*rest, kept);
+    return rest;
+}
+
 }  // namespace
 
 ChunkFilter::ChunkFilter(const std::vector<Condition>& where, const Schema& schema)
@@ -57,6 +64,7 @@ Chunk ChunkFilter::apply(const Chunk& chunk, const Grid& grid, const ColumnSet& 
     keep(positions->narrow_xyz, chunk.positions->narrow_xyz, kept);
     keep(positions->wide_xyz, chunk.positions->wide_xyz, kept);
     rest.positions = std::move(positions);
+    if (needed.sizes && chunk.sizes) rest.sizes = kept_of(*chunk.sizes, kept);
     rest.attributes.resize(chunk.attributes.size());
     if (needed.sizes && chunk.sizes) {
         auto sizes = std::make_shared<Column>(*chunk.sizes);
@@ -65,9 +73,7 @@ Chunk ChunkFilter::apply(const Chunk& chunk, const Grid& grid, const ColumnSet& 
     }
     for (std::size_t k = 0; k < chunk.attributes.size(); ++k) {
         if (!needed.attributes[k] || !chunk.attributes[k]) continue;
-        auto column = std::make_shared<Column>(*chunk.attributes[k]);
-        keep_points(*column, kept);
-        rest.attributes[k] = std::move(column);
+        rest.attributes[k] = kept_of(*chunk.attributes[k], kept);
     }
     return rest;
 }

@@ -69,7 +69,7 @@ DetailLimits Frame::current_limits()
 void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples(),
-                 cloud.values, at_rest);
+                 at_rest, cloud.values);
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

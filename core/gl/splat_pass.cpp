@@ -76,7 +76,7 @@ struct SplatPass::Impl {
     std::vector<GLsizei> count;
 
     void begin(const Camera& camera, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
-               unsigned framebuffer_samples, const ShownValues& values, bool as_paraboloids)
+               unsigned framebuffer_samples, bool as_paraboloids, const ShownValues& values)
     {
         if (!device) device = Device::ask();
         samples = std::max(framebuffer_samples, 1u);
@@ -297,9 +297,9 @@ SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
 void SplatPass::begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed,
-                      unsigned samples, const ShownValues& values, bool paraboloids)
+                      unsigned samples, bool paraboloids, const ShownValues& values)
 {
-    impl_->begin(view, info, usable, reversed, samples, values, paraboloids);
+    impl_->begin(view, info, usable, reversed, samples, paraboloids, values);
 }
 void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
 std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts)

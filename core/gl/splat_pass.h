@@ -73,7 +73,7 @@ public:
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
     // `values` are those that the style's ramp shows. `paraboloids`: adaptive splats are these.
     void begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples,
-               const ShownValues& values = {}, bool paraboloids = false);
+               bool paraboloids = false, const ShownValues& values = {});
     // Draws the entry's points in the style, as far as the entry has its attributes: without normals as adaptive
     // splats, without radii as constant ones (drawable_mode()), without colours in the style's uniform colour, with
     // colours of another attribute in these.

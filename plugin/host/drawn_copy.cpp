@@ -18,20 +18,6 @@ std::uint64_t bytes_needed(const FileInfo& info)
     return 2 * point * info.points + (std::uint64_t(1) << 20);
 }
 
-// Whether the cloud has rgb, and not all of it is black.
-bool has_colours(PointCloud& cloud)
-{
-    const std::string rgb(attribute_name::rgb);
-    if (!cloud.info().schema.find(rgb)) return false;
-    Query query;
-    query.attributes = {rgb};
-    auto cursor = cloud.points(query);
-    PointView view;
-    while (cursor.getNextData(view))
-        if (!is_black(view.column(0))) return true;
-    return false;
-}
-
 }  // namespace
 
 std::string why_not_drawn(const MeshModel& layer)
@@ -63,7 +49,6 @@ void draw_as_cloud(MeshModel& layer, const ProgressFunction& progress)
     copy.cloud = registry.open(cached->folder());
     const auto source = registry.source_of(layer);
     copy.origin = source ? source->origin : registry.origin_of(*layer.parent).value_or(Vec3d{0, 0, 0});
-    copy.has_rgb = has_colours(*copy.cloud);
     copy.state = state_of(layer, Watched::vertices);
     copy.glance = state_of(layer, Watched::vertices, glance_vertices);
     copy.cached = cached;

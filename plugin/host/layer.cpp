@@ -103,7 +103,6 @@ std::vector<std::string> show_tree(MeshModel& layer, const std::shared_ptr<Point
     TreeLayer tree;
     tree.cloud = cloud;
     tree.origin = origin;
-    tree.has_rgb = proxy.has_rgb;
     tree.sample = sample;
     tree.state = state_of(layer, Watched::sample);
     Registry::instance().attach(layer, std::move(tree));

@@ -34,8 +34,7 @@ class CachedTree;
 
 struct TreeLayer {
     std::shared_ptr<PointCloud> cloud;
-    Vec3d origin{};        // of the document: source coordinates minus this are MeshLab's coordinates
-    bool has_rgb = false;  // as Proxy::has_rgb
+    Vec3d origin{};  // of the document: source coordinates minus this are MeshLab's coordinates
     // MeshLab's vertices when the tree was attached.
     LayerState state;
     std::shared_ptr<const Proxy> sample;       // null for a drawn copy

@@ -29,21 +29,16 @@ std::string cache_text(const CacheUse& cache)
            (asked ? grouped(100 * cache.hits / asked) : "0") + " % hits";
 }
 
-// By conditions.
-std::uint64_t hidden_points(const FrameReport& report)
-{
-    std::uint64_t sum = 0;
-    for (const CloudReport& cloud : report.clouds) sum += cloud.points_hidden;
-    return sum;
-}
-
 std::string progress_text(const FrameReport& report, const std::vector<OverlayCloud>& clouds)
 {
     std::uint64_t all = 0;
     for (const OverlayCloud& cloud : clouds) all += cloud.points;
+    std::uint64_t hidden = 0;
+    for (const CloudReport& cloud : report.clouds) hidden += cloud.points_hidden;
+    const std::string less = hidden > 0 ? "; " + grouped(hidden) + " hidden by the conditions" : "";
     if (report.full_resolution)
-        return report.points_drawn + hidden_points(report) < all ? "all points in view shown" : "all points shown";
-    return amount_text(std::min(report.points_drawn, all), all) + (report.refining ? ", loading…" : "");
+        return (report.points_drawn + hidden < all ? "all points in view shown" : "all points shown") + less;
+    return amount_text(std::min(report.points_drawn, all), all) + (report.refining ? ", loading…" : "") + less;
 }
 
 std::string quality_text(const FrameReport& report, double target_px)
@@ -76,8 +71,6 @@ QString overlay_text(const FrameReport& report, const std::vector<OverlayCloud>&
     if (clouds.empty()) return {};
     QStringList lines;
     add(lines, progress_text(report, clouds));
-    if (const std::uint64_t hidden = hidden_points(report); hidden > 0)
-        add(lines, grouped(hidden) + " points hidden by the conditions");
     add(lines, report.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.notice);

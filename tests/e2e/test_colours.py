@@ -49,6 +49,7 @@ class Colours(MeshLabTest):
             {FIXED_VIEW}
             open {tree}
             wait-layers 1
+            parameter {NAME}Splats = 0
             {script}
             screen {self.result("screen.png")}
             print-log
@@ -85,6 +86,7 @@ class Colours(MeshLabTest):
             {FIXED_VIEW}
             open {tree}
             wait-layers 1
+            parameter {NAME}Splats = 0
             parameter {NAME}Colour = {MODES["classification"]}
             wait-status full resolution
             print-camera before

@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
 
 using namespace pcm;
 using namespace pcm::test;
@@ -238,4 +241,37 @@ TEST(ColourValues, ConditionsHidePoints)
     EXPECT_TRUE(framebuffer.read() == whole);
     drawing.release();
     part.release();
+}
+
+TEST(ColourValues, ADamagedPartIsLeftOutOfTheRange)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    make_cloud(folder, "cube", grid_at({0, 0, 0}), random_points(5000, 10000, 34), 1000);
+    std::vector<LasPoint> more = random_points(5000, 10000, 35);
+    for (LasPoint& p : more) p.intensity = static_cast<std::uint16_t>(p.intensity + 9000);
+    write_las_points(folder / "more.las", grid_at({0, 0, 0}), more);
+    append_points(folder / "cube.pct", *open_reader(folder / "more.las"), {"more.las"});
+    std::set<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "cube.pct"))
+        if (entry.path().extension() == ".bpc") files.insert(entry.path());
+    ASSERT_EQ(files.size(), 2u);
+    const auto size = std::filesystem::file_size(*files.rbegin());
+    std::ofstream(*files.rbegin(), std::ios::binary) << std::string(size, '#');
+
+    Drawing drawing(PointCloud::open(folder / "cube.pct"));
+    drawing.style.colour = ColourMode::intensity;
+    const Framebuffer framebuffer(60, 60);
+    FrameReport report;
+    for (int frame = 0; frame < 2000 && report.points_drawn < 5000; ++frame) {
+        framebuffer.clear();
+        report = drawing.draw(camera_of(5, 5, 5, 6), {0, 0, 0}, everything());
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(report.points_drawn, 5000u);
+    EXPECT_FALSE(report.full_resolution);
+    EXPECT_NE(report.error, "");
+    ASSERT_TRUE(report.clouds.at(0).range);
+    EXPECT_LT(report.clouds[0].range->high, 3001);
+    drawing.release();
 }

@@ -31,7 +31,6 @@ TEST_F(DrawnCopy, IsOfAllPointsAndLeavesTheLayerAnOrdinaryOne)
     const auto copy = Registry::instance().drawn(*layer_);
     ASSERT_TRUE(copy && copy->is_copy());
     EXPECT_EQ(copy->cloud->info().points, 20000u);
-    EXPECT_TRUE(copy->has_rgb);
     EXPECT_EQ(copy->origin, *Registry::instance().origin_of(document_));
     EXPECT_FALSE(Registry::instance().find(*layer_));  // saving and filters take the vertices
     EXPECT_TRUE(Registry::instance().source_of(*layer_));
@@ -101,16 +100,6 @@ TEST_F(DrawnCopy, FollowsTheVerticesWhenItIsMadeAgain)
     draw_as_cloud(*layer_, {});
     EXPECT_EQ(Registry::instance().drawn(*layer_)->cloud->info().points, 15000u);
     EXPECT_FALSE(outdated_at(false));
-}
-
-TEST_F(DrawnCopy, HasNoColoursWhereTheFilesAreAllBlack)
-{
-    MeshModel* layer = document_.addNewMesh("black", "black");
-    const auto reader = open_reader(write_las(folder_ / "black.las", 3000, 0, 7));
-    ASSERT_TRUE(load_points(*layer, *reader, 1'000'000, {}));
-    draw_as_cloud(*layer, {});
-    EXPECT_FALSE(
-        Registry::instance().drawn(*layer)->has_rgb);  // it is drawn by its intensity, as MeshLab's vertices are
 }
 
 TEST_F(DrawnCopy, IsRefusedForMeshesAndEmptyLayersAndCanBeCancelled)

@@ -49,6 +49,17 @@ TEST(Overlay, SaysHowMuchIsShownInOneLine)
     EXPECT_EQ(overlay_text(report_of(0, false, 0), {}, nullptr), "");
 }
 
+TEST(Overlay, SaysHowManyPointsConditionsHide)
+{
+    FrameReport report = report_of(15'000'000, false);
+    report.clouds[0].points_hidden = 5'000'000;
+    EXPECT_EQ(text_of(report, {20'000'000}), "all points shown; 5,000,000 hidden by the conditions");
+    EXPECT_EQ(text_of(report, {30'000'000}), "all points in view shown; 5,000,000 hidden by the conditions");
+    report.full_resolution = false;
+    report.refining = true;
+    EXPECT_EQ(text_of(report, {20'000'000}), "15 of 20 M points, loading…; 5,000,000 hidden by the conditions");
+}
+
 TEST(Overlay, LayersShareOneLine)
 {
     EXPECT_EQ(text_of(report_of(3'000'000, true, 2), {2'000'000, 4'000'000}), "3.0 of 6.0 M points, loading…");
