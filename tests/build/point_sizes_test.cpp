@@ -111,7 +111,7 @@ void expect_large_enough(const Sized<Coord>& sized, const Grid& grid)
         const auto end = sized.exact.begin() + static_cast<std::ptrdiff_t>(last);
         middles.push_back(middle_of({end - static_cast<std::ptrdiff_t>(count), end}));
     }
-    const long double most = 64 * middle_of(middles);
+    const long double most = 16 * middle_of(middles);
     for (std::size_t i = 0; i < sized.exact.size(); ++i) {
         const long double expected = std::min({sized.exact[i], 1.5L * middles[i / 32], most});
         ASSERT_NE(sized.codes[i], unknown_size);

@@ -162,7 +162,7 @@ TEST(RestingView, WithoutPointsItEnds)
     drawing.style = adaptive();
     const Camera away =
         view_of(translation(0, 0, 500), perspective(0.9, 4.0 / 3, 0.1, 1000), wide, high);  // the cloud is behind
-    const FrameReport report = draw_until_done(drawing, framebuffer, away, map_offset, everything(), 1);
+    const FrameReport report = draw_until_done(drawing, framebuffer, away, map_offset, everything());
     EXPECT_EQ(report.points_drawn, 0u);
     EXPECT_TRUE(report.full_resolution);
     EXPECT_EQ(count_lit(framebuffer.read()), 0u);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t group_points = 32;
 constexpr std::size_t neighbours = 4;
 // A size is at most this many times the middle one of its group, and this many times that of the bin.
-constexpr float most_of_group = 1.5f, most_of_bin = 64;
+constexpr float most_of_group = 1.5f, most_of_bin = 16;
 
 template <class Real>
 constexpr Real infinite = std::numeric_limits<Real>::infinity();
