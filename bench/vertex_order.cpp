@@ -3,6 +3,7 @@
 // et al., arXiv 2104.07526). Prints a table; see README.md.
 #include "pcm/cloud/morton.h"
 #include "pcm/gl/l1_cache.h"
+#include "pcm/gl/point_sizes.h"
 #include "pcm/gl/splat_pass.h"
 #include "pcm/gl/vertex_discs.h"
 #include "pcm/offscreen/offscreen.h"
@@ -108,12 +109,19 @@ struct Cloud {
             owners.push_back(l1->add_owner());
             l1->begin_frame(owners.back());
         }
+        const PointSizes sizes(points->cache().tree());
         for (const NodeId node : nodes) {
-            const auto chunk = points->cache().get(node, ColumnSet::named(schema, names));
+            ColumnSet columns = ColumnSet::named(schema, names);
+            columns.sizes = format.radius;
+            const auto chunk = points->cache().get(node, columns);
             std::vector<float> radii, normals;
-            if (format.radius)
-                make_radii(*chunk->attributes[*schema.find(attribute_name::radius)],
-                           schema[*schema.find(attribute_name::radius)], radii);
+            if (format.radius) {
+                if (const auto place = schema.find(attribute_name::radius))
+                    make_radii(*chunk->attributes[*place], schema[*place], radii);
+                else
+                    radii.assign(chunk->points, 0);
+                sizes.fill_in(node, *chunk->sizes, radii);
+            }
             if (format.normal)
                 make_normals(*chunk->attributes[*schema.find(attribute_name::normal)],
                              schema[*schema.find(attribute_name::normal)], normals);
@@ -226,7 +234,7 @@ int run(const std::string& path, std::uint64_t most, int width, int height, unsi
     for (const SplatMode mode : {SplatMode::constant, SplatMode::perspective}) {
         const Cloud cloud(path, most, mode);
         if (mode != SplatMode::constant && !cloud.format.normal) {
-            std::printf("(%s: the tree has no radii or no normals)\n", name_of(mode));
+            std::printf("(%s: the tree has no normals)\n", name_of(mode));
             break;
         }
         SplatPass pass;
