@@ -49,11 +49,13 @@ float shade(ivec2 at, float depth)
     const ivec2 ring[8] = ivec2[8](ivec2(2, 0), ivec2(1, 1), ivec2(0, 2), ivec2(-1, 1), ivec2(-2, 0), ivec2(-1, -1), ivec2(0, -2), ivec2(1, -1));
     float here = eye_distance(depth);
     float relief = 0.0, ratios = 1.0;  // the sum of the logarithms of ratios is the logarithm of their product
+    float covered = 0.0;
     for (int i = 0; i < 8; i += EYE_DOME) {
         ivec2 beside = at + ring[i];
         if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, size))) continue;
         float depth_there = texelFetch(depths, beside, 0).r;
         if (depth_there == farthest) continue;  // the background is behind everything
+        covered += float(EYE_DOME) / 8.0;
         float there = eye_distance(depth_there);
         if (relief_of_distance > 0.0)
             relief += max(0.0, (here - there) * relief_of_distance);
@@ -61,7 +63,8 @@ float shade(ivec2 at, float depth)
             ratios *= max(1.0, here / there);
     }
     relief += log2(min(ratios, 1e30));
-    return exp(-12.5 * float(EYE_DOME) * strength * relief);
+    // Points that stand alone are no surface: between them relief is noise.
+    return exp(-12.5 * float(EYE_DOME) * strength * relief * smoothstep(0.2, 0.6, covered));
 }
 #endif
 

@@ -119,6 +119,41 @@ TEST(Compositor, SeveralSamplesSmoothEdges)
     }
 }
 
+// Dots with gaps between them are no surface: one that is beside a nearer one stays bright.
+TEST(Compositor, EyeDomeLightingSparesPointsThatStandAlone)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    // Pairs, 10 pixels from each other: of each pair one point is behind the other,
+    // and two pixels beside it.
+    std::vector<LasPoint> points;
+    for (std::int32_t i = 0; i < 9; ++i)
+        for (std::int32_t j = 0; j < 9; ++j)
+            for (const bool far : {false, true}) {
+                LasPoint p;
+                p.x = 1000 * (i - 4) + (far ? 200 : 0);
+                p.y = 1000 * (j - 4);
+                p.z = far ? -200 : 0;
+                points.push_back(p);
+            }
+    const auto cloud = make_cloud(folder, "pairs", grid_at({0, 0, 0}), points);
+    const Framebuffer framebuffer(100, 100);
+    const Camera view = view_of(translation(0, 0, -12), orthographic(5, 5, 1, 100), 100, 100);
+    const auto brightness = [&](float strength) {
+        Drawing drawing(cloud);
+        drawing.style.colour = ColourMode::uniform;
+        drawing.style.uniform_colour = {1, 1, 1};
+        RenderOptions options = everything();
+        options.eye_dome = strength;
+        draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+        const auto pixels = framebuffer.read();
+        drawing.release();
+        EXPECT_GT(count_lit(pixels), 500u);
+        return mean_brightness(pixels);
+    };
+    EXPECT_GT(brightness(1), 0.9 * brightness(0));
+}
+
 // A face-on plane is unchanged; a step gets a shadow on its lower side, for any unit of length and either projection.
 TEST(Compositor, EyeDomeLightingShowsSteps)
 {
