@@ -262,10 +262,10 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     if (selection.order.empty() && selection.budget_reached)
         report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
     // A view that will rest shows its full resolution when its splats are those of a resting view.
-    const bool is_final =
-        progress.everything && !(frame.options.converge && report.nodes_drawn > 0 && differs_at_rest(frame));
+    const bool will_rest = frame.options.converge && can_converge(frame);
+    const bool is_final = progress.everything && !(will_rest && report.nodes_drawn > 0 && differs_at_rest(frame));
     report.full_resolution = is_final;
-    if (frame.options.converge && !report.refining && can_converge(frame)) {
+    if (will_rest && !report.refining) {
         // Another frame of this view continues from here.
         report.refining = report.repaint = !is_final;
         if (frame.converges && progress.all_current) begin_rest(frame, selection, drawn);

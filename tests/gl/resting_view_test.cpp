@@ -169,6 +169,23 @@ TEST(RestingView, WithoutPointsItEnds)
     drawing.release();
 }
 
+// Colours that change with detail allow no resting view: the moving one is then the final picture.
+TEST(RestingView, WithoutOneTheMovingViewIsFinal)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(3000, 10000, 22));
+    const Framebuffer framebuffer(wide, high);
+    Drawing drawing(cloud);
+    drawing.style = adaptive();
+    drawing.style.colour = ColourMode::error;
+    const Camera view = view_of(overview(10), perspective(0.9, 4.0 / 3, 0.1, 1000), wide, high);
+    const FrameReport report = draw_until_done(drawing, framebuffer, view, map_offset, everything());
+    EXPECT_EQ(report.points_drawn, 3000u);
+    EXPECT_TRUE(report.full_resolution);
+    drawing.release();
+}
+
 // A closed surface is closed, at any distance and tilt, moving and at rest. That the test can fail, squares of two
 // pixels show.
 TEST(RestingView, AClosedSurfaceHasNoHoles)
