@@ -66,11 +66,6 @@ Chunk ChunkFilter::apply(const Chunk& chunk, const Grid& grid, const ColumnSet& 
     rest.positions = std::move(positions);
     if (needed.sizes && chunk.sizes) rest.sizes = kept_of(*chunk.sizes, kept);
     rest.attributes.resize(chunk.attributes.size());
-    if (needed.sizes && chunk.sizes) {
-        auto sizes = std::make_shared<Column>(*chunk.sizes);
-        keep_points(*sizes, kept);
-        rest.sizes = std::move(sizes);
-    }
     for (std::size_t k = 0; k < chunk.attributes.size(); ++k) {
         if (!needed.attributes[k] || !chunk.attributes[k]) continue;
         rest.attributes[k] = kept_of(*chunk.attributes[k], kept);
