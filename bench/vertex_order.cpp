@@ -115,13 +115,7 @@ struct Cloud {
             columns.sizes = format.radius;
             const auto chunk = points->cache().get(node, columns);
             std::vector<float> radii, normals;
-            if (format.radius) {
-                if (const auto place = schema.find(attribute_name::radius))
-                    make_radii(*chunk->attributes[*place], schema[*place], radii);
-                else
-                    radii.assign(chunk->points, 0);
-                sizes.fill_in(node, *chunk->sizes, radii);
-            }
+            if (format.radius) sizes.find_radii(node, *chunk, radii);
             if (format.normal)
                 make_normals(*chunk->attributes[*schema.find(attribute_name::normal)],
                              schema[*schema.find(attribute_name::normal)], normals);

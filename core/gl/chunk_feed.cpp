@@ -235,25 +235,14 @@ VertexAttributes ChunkFeed::colours_of(const Chunk& chunk, const VertexFormat& f
     return attributes;
 }
 
-// A point's own radius; where it has none, its size.
-void ChunkFeed::find_radii(NodeId node, const Chunk& chunk)
-{
-    const Schema& schema = cloud_->info().schema;
-    if (const auto place = schema.find(attribute_name::radius); place && schema[*place].components > 0)
-        make_radii(*chunk.attributes[*place], schema[*place], radii_);
-    else
-        radii_.assign(chunk.points, 0);
-    if (!sizes_) sizes_.emplace(*cloud_->tree());
-    sizes_->fill_in(node, *chunk.sizes, radii_);
-}
-
 VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format)
 {
     const Schema& schema = cloud_->info().schema;
     VertexAttributes attributes;
     if (format.colour != ColourSource::none) attributes = colours_of(chunk, format);
     if (format.radius) {
-        find_radii(node, chunk);
+        if (!sizes_) sizes_.emplace(*cloud_->tree());
+        sizes_->find_radii(node, chunk, radii_);
         attributes.radii = radii_.data();
     }
     if (format.normal) {

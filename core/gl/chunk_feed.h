@@ -100,7 +100,6 @@ private:
     AttributePlace colour_place_of(const VertexFormat& format) const;
     VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
     VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
-    void find_radii(NodeId node, const Chunk& chunk);
     void fail(NodeId node, std::string error);
 
     const std::shared_ptr<PointCloud> cloud_;

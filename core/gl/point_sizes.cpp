@@ -1,5 +1,6 @@
 #include "pcm/gl/point_sizes.h"
 
+#include "pcm/gl/vertex_discs.h"
 #include "pcm/tree/point_size.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ double spacing_of_leaf(const Node& leaf, const std::vector<double>& spacings)
 
 }  // namespace
 
-PointSizes::PointSizes(const Tree& tree) : unknown_(tree.nodes().size(), 0.0f)
+PointSizes::PointSizes(const Tree& tree) : schema_(tree.info().schema), unknown_(tree.nodes().size(), 0.0f)
 {
     const Box3d box = tree.info().bounds();
     const double most = std::min<double>(
@@ -40,6 +41,15 @@ PointSizes::PointSizes(const Tree& tree) : unknown_(tree.nodes().size(), 0.0f)
             unknown_[id] = static_cast<float>(std::min(most, spacing_of_leaf(node, tree.info().spacings)));
         if (node.parent != no_node) unknown_[node.parent] = std::max(unknown_[node.parent], unknown_[id]);
     }
+}
+
+void PointSizes::find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii) const
+{
+    if (const auto place = schema_.find(attribute_name::radius); place && schema_[*place].components > 0)
+        make_radii(*chunk.attributes[*place], schema_[*place], radii);
+    else
+        radii.assign(chunk.points, 0);
+    fill_in(node, *chunk.sizes, radii);
 }
 
 void PointSizes::fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const

@@ -13,12 +13,16 @@ class PointSizes {
 public:
     explicit PointSizes(const Tree& tree);
 
+    // The radius of each of the node's points: its own or, where it has none, its size. `chunk` has the sizes and, if
+    // the cloud has one, the attribute of radii.
+    void find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii) const;
     // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
     // the spacing of the finest level below the node. No size is larger than a twentieth of the cloud, so that a
     // handful of points stay points.
     void fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const;
 
 private:
+    const Schema schema_;
     std::array<float, 256> radius_{};  // of each code
     std::vector<float> unknown_;       // of each node
 };
