@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/condition.h"
 #include "plugin/host/text.h"
+#include "plugin/render/choices.h"
 
 #include <QStringList>
 
@@ -19,15 +20,6 @@ const char* const legend = "MeshLab::PointCloud::Legend";
 const char* const conditions = "MeshLab::PointCloud::Conditions";
 const char* const hidden_classes = "MeshLab::PointCloud::HiddenClasses";
 const char* const uniform_colour = "MeshLab::PointCloud::UniformColour";
-
-// The choices of a table: colour_modes() or colour_ramps().
-template <class Table>
-QStringList labels_of(const Table& rows)
-{
-    QStringList labels;
-    for (const auto& row : rows) labels << row.label;
-    return labels;
-}
 
 template <class Table>
 QString descriptions_of(const Table& rows)
@@ -110,12 +102,9 @@ void add_colour_settings(RichParameterList& parameters)
 ColourSettings read_colour_settings(const RichParameterList& parameters, CloudStyle& style)
 {
     ColourSettings settings;
-    const auto choice = [&](const char* name, const auto& of) {
-        return std::clamp(parameters.getEnum(name), 0, int(of.size()) - 1);
-    };
-    style.colour = static_cast<ColourMode>(choice(colour, colour_modes()));
+    style.colour = static_cast<ColourMode>(choice_of(parameters, colour, colour_modes()));
     style.attribute = parameters.getString(attribute).trimmed().toStdString();
-    style.ramp = static_cast<ColourRamp>(choice(ramp, colour_ramps()));
+    style.ramp = static_cast<ColourRamp>(choice_of(parameters, ramp, colour_ramps()));
     const QColor uniform = parameters.getColor(uniform_colour);
     style.uniform_colour = {static_cast<float>(uniform.redF()), static_cast<float>(uniform.greenF()),
                             static_cast<float>(uniform.blueF())};

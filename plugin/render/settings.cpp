@@ -1,5 +1,7 @@
 #include "plugin/render/settings.h"
 
+#include "plugin/render/choices.h"
+
 #include <QStringList>
 
 #include <algorithm>
@@ -27,15 +29,6 @@ const char* const l2_size = "MeshLab::PointCloud::Memory";
 
 const QColor backgrounds[] = {Qt::black, QColor(64, 64, 64), Qt::white};  // of the choices after MeshLab's
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
-
-// The choices of a table of modes: splat_modes() or colour_modes().
-template <class Table>
-QStringList labels_of(const Table& modes)
-{
-    QStringList labels;
-    for (const auto& row : modes) labels << row.label;
-    return labels;
-}
 
 // "a; b; or c" of their descriptions.
 template <class Table>
@@ -178,16 +171,13 @@ Settings read_settings(const RichParameterList& parameters)
         return std::clamp(static_cast<double>(parameters.getFloat(name)), least, most);
     };
     Settings settings;
-    const auto choice = [&](const char* name, const auto& of) {
-        return std::clamp(parameters.getEnum(name), 0, int(of.size()) - 1);
-    };
     CloudStyle& style = settings.style;
-    style.splats = static_cast<SplatMode>(choice(splat_mode, splat_modes()));
+    style.splats = static_cast<SplatMode>(choice_of(parameters, splat_mode, splat_modes()));
     settings.colour = read_colour_settings(parameters, style);
     style.point_size_px = static_cast<float>(number(splat_size, 1, 256));
     style.radius_scale = static_cast<float>(number(radius_scale, 1e-3, 1e3));
     RenderOptions& render = settings.render;
-    render.samples = 1u << choice(samples, sample_counts);
+    render.samples = 1u << choice_of(parameters, samples, sample_counts);
     render.eye_dome = static_cast<float>(number(eye_dome, 0, 10));
     render.target_spacing_px = number(target_spacing, 0.1, 1000);
     render.frame_budget_ms = number(frame_budget, 1, 1e6);
