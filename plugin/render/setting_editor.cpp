@@ -46,12 +46,7 @@ public:
         QObject::connect(box_, QOverload<int>::of(&QComboBox::currentIndexChanged),
                          [this](int index) { change(EnumValue(index)); });
     }
-    void show(const Value& value) override
-    {
-        showing_ = true;
-        box_->setCurrentIndex(value.getEnum());
-        showing_ = false;
-    }
+    void set(const Value& value) override { box_->setCurrentIndex(value.getEnum()); }
 
 private:
     QComboBox* box_;
@@ -65,12 +60,7 @@ public:
         add_row(rows, setting, new QLabel(setting.fieldDescription()), box_);
         QObject::connect(box_, &QCheckBox::toggled, [this](bool on) { change(BoolValue(on)); });
     }
-    void show(const Value& value) override
-    {
-        showing_ = true;
-        box_->setChecked(value.getBool());
-        showing_ = false;
-    }
+    void set(const Value& value) override { box_->setChecked(value.getBool()); }
 
 private:
     QCheckBox* box_;
@@ -88,12 +78,7 @@ public:
         QObject::connect(box_, QOverload<int>::of(&QSpinBox::valueChanged),
                          [this](int number) { change(IntValue(number)); });
     }
-    void show(const Value& value) override
-    {
-        showing_ = true;
-        box_->setValue(value.getInt());
-        showing_ = false;
-    }
+    void set(const Value& value) override { box_->setValue(value.getInt()); }
 
 private:
     QSpinBox* box_;
@@ -127,12 +112,7 @@ public:
         QObject::connect(box_, QOverload<double>::of(&QDoubleSpinBox::valueChanged),
                          [this](double number) { change(FloatValue(static_cast<float>(number))); });
     }
-    void show(const Value& value) override
-    {
-        showing_ = true;
-        box_->setValue(static_cast<double>(value.getFloat()));
-        showing_ = false;
-    }
+    void set(const Value& value) override { box_->setValue(static_cast<double>(value.getFloat())); }
 
 private:
     QDoubleSpinBox* box_;
@@ -156,13 +136,11 @@ public:
         QObject::connect(on_, &QCheckBox::toggled, [this] { change_number(); });
         QObject::connect(box_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), [this] { change_number(); });
     }
-    void show(const Value& value) override
+    void set(const Value& value) override
     {
-        showing_ = true;
         const auto number = static_cast<double>(value.getFloat());
         if (number > 0) box_->setValue(number);
         on_->setChecked(number > 0);
-        showing_ = false;
     }
 
 private:
@@ -183,7 +161,7 @@ public:
             box_->setModified(false);
         });
     }
-    void show(const Value& value) override
+    void set(const Value& value) override
     {
         if (box_->text() != value.getString()) box_->setText(value.getString());
     }
@@ -205,7 +183,7 @@ public:
             change(ColorValue(chosen));
         });
     }
-    void show(const Value& value) override
+    void set(const Value& value) override
     {
         colour_ = value.getColor();
         QPixmap sample(32, 12);

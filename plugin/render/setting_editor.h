@@ -16,21 +16,27 @@ namespace pcm::host {
 class SettingEditor {
 public:
     virtual ~SettingEditor() = default;
-    virtual void show(const Value& value) = 0;  // does not call `changed`
+    void show(const Value& value)  // does not call `changed`
+    {
+        showing_ = true;
+        set(value);
+        showing_ = false;
+    }
 
     const QString& name() const { return name_; }
 
 protected:
     using Changed = std::function<void(const QString& name, const Value& value)>;
     SettingEditor(const QString& name, Changed changed) : name_(name), changed_(std::move(changed)) {}
+    virtual void set(const Value& value) = 0;
     // What the user has chosen.
     void change(const Value& value)
     {
         if (!showing_) changed_(name_, value);
     }
-    bool showing_ = false;
 
 private:
+    bool showing_ = false;
     QString name_;
     Changed changed_;
 };
