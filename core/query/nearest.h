@@ -10,6 +10,7 @@
 
 #include "pcm/cache/l2_cache.h"
 #include "pcm/cloud/region.h"
+#include "pcm/knn/point_search.h"
 #include "pcm/system/progress.h"
 
 #include <cstdint>
@@ -18,16 +19,6 @@
 #include <vector>
 
 namespace pcm {
-
-class BlockCache;
-
-struct Neighbour {
-    NodeId node = no_node;
-    std::uint32_t index = 0;  // in the node's chunk
-    double squared_distance = 0;
-    Vec3d position{};  // source coordinates
-    double distance() const;
-};
 
 struct NearestOptions {
     std::optional<std::uint16_t> level;  // only points of the cloud at this level; the whole cloud when absent

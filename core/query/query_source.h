@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
-#include "pcm/query/point_blocks.h"
+#include "pcm/knn/point_blocks.h"
 #include "pcm/query/query.h"
 #include "pcm/query/read_rates.h"
 #include "pcm/threads/task_pool.h"

@@ -1,4 +1,4 @@
-#include "pcm/query/point_blocks.h"
+#include "pcm/knn/point_blocks.h"
 
 #include <algorithm>
 

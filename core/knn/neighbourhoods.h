@@ -1,0 +1,119 @@
+// The k nearest neighbours of every point of a cloud, block by block, in bounded memory, for whatever is computed from
+// them: radii, normals, mean distances. query/nearest.h answers for single points instead.
+//
+// The cloud is divided into units: boxes that share no point and hold about as many points as the memory allows. Points
+// of all levels and parts that lie in a unit's box are computed together; points around the box are loaded as far as
+// they can be neighbours. Neighbours are exact: those of the whole cloud, by the double distance between grid
+// positions, (dx * dx + dy * dy) + dz * dz with dx in source units. Of points at equal distance any may be chosen.
+#pragma once
+
+#include "pcm/cache/l2_cache.h"
+#include "pcm/cloud/vector.h"
+#include "pcm/system/progress.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// Who searches inside of a unit.
+enum class NeighbourBackend : std::uint8_t {
+    own,    // exact; the fastest that the processor can run
+    flann,  // the FLANN library on single-precision offsets from the unit's centre; for comparison
+};
+
+inline constexpr std::size_t most_neighbours = 1024;
+
+struct NeighbourhoodOptions {
+    std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
+    double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
+    // The precision: only points of levels 0..level are computed, from neighbours of the whole cloud. Each other point
+    // of a unit is paired with the nearest computed point of the unit (NeighbourhoodUnit::source). All points are
+    // computed when absent.
+    std::optional<std::uint16_t> level;
+    ColumnSet columns = ColumnSet::only_positions();        // that the units' chunks are to have
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // for the units of all threads, beside the cache
+    unsigned threads = 0;                                   // 0: one per processor
+    NeighbourBackend backend = NeighbourBackend::own;
+    ProgressFunction progress;
+    std::string stage = "Searching neighbours";  // of the progress
+    double begin = 0, end = 1;                   // of the progress
+};
+
+// Points of the cloud that are computed together, by one thread.
+struct NeighbourhoodUnit {
+    // Some points of a node.
+    struct Part {
+        NodeId node = no_node;
+        L2Cache::Handle chunk;               // with the asked columns
+        std::vector<std::uint32_t> indices;  // of the points, in the chunk, ascending
+        std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
+    };
+    std::vector<Part> parts;
+    std::uint32_t points = 0;  // of all parts: the numbers in the unit are 0 .. points - 1
+    // At a level, for each number: the computed point, by number, that it takes its values from; itself where it is
+    // computed. Complete when end() is called. Empty without a level.
+    std::vector<std::uint32_t> source;
+
+    const Part& part_of(std::uint32_t number) const;
+    // The index, in its chunk, of a point.
+    std::uint32_t index_of(std::uint32_t number) const
+    {
+        const Part& part = part_of(number);
+        return part.indices[number - part.first];
+    }
+};
+
+// Some points of a unit and their neighbours.
+class Neighbourhoods {
+public:
+    std::size_t size() const { return numbers.size(); }
+    std::uint32_t number(std::size_t i) const { return numbers[i]; }  // in the unit
+    // How many neighbours: fewer than k where the cloud, or max_distance, leaves no more.
+    std::size_t count(std::size_t i) const { return counts[i]; }
+    // The neighbours of point i, nearest first: their offsets from the point, source units, and squared distances.
+    const double* dx(std::size_t i) const { return offsets[0].data() + i * stride; }
+    const double* dy(std::size_t i) const { return offsets[1].data() + i * stride; }
+    const double* dz(std::size_t i) const { return offsets[2].data() + i * stride; }
+    const double* squared(std::size_t i) const { return squares.data() + i * stride; }
+
+    std::vector<std::uint32_t> numbers;
+    std::vector<std::uint32_t> counts;
+    std::size_t stride = 0;
+    std::array<std::vector<double>, 3> offsets;
+    std::vector<double> squares;
+};
+
+// What is computed. Each visitor serves one thread.
+class NeighbourhoodVisitor {
+public:
+    virtual ~NeighbourhoodVisitor() = default;
+    virtual void begin(const NeighbourhoodUnit&) {}
+    // Each computed point of the unit comes once, in any order.
+    virtual void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) = 0;
+    // All of the unit's points were visited. Other threads may run end() of other units, which may have points of the
+    // same nodes.
+    virtual void end(const NeighbourhoodUnit&) {}
+};
+
+struct NeighbourhoodReport {
+    Outcome outcome;  // points_in: of the cloud; points_out: computed
+    std::uint64_t units = 0;
+    std::uint64_t alone = 0;  // points whose neighbours were searched one by one, far beyond their unit
+};
+
+// Every point of the cloud belongs to exactly one unit, which is given to one visitor; `make_visitor` is called once
+// per thread, on that thread. Units do not depend on the number of threads. The cache gives all chunks; edits that
+// visitors make through it do not change positions. Throws Error(invalid_argument) for options out of range,
+// Error(unsupported) for a backend that was not built, Error(cancelled), and what reading and the visitors throw.
+NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOptions& options,
+                                           const std::function<std::unique_ptr<NeighbourhoodVisitor>()>& make_visitor);
+
+}  // namespace pcm

@@ -1,0 +1,60 @@
+// The k nearest neighbours of many points among many points that lie in memory: the kernel of neighbourhoods.h.
+#pragma once
+
+#include "pcm/cloud/vector.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace pcm {
+
+// Positions as grid steps relative to one origin: in `narrow` where 31 bits and the sign hold all of them, else in
+// `wide`; the other is empty. scale: source units per step, of each axis; positive.
+struct SearchPositions {
+    std::array<std::vector<std::int32_t>, 3> narrow;
+    std::array<std::vector<std::int64_t>, 3> wide;  // magnitudes below 2^62
+    Vec3d scale{1, 1, 1};
+    bool is_wide() const { return !wide[0].empty(); }
+    std::size_t size() const { return is_wide() ? wide[0].size() : narrow[0].size(); }
+};
+
+// The neighbours of a few points, as a search hands them out; valid during the call.
+struct FoundNeighbours {
+    const std::uint32_t* points = nullptr;  // [size] whose neighbours they are
+    std::size_t size = 0;
+    std::size_t stride = 0;                     // of the next two, from one point to the next
+    const std::uint32_t* neighbours = nullptr;  // [size * stride] nearest first
+    const double* squared = nullptr;            // [size * stride] exact squared distances, ascending, source units
+    const std::uint32_t* counts = nullptr;      // [size] of neighbours
+};
+
+struct UnitSearchOptions {
+    std::size_t neighbours = 16;                                    // the point itself is not counted
+    double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
+};
+
+// The result is that of comparing all pairs with squared distances (dx * dx + dy * dy) + dz * dz in double, where dx is
+// the exact difference in steps times the scale, both rounded once; of points at equal distance any may be chosen. So
+// it is for any extent, any number of points at one place, and more neighbours than there are points.
+class UnitSearch {
+public:
+    virtual ~UnitSearch() = default;
+    // Calls `found` once for each of `queries` (indices of positions, each once; all positions when null), some at a
+    // time, neighbours in space together.
+    virtual void search(const std::vector<std::uint32_t>* queries, const UnitSearchOptions& options,
+                        const std::function<void(const FoundNeighbours&)>& found) const = 0;
+};
+
+// The positions are needed during the construction only. One thread makes it; then any number of threads may search.
+std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
+
+// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it is its own nearest).
+std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
+                                      const std::vector<std::uint32_t>& among);
+
+}  // namespace pcm
