@@ -20,6 +20,16 @@ double quantile(std::vector<double>& values, double share)
     return values[static_cast<std::size_t>(at)];
 }
 
+// More than source coordinates differ from exact positions on the grid.
+double rounding_of(const TreeInfo& info)
+{
+    const Box3d bounds = info.bounds();
+    return 1e-14 * std::max(largest_magnitude(bounds.min), largest_magnitude(bounds.max));
+}
+
+// Neighbours at almost the same distance are ordered by the exact one: some more are searched for.
+constexpr std::size_t spare = 4;
+
 }  // namespace
 
 UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
@@ -28,7 +38,7 @@ UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOp
       options_(options),
       signal_(signal),
       visitor_(visitor),
-      search_alone_(cache, blocks, {}, options.max_distance),
+      search_alone_(cache, blocks, {}, options.max_distance + rounding_of(cache.tree().info())),
       cloud_(cache.tree().info().box)
 {
 }
@@ -145,7 +155,7 @@ void UnitWorker::search_alone(std::uint32_t number)
     ++alone_;
     const Grid& grid = cache_.tree().info().grid;
     const Vec3i at = points_.grid(number);
-    search_alone_.run(grid.to_source(at), options_.neighbours + 1, found_);
+    search_alone_.run(grid.to_source(at), options_.neighbours + 1 + spare, found_);
     const auto& part = unit_.part_of(number);
     const std::uint32_t index = unit_.index_of(number);
     std::vector<std::pair<double, Vec3d>> sorted;
@@ -155,7 +165,8 @@ void UnitWorker::search_alone(std::uint32_t number)
         const Vec3i there = chunk->positions->grid(neighbour.index);
         Vec3d offset;
         for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] = double(there[axis] - at[axis]) * grid.scale[axis];
-        sorted.emplace_back((offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2], offset);
+        const double square = (offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2];
+        if (square <= options_.max_distance * options_.max_distance) sorted.emplace_back(square, offset);
     }
     std::sort(sorted.begin(), sorted.end());
     sorted.resize(std::min(sorted.size(), options_.neighbours));

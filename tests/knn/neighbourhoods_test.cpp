@@ -2,6 +2,7 @@
 #include "pcm/knn/neighbourhoods.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/knn/point_search.h"
 #include "pcm/system/error.h"
 #include "pcm/update/append.h"
 #include "tests/memory_reader.h"
@@ -90,6 +91,32 @@ double square_between(const Grid& grid, const Vec3i& a, const Vec3i& b)
     return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
 }
 
+// Holds all points against the search for single points, whose distances are between rounded source coordinates.
+void expect_near(const std::shared_ptr<const Tree>& tree, const All& all, const NeighbourhoodOptions& options)
+{
+    L2Cache cache(tree);
+    BlockCache blocks;
+    PointSearch search(cache, blocks);
+    const Grid& grid = tree->info().grid;
+    const double rounding = 1e-15 * std::max(length(tree->info().bounds().min), length(tree->info().bounds().max));
+    std::vector<Neighbour> near;
+    for (const Point& point : points_of(*tree)) {
+        const auto found = all.find(point.place);
+        if (found == all.end()) continue;
+        search.run(grid.to_source(point.grid), options.neighbours + 1, near);
+        const auto self = std::find_if(near.begin(), near.end(),
+                                       [&](const Neighbour& n) { return Place(n.node, n.index) == point.place; });
+        if (self != near.end()) near.erase(self);
+        near.resize(std::min(near.size(), options.neighbours));
+        ASSERT_LE(found->second.squares.size(), near.size());
+        if (found->second.squares.size() < near.size()) {
+            ASSERT_GE(near[found->second.squares.size()].distance(), options.max_distance - rounding);
+        }
+        for (std::size_t j = 0; j < found->second.squares.size(); ++j)
+            ASSERT_NEAR(std::sqrt(found->second.squares[j]), near[j].distance(), rounding) << j;
+    }
+}
+
 // Compares some of the points with all others.
 void expect_right(const Tree& tree, const All& all, const NeighbourhoodOptions& options)
 {
@@ -164,6 +191,7 @@ protected:
         const All all = all_of(cache, options, &report_);
         EXPECT_EQ(all.size(), opened->info().points);
         expect_right(*opened, all, options);
+        expect_near(opened, all, options);
     }
 
     TemporaryFolder folder_;
@@ -265,6 +293,7 @@ TEST_F(NeighbourhoodsOf, ATreeOfSeveralParts)
     const All all = all_of(cache, options);
     EXPECT_EQ(all.size(), 18000u);
     expect_right(*opened, all, options);
+    expect_near(opened, all, options);
 }
 
 // Every point takes the values of a computed point, and no computed point of its unit is nearer.
