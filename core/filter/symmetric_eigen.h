@@ -21,7 +21,7 @@ struct Eigensystem {
 Eigensystem eigensystem(const SymmetricMatrix& matrix);
 
 struct SmallestEigenvector {
-    Vec3d values{};  // ascending
+    Vec3d values{};  // ascending; the smallest accurate to some 1e-15 of the largest, the others to 1e-8
     Vec3d vector{};  // unit, of the smallest eigenvalue; 0 for a matrix of zeros
 };
 
