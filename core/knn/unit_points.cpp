@@ -118,16 +118,19 @@ Vec3i GatheredPoints::grid(std::uint32_t number) const
     return at;
 }
 
-Vec3d GatheredPoints::offset(std::uint32_t from, std::uint32_t to) const
+void GatheredPoints::put_offsets(std::size_t axis, std::uint32_t from, const std::uint32_t* to, std::size_t count,
+                                 double* offsets) const
 {
-    Vec3d difference;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t d = positions.is_wide()
-                                   ? positions.wide[axis][to] - positions.wide[axis][from]
-                                   : std::int64_t(positions.narrow[axis][to]) - positions.narrow[axis][from];
-        difference[axis] = double(d) * positions.scale[axis];
-    }
-    return difference;
+    const double scale = positions.scale[axis];
+    const auto put = [&](const auto& column) {
+        const auto* const all = column.data();
+        const std::int64_t origin_of_offsets = all[from];
+        for (std::size_t j = 0; j < count; ++j) offsets[j] = double(all[to[j]] - origin_of_offsets) * scale;
+    };
+    if (positions.is_wide())
+        put(positions.wide[axis]);
+    else
+        put(positions.narrow[axis]);
 }
 
 GatheredPoints gather_unit(L2Cache& cache, const Box3i& box, double margin, const ColumnSet& columns)

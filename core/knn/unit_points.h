@@ -20,8 +20,9 @@ struct GatheredPoints {
     // loaded. Source units.
     double reach(std::uint32_t number, const Box3i& cloud) const;
     Vec3i grid(std::uint32_t number) const;
-    // Of one point as seen from another, in source units: the difference in steps is exact.
-    Vec3d offset(std::uint32_t from, std::uint32_t to) const;
+    // Of points as seen from another along one axis, in source units: the differences in steps are exact.
+    void put_offsets(std::size_t axis, std::uint32_t from, const std::uint32_t* to, std::size_t count,
+                     double* offsets) const;
 };
 
 // `box` grown by a margin (source units) on all sides, but not beyond the cloud.

@@ -118,11 +118,10 @@ void UnitWorker::take(const FoundNeighbours& found)
             continue;
         }
         const std::size_t at = block_.size() * block_.stride;
-        for (std::size_t j = 0; j < found.counts[i]; ++j) {
-            const Vec3d offset = points_.offset(number, found.neighbours[i * found.stride + j]);
-            for (std::size_t axis = 0; axis < 3; ++axis) block_.offsets[axis][at + j] = offset[axis];
-            block_.squares[at + j] = found.squared[i * found.stride + j];
-        }
+        const std::uint32_t* const neighbours = found.neighbours + i * found.stride;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            points_.put_offsets(axis, number, neighbours, found.counts[i], block_.offsets[axis].data() + at);
+        std::copy_n(found.squared + i * found.stride, found.counts[i], block_.squares.data() + at);
         add_point(number, found.counts[i]);
     }
     hand_over();

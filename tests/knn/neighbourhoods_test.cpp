@@ -138,10 +138,11 @@ void expect_right(const Tree& tree, const All& all, const NeighbourhoodOptions& 
         const std::size_t k = std::min(options.neighbours, squares.size());
         std::partial_sort(squares.begin(), squares.begin() + std::ptrdiff_t(k), squares.end());
         squares.resize(k);
-        ASSERT_EQ(found->second.squares, squares) << "point " << p;
-        for (std::size_t j = 0; j < k; ++j) {
+        ASSERT_EQ(found->second.squares.size(), k) << "point " << p;
+        for (std::size_t j = 0; j < k; ++j) {  // but for the last bits
             const Vec3d& d = found->second.offsets[j];
-            ASSERT_EQ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], squares[j]);
+            ASSERT_DOUBLE_EQ(found->second.squares[j], squares[j]) << "point " << p;
+            ASSERT_DOUBLE_EQ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], squares[j]);
         }
     }
     EXPECT_EQ(computed, all.size());
@@ -357,6 +358,7 @@ TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
     L2Cache cache(opened);
     NeighbourhoodOptions options;
     options.memory_bytes = 1;
+    options.neighbours = most_neighbours;  // takes longer than a tenth of a second
     int calls = 0;
     options.progress = [&](const ProgressUpdate&) { return ++calls < 2; };
     try {
