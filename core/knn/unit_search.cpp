@@ -4,6 +4,7 @@
 #include "pcm/system/cpu.h"
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 
 namespace pcm {
@@ -159,15 +160,17 @@ std::vector<std::uint32_t> nearest_in(const SearchPositions& positions, const Ex
                                       const std::vector<std::uint32_t>& points, const std::vector<std::uint32_t>& among)
 {
     const UnitTree<C> tree(points_of<C>(positions, extent.low, &among, true), positions.scale, extent.sides);
-    const UnitTree<C> queries(points_of<C>(positions, extent.low, &points, false), positions.scale, extent.sides);
+    const std::vector<TreePoint<C>> queries = points_of<C>(positions, extent.low, &points, false);
     const UnitKernels& kernels = unit_kernels();
     BlockResult result(1, std::numeric_limits<double>::infinity());
     std::vector<std::uint32_t> nearest(points.size());
-    for (std::uint32_t leaf = 0; leaf < queries.view().leaves; ++leaf) {
-        const std::uint32_t size = queries.points_in(leaf);
-        run_kernel(kernels, tree.view(), {queries.leaf(leaf), lowest_bits(size), no_leaf}, result.request);
-        const std::uint32_t* ids = queries.view().ids + std::size_t(leaf) * leaf_points;
-        for (std::uint32_t i = 0; i < size; ++i) nearest[ids[i]] = result.request.ids[i];
+    std::array<C, std::size_t(3) * leaf_points> block{};
+    for (std::size_t first = 0; first < queries.size(); first += leaf_points) {
+        const auto size = static_cast<std::uint32_t>(std::min<std::size_t>(leaf_points, queries.size() - first));
+        for (std::uint32_t i = 0; i < size; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis) block[axis * leaf_points + i] = queries[first + i].at[axis];
+        run_kernel(kernels, tree.view(), {block.data(), lowest_bits(size), no_leaf}, result.request);
+        std::copy_n(result.request.ids, size, nearest.begin() + static_cast<std::ptrdiff_t>(first));
     }
     return nearest;
 }
