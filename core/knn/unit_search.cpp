@@ -1,5 +1,7 @@
 #include "pcm/knn/unit_search.h"
 
+#include "pcm/knn/flann_search.h"
+#include "pcm/knn/neighbourhoods.h"
 #include "pcm/knn/unit_tree.h"
 #include "pcm/system/cpu.h"
 
@@ -11,26 +13,26 @@ namespace pcm {
 namespace {
 
 // The box of all positions.
-struct Extent {
+struct PositionBox {
     Vec3i low{};
     Vec3d sides{};       // in steps
     bool narrow = true;  // differences fit std::int32_t
 };
 
 template <class Column>
-Extent extent_of(const std::array<Column, 3>& columns)
+PositionBox extent_of(const std::array<Column, 3>& columns)
 {
-    Extent extent;
+    PositionBox box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto [low, high] = std::minmax_element(columns[axis].begin(), columns[axis].end());
-        extent.low[axis] = *low;
-        extent.sides[axis] = static_cast<double>(std::int64_t(*high) - std::int64_t(*low));
-        if (std::int64_t(*high) - std::int64_t(*low) > std::numeric_limits<std::int32_t>::max()) extent.narrow = false;
+        box.low[axis] = *low;
+        box.sides[axis] = static_cast<double>(std::int64_t(*high) - std::int64_t(*low));
+        if (std::int64_t(*high) - std::int64_t(*low) > std::numeric_limits<std::int32_t>::max()) box.narrow = false;
     }
-    return extent;
+    return box;
 }
 
-Extent extent_of(const SearchPositions& positions)
+PositionBox extent_of(const SearchPositions& positions)
 {
     return positions.is_wide() ? extent_of(positions.wide) : extent_of(positions.narrow);
 }
@@ -156,11 +158,11 @@ public:
 };
 
 template <class C>
-std::vector<std::uint32_t> nearest_in(const SearchPositions& positions, const Extent& extent,
+std::vector<std::uint32_t> nearest_in(const SearchPositions& positions, const PositionBox& box,
                                       const std::vector<std::uint32_t>& points, const std::vector<std::uint32_t>& among)
 {
-    const UnitTree<C> tree(points_of<C>(positions, extent.low, &among, true), positions.scale, extent.sides);
-    const std::vector<TreePoint<C>> queries = points_of<C>(positions, extent.low, &points, false);
+    const UnitTree<C> tree(points_of<C>(positions, box.low, &among, true), positions.scale, box.sides);
+    const std::vector<TreePoint<C>> queries = points_of<C>(positions, box.low, &points, false);
     const UnitKernels& kernels = unit_kernels();
     BlockResult result(1, std::numeric_limits<double>::infinity());
     std::vector<std::uint32_t> nearest(points.size());
@@ -176,12 +178,12 @@ std::vector<std::uint32_t> nearest_in(const SearchPositions& positions, const Ex
 }
 
 template <class C>
-std::unique_ptr<UnitSearch> make_tree_search(SearchPositions positions, const Extent& extent)
+std::unique_ptr<UnitSearch> make_tree_search(SearchPositions positions, const PositionBox& box)
 {
-    auto points = points_of<C>(positions, extent.low, nullptr, true);
+    auto points = points_of<C>(positions, box.low, nullptr, true);
     const Vec3d scale = positions.scale;
     positions = {};
-    return std::make_unique<TreeSearch<C>>(std::move(points), scale, extent.sides);
+    return std::make_unique<TreeSearch<C>>(std::move(points), scale, box.sides);
 }
 
 }  // namespace
@@ -203,18 +205,24 @@ const UnitKernels& unit_kernels()
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions)
 {
     if (positions.size() == 0) return std::make_unique<EmptySearch>();
-    const Extent extent = extent_of(positions);
-    return extent.narrow ? make_tree_search<std::int32_t>(std::move(positions), extent)
-                         : make_tree_search<std::int64_t>(std::move(positions), extent);
+    const PositionBox box = extent_of(positions);
+    return box.narrow ? make_tree_search<std::int32_t>(std::move(positions), box)
+                      : make_tree_search<std::int64_t>(std::move(positions), box);
+}
+
+std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions, NeighbourBackend backend)
+{
+    if (backend == NeighbourBackend::flann && positions.size() > 0) return make_flann_search(std::move(positions));
+    return make_unit_search(std::move(positions));
 }
 
 std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
                                       const std::vector<std::uint32_t>& among)
 {
     if (points.empty()) return {};
-    const Extent extent = extent_of(positions);
-    return extent.narrow ? nearest_in<std::int32_t>(positions, extent, points, among)
-                         : nearest_in<std::int64_t>(positions, extent, points, among);
+    const PositionBox box = extent_of(positions);
+    return box.narrow ? nearest_in<std::int32_t>(positions, box, points, among)
+                      : nearest_in<std::int64_t>(positions, box, points, among);
 }
 
 }  // namespace pcm

@@ -13,6 +13,8 @@
 
 namespace pcm {
 
+enum class NeighbourBackend : std::uint8_t;  // neighbourhoods.h
+
 // Positions as grid steps relative to one origin: in `narrow` where 31 bits and the sign hold all of them, else in
 // `wide`; the other is empty. scale: source units per step, of each axis; positive.
 struct SearchPositions {
@@ -54,6 +56,9 @@ public:
 // At most 2^32 - 64 positions, which are needed during the construction only. One thread makes it; then any number of
 // threads may search. Throws Error(invalid_argument) for a wrong PCM_SIMD (system/cpu.h).
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
+
+// The same by the chosen backend. FLANN is not exact: see flann_search.h, also for its errors.
+std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions, NeighbourBackend backend);
 
 // For each of `points` the nearest of `among`, by index of positions (a point may be in both: it, or another at its
 // place, is its nearest). `among` is not empty if `points` is not.

@@ -115,7 +115,7 @@ void UnitWorker::search(const std::vector<std::uint32_t>* points)
         for (std::uint32_t i = 0; i < unit_.points; ++i) all[i] = i;
         points = &all;
     }
-    const auto search = make_unit_search(points_.positions);
+    const auto search = make_unit_search(points_.positions, options_.backend);
     UnitSearchOptions options;
     options.neighbours = options_.neighbours;
     options.max_distance = options_.max_distance;
