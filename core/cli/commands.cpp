@@ -11,6 +11,7 @@ Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_normals(Options& options);
+Run add_outliers(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
@@ -36,6 +37,7 @@ const std::vector<Command>& commands()
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
          add_normals},
+        {"outliers", "Remove or label points that stand apart from the others", add_outliers},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
