@@ -15,6 +15,7 @@ Run add_repair(Options& options);
 Run add_set(Options& options);
 Run add_transform(Options& options);
 Run add_verify(Options& options);
+Run add_voxel(Options& options);
 void start_render(char** arguments);
 
 const std::vector<Command>& commands()
@@ -32,6 +33,8 @@ const std::vector<Command>& commands()
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
+        {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
+         add_voxel},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},
