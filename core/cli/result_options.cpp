@@ -22,6 +22,15 @@ ProgressFunction part_of(const ProgressFunction& progress, double begin, double 
     };
 }
 
+// Removes what an interrupted command has left: a folder with files of a tree and nothing else.
+void remove_remains(const fs::path& folder)
+{
+    if (!fs::is_directory(folder)) return;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (!is_name_in_tree(entry.path().filename().string())) return;
+    fs::remove_all(folder);
+}
+
 }  // namespace
 
 void ResultArguments::add_to(Options& options)
@@ -65,7 +74,7 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
     build.memory_bytes = arguments.memory;
     build.threads = arguments.threads;
     build.sampling = sampling;
-    build.overwrite = true;  // what an interrupted command has left
+    remove_remains(path_);
     build.progress = part_of(progress, 0, 0.5);
     const BuildReport report = build_tree(*cloud, sources.names(), path_, build);
     temporary_ = true;

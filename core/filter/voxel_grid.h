@@ -35,7 +35,7 @@ inline constexpr const char* point_count_name = "point_count";
 // The voxel grid of a tree, as a cloud that is read. It has exactly one point for each voxel that has points.
 //
 // Centroids are doubles, off by half a last bit (filter/voxel_groups.h): 5e-10 m for coordinates of millions of metres.
-// A tree of doubles holds them to the last bit. Points taken as they are keep their grid. Metadata stay, the system of
+// A tree of doubles holds them so. Points taken as they are keep their grid. Metadata stay, the system of
 // coordinates among them.
 //
 // Space is divided into boxes of whole voxels with about as many points as the memory allows; each is read by itself,

@@ -18,11 +18,8 @@ Box3i voxels_of(const PointsInBoxes& cloud, const VoxelLattice& lattice, const B
 {
     Box3i voxels;
     for (std::size_t a = 0; a < 3; ++a) {
-        // A negative step of the grid reverses the axis.
-        const std::int64_t one = lattice.index(cloud.source(box.min[a], a), a);
-        const std::int64_t other = lattice.index(cloud.source(box.max[a], a), a);
-        voxels.min[a] = std::min(one, other);
-        voxels.max[a] = std::max(one, other);
+        voxels.min[a] = lattice.index(cloud.source(box.min[a], a), a);
+        voxels.max[a] = lattice.index(cloud.source(box.max[a], a), a);
     }
     return voxels;
 }
@@ -155,28 +152,23 @@ std::vector<VoxelUnit> divide_into_units(const PointsInBoxes& cloud, const Voxel
 
 Box3i grid_box_of(const PointsInBoxes& cloud, const VoxelLattice& lattice, const VoxelUnit& unit)
 {
-    const TreeInfo& info = cloud.tree().info();
+    const Box3i& box = cloud.tree().info().box;
     Box3i result;
     for (std::size_t a = 0; a < 3; ++a) {
-        const bool ascends = info.grid.scale[a] > 0;
-        const std::int64_t low = unit.voxels.min[a], high = unit.voxels.max[a];
-        // The first position of the tree's box for which `holds`, which it does for all positions after that.
-        const auto first = [&](const auto& holds) {
-            std::int64_t begin = info.box.min[a], end = info.box.max[a] + 1;
+        // The first position of the tree's box whose voxel has this number or a larger one.
+        const auto first = [&](std::int64_t number) {
+            std::int64_t begin = box.min[a], end = box.max[a] + 1;
             while (begin < end) {
                 const std::int64_t middle = begin + (end - begin) / 2;
-                if (holds(lattice.index(cloud.source(middle, a), a)))
+                if (lattice.index(cloud.source(middle, a), a) >= number)
                     end = middle;
                 else
                     begin = middle + 1;
             }
             return begin;
         };
-        result.min[a] = ascends ? first([&](std::int64_t v) { return v >= low; })
-                                : first([&](std::int64_t v) { return v <= high; });
-        result.max[a] = (ascends ? first([&](std::int64_t v) { return v > high; })
-                                 : first([&](std::int64_t v) { return v < low; })) -
-                        1;
+        result.min[a] = first(unit.voxels.min[a]);
+        result.max[a] = first(unit.voxels.max[a] + 1) - 1;
     }
     return result;
 }

@@ -1,0 +1,71 @@
+// Commands whose result is another cloud: voxel, subsample, merge.
+
+#include "tests/cli/command.h"
+
+namespace {
+
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+class ResultCommands : public CommandTest {
+protected:
+    Json json_of(const std::string& arguments)
+    {
+        const Result result = pcmlab(arguments + " --json");
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.code == 0 ? Json::parse(result.out) : Json();
+    }
+};
+
+TEST_F(ResultCommands, VoxelGridOfAFileAndOfATree)
+{
+    ASSERT_EQ(pcmlab("generate -n 30000 " + path("a.las")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("a.las") + " -m 128M").code, 0);
+    const Json of_file = json_of("voxel -s 0.5 " + path("a.las") + " -o " + path("one.pct") + " -m 128M --count");
+    const Json of_tree = json_of("voxel -s 0.5 " + path("a.pct") + " -o " + path("two.pct") + " -m 128M --count");
+    EXPECT_EQ(of_file["points_in"], 30000);
+    EXPECT_LT(of_file["points"], 30000);
+    EXPECT_EQ(of_file["points"], of_tree["points"]);
+    EXPECT_EQ(of_file["most_points_in_a_voxel"], of_tree["most_points_in_a_voxel"]);
+    for (const char* key : {"seconds", "peak_rss_bytes", "bytes"}) EXPECT_GT(of_tree[key], 0) << key;
+    EXPECT_EQ(json_of("verify " + path("one.pct"))["points"], of_file["points"]);
+    EXPECT_FALSE(fs::exists(folder_ / "one.pct.input"));
+    const Json anchored =
+        json_of("voxel " + path("a.pct") + " -s 0.5 --anchor 0.25 0 0 -o " + path("three.pct") + " -m 128M --nearest");
+    EXPECT_NE(anchored["points"], of_tree["points"]);
+    const Json info = json_of("info " + path("three.pct"));
+    EXPECT_EQ(info["scale"], json_of("info " + path("a.pct"))["scale"]);
+    const Result again = pcmlab("voxel -s 0.5 " + path("a.las") + " -o " + path("one.pct"));
+    EXPECT_EQ(again.code, 1);
+    EXPECT_NE(again.err.find("exists already"), std::string::npos) << again.err;
+    EXPECT_EQ(json_of("voxel -s 0.5 --in-place -m 128M " + path("a.pct"))["points"], of_tree["points"]);
+    EXPECT_EQ(json_of("info " + path("a.pct"))["points"], of_tree["points"]);
+}
+
+TEST_F(ResultCommands, VoxelGridsThatAreRefused)
+{
+    ASSERT_EQ(pcmlab("generate -n 1000 " + path("a.las")).code, 0);
+    EXPECT_EQ(pcmlab("voxel -s 1 " + path("a.las")).code, 2);                      // no output
+    EXPECT_EQ(pcmlab("voxel -s 1 --in-place " + path("a.las")).code, 2);           // no tree
+    EXPECT_EQ(pcmlab("voxel " + path("a.las") + " -o " + path("b.pct")).code, 2);  // no size
+    for (const std::string size : {"0", "-3", "nan", "1e-9"}) {
+        const Result result = pcmlab("voxel -s=" + size + " " + path("a.las") + " -o " + path("b.pct"));
+        EXPECT_NE(result.code, 0) << size;
+        EXPECT_FALSE(fs::exists(folder_ / "b.pct"));
+        EXPECT_FALSE(fs::exists(folder_ / "b.pct.input"));
+    }
+}
+
+// Three million points with a limit of 128 MiB.
+TEST_F(ResultCommands, VoxelGridKeepsToItsMemory)
+{
+    ASSERT_EQ(pcmlab("generate -n 3000000 " + path("a.las")).code, 0);
+    ASSERT_EQ(pcmlab("build --fast " + path("a.las") + " -m 128M").code, 0);
+    for (const std::string size : {"0.01", "5", "10000"}) {
+        const Json json =
+            json_of("voxel -s " + size + " " + path("a.pct") + " -o " + path("grid" + size + ".pct") + " -m 128M -t 2");
+        EXPECT_LT(json["peak_rss_bytes"], 192 << 20) << size;
+    }
+}
+
+}  // namespace
