@@ -13,6 +13,7 @@ Run add_info(Options& options);
 Run add_query(Options& options);
 Run add_repair(Options& options);
 Run add_set(Options& options);
+Run add_subsample(Options& options);
 Run add_transform(Options& options);
 Run add_verify(Options& options);
 Run add_voxel(Options& options);
@@ -35,6 +36,7 @@ const std::vector<Command>& commands()
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
+        {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

@@ -39,39 +39,48 @@ void select(const std::array<const Relative*, 3>& xyz, const Vec3i& origin, std:
 
 }  // namespace
 
-void PointsInBoxes::visit(const Box3i& box, const ColumnSet& columns,
-                          const std::function<bool(PointsInBox&)>& take) const
+std::vector<NodeId> PointsInBoxes::nodes(const Box3i& box) const
 {
-    std::vector<NodeId> open;
+    std::vector<NodeId> open, found;
     if (!tree_->nodes().empty()) open.push_back(0);
     while (!open.empty()) {
         const NodeId id = open.back();
         open.pop_back();
         const Node& node = tree_->node(id);
         if (node.subtree_points == 0 || !touches(node.box, box)) continue;
+        if (node.points > 0) found.push_back(id);
         for (std::size_t k = 2; k-- > 0;)
             if (node.children[k] != no_node) open.push_back(node.children[k]);
-        if (node.points == 0) continue;
-        PointsInBox part;
-        if (holds(box, node.box)) {
-            part.chunk = tree_->read_chunk(id, columns);
-        } else {
-            part.chunk =
-                tree_
-                    ->read_chunk_part(id, columns,
-                                      [&](const Box3i& segment, std::uint16_t) { return touches(segment, box); })
-                    .chunk;
-            part.all = false;
-            if (part.chunk.points == 0) continue;
-            const ChunkPositions& at = *part.chunk.positions;
-            if (at.wide)
-                select<std::uint64_t>({at.wide_xyz[0].data(), at.wide_xyz[1].data(), at.wide_xyz[2].data()}, at.origin,
-                                      part.chunk.points, box, part.indices);
-            else
-                select<std::uint32_t>({at.narrow_xyz[0].data(), at.narrow_xyz[1].data(), at.narrow_xyz[2].data()},
-                                      at.origin, part.chunk.points, box, part.indices);
-            part.all = part.indices.size() == part.chunk.points;
-        }
+    }
+    return found;
+}
+
+PointsInBox PointsInBoxes::read(NodeId id, const Box3i& box, const ColumnSet& columns) const
+{
+    PointsInBox part;
+    if (holds(box, tree_->node(id).box)) {
+        part.chunk = tree_->read_chunk(id, columns);
+        return part;
+    }
+    const auto wanted = [&](const Box3i& segment, std::uint16_t) { return touches(segment, box); };
+    part.chunk = tree_->read_chunk_part(id, columns, wanted).chunk;
+    if (part.chunk.points == 0) return part;
+    const ChunkPositions& at = *part.chunk.positions;
+    if (at.wide)
+        select<std::uint64_t>({at.wide_xyz[0].data(), at.wide_xyz[1].data(), at.wide_xyz[2].data()}, at.origin,
+                              part.chunk.points, box, part.indices);
+    else
+        select<std::uint32_t>({at.narrow_xyz[0].data(), at.narrow_xyz[1].data(), at.narrow_xyz[2].data()}, at.origin,
+                              part.chunk.points, box, part.indices);
+    part.all = part.indices.size() == part.chunk.points;
+    return part;
+}
+
+void PointsInBoxes::visit(const Box3i& box, const ColumnSet& columns,
+                          const std::function<bool(PointsInBox&)>& take) const
+{
+    for (const NodeId id : nodes(box)) {
+        PointsInBox part = read(id, box, columns);
         if (part.size() > 0 && !take(part)) return;
     }
 }

@@ -28,6 +28,10 @@ class PointsInBoxes {
 public:
     explicit PointsInBoxes(std::shared_ptr<const Tree> tree) : tree_(std::move(tree)), rounding_(tree_->info()) {}
 
+    // The nodes with points that can have some in `box`, parents first.
+    std::vector<NodeId> nodes(const Box3i& box) const;
+    // The points of a node in `box`, both ends included. Throws what reading throws.
+    PointsInBox read(NodeId node, const Box3i& box, const ColumnSet& columns) const;
     // Calls take() for the points of each chunk that has some in `box`, both ends included, until it returns false.
     // Memory: one chunk. Throws what reading throws.
     void visit(const Box3i& box, const ColumnSet& columns, const std::function<bool(PointsInBox&)>& take) const;

@@ -42,6 +42,33 @@ TEST_F(ResultCommands, VoxelGridOfAFileAndOfATree)
     EXPECT_EQ(json_of("info " + path("a.pct"))["points"], of_tree["points"]);
 }
 
+TEST_F(ResultCommands, SubsampleToALevelASpacingAndANumber)
+{
+    ASSERT_EQ(pcmlab("generate -n 30000 " + path("a.las")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("a.las") + " -m 128M").code, 0);
+    const Json levels = json_of("info " + path("a.pct"))["level"];
+    const double spacing = levels[1]["spacing"];
+    const Json level = json_of("subsample " + path("a.pct") + " -s " + std::to_string(spacing * 1.1) + " -o " +
+                               path("one.pct") + " -m 128M");
+    EXPECT_EQ(level["level"], 1);
+    EXPECT_EQ(level["spacing"], levels[1]["spacing"]);
+    EXPECT_EQ(level["points"], levels[1]["points_to_here"]);
+    EXPECT_EQ(level["points_in"], 30000);
+    const Json exact = json_of("subsample " + path("a.las") + " -s 0.7 --exact -o " + path("two.pct") + " -m 128M");
+    EXPECT_EQ(exact["spacing"], 0.7);
+    EXPECT_FALSE(exact.contains("level"));
+    EXPECT_EQ(json_of("verify " + path("two.pct"))["points"], exact["points"]);
+    EXPECT_FALSE(fs::exists(folder_ / "two.pct.input"));
+    const Json number = json_of("subsample --in-place -n 12345 --exact " + path("a.pct") + " -m 128M");
+    EXPECT_EQ(number["points"], 12345);
+    EXPECT_EQ(json_of("info " + path("a.pct"))["points"], 12345);
+    EXPECT_EQ(pcmlab("subsample " + path("a.pct") + " -o " + path("b.pct")).code, 2);
+    EXPECT_EQ(pcmlab("subsample -n 3 -s 3 " + path("a.pct") + " -o " + path("b.pct")).code, 2);
+    EXPECT_EQ(pcmlab("subsample -n 3 " + path("a.pct")).code, 2);
+    const Result text = pcmlab("subsample " + path("two.pct") + " -s 5 -o " + path("c.pct"));
+    EXPECT_NE(text.out.find("level "), std::string::npos) << text.out;
+}
+
 TEST_F(ResultCommands, VoxelGridsThatAreRefused)
 {
     ASSERT_EQ(pcmlab("generate -n 1000 " + path("a.las")).code, 0);

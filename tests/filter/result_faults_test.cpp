@@ -26,6 +26,8 @@ struct Filter {
 const Filter filters[] = {
     {"voxel", {"voxel", "--size", "900"}},
     {"voxel_in_place", {"voxel", "--size", "900"}, true},
+    {"subsample", {"subsample", "--spacing", "900", "--exact"}},
+    {"subsample_in_place", {"subsample", "--points", "5000"}, true},
     {"voxel_of_a_file", {"voxel", "--size", "900"}, false, {"cloud.las"}},
 };
 
