@@ -10,6 +10,7 @@ Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
+Run add_merge(Options& options);
 Run add_query(Options& options);
 Run add_repair(Options& options);
 Run add_set(Options& options);
@@ -34,6 +35,7 @@ const std::vector<Command>& commands()
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
+        {"merge", "Merge trees into a new tree", add_merge},
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},

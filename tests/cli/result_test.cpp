@@ -69,6 +69,29 @@ TEST_F(ResultCommands, SubsampleToALevelASpacingAndANumber)
     EXPECT_NE(text.out.find("level "), std::string::npos) << text.out;
 }
 
+TEST_F(ResultCommands, MergeOfTrees)
+{
+    for (const std::string name : {"a", "b"}) {
+        ASSERT_EQ(pcmlab("generate -n 5000 --seed " + std::to_string(name[0]) + " " + path(name + ".las")).code, 0);
+        ASSERT_EQ(pcmlab("build " + path(name + ".las") + " -m 128M").code, 0);
+    }
+    const Json json = json_of("merge " + path("c.pct") + " " + path("a.pct") + " " + path("b.pct") + " --source-id");
+    EXPECT_EQ(json["points"], 10000);
+    EXPECT_EQ(json["points_in"], 10000);
+    EXPECT_EQ(json["trees"], Json({"a.pct", "b.pct"}));
+    EXPECT_EQ(json["largest_rounding"], 0);
+    EXPECT_EQ(json["grid"]["scale"], Json({0.001, 0.001, 0.001}));
+    EXPECT_EQ(json_of("verify " + path("c.pct"))["points"], 10000);
+    EXPECT_EQ(json_of("query " + path("c.pct") + " --where source_id=2")["points"], 5000);
+    const Result again = pcmlab("merge " + path("c.pct") + " " + path("a.pct"));
+    EXPECT_EQ(again.code, 1);
+    EXPECT_NE(again.err.find("already"), std::string::npos) << again.err;
+    const Result text = pcmlab("merge --overwrite " + path("c.pct") + " " + path("a.pct"));
+    EXPECT_NE(text.out.find("of 1 trees"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("coordinate system: "), std::string::npos) << text.out;
+    EXPECT_EQ(pcmlab("merge " + path("c.pct")).code, 2);
+}
+
 TEST_F(ResultCommands, VoxelGridsThatAreRefused)
 {
     ASSERT_EQ(pcmlab("generate -n 1000 " + path("a.las")).code, 0);

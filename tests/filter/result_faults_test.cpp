@@ -21,6 +21,7 @@ struct Filter {
     std::vector<std::string> words;  // the command, its options
     bool in_place = false;
     std::vector<std::string> inputs{"cloud.pct"};
+    bool output_first = false;
 };
 
 const Filter filters[] = {
@@ -28,6 +29,7 @@ const Filter filters[] = {
     {"voxel_in_place", {"voxel", "--size", "900"}, true},
     {"subsample", {"subsample", "--spacing", "900", "--exact"}},
     {"subsample_in_place", {"subsample", "--points", "5000"}, true},
+    {"merge", {"merge"}, false, {"cloud.pct", "more.pct"}, true},
     {"voxel_of_a_file", {"voxel", "--size", "900"}, false, {"cloud.las"}},
 };
 
@@ -74,10 +76,11 @@ protected:
         std::vector<std::string> words{paths::command};
         const Filter& filter = GetParam();
         words.insert(words.end(), filter.words.begin(), filter.words.end());
+        if (filter.output_first) words.push_back(result().string());
         for (const std::string& input : filter.inputs) words.push_back((work() / input).string());
         if (filter.in_place)
             words.push_back("--in-place");
-        else
+        else if (!filter.output_first)
             words.insert(words.end(), {"-o", result().string()});
         words.insert(words.end(), {"-t", "1", "-m", "128M", "--chunk-points", "1000"});
         return words;
