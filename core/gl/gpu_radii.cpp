@@ -18,14 +18,18 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Points of one node that are computed together.
+// Points of one node that a workgroup computes.
 struct QueryBlock {
     NodeId node = no_node;
-    std::size_t number = 0;    // of the block in its chunk
-    ChunkBoxes::Block points;  // of the chunk
-    Box3i box;                 // grid coordinates
-    std::uint32_t first = 0;   // point of the batch
-    double limit = infinity;   // of its points, the largest square of RadiusSearch::limits()
+    std::size_t number = 0;                     // of the first of its blocks in the chunk
+    std::uint32_t first_point = 0, points = 0;  // of the chunk
+    Box3i box;                                  // grid coordinates
+    std::uint32_t first = 0;                    // point of the batch
+    double limit = infinity;                    // of its points, the largest of RadiusSearch::limits()
+    bool begins_in(const GpuPiece& piece) const
+    {
+        return first_point >= piece.first && first_point - piece.first < piece.count;
+    }
 };
 
 using QueryBlocks = std::vector<QueryBlock>;
@@ -131,13 +135,14 @@ private:
     }
     const Node& node(NodeId id) const { return tree_->node(id); }
 
+    void add_blocks(NodeId id, QueryBlocks& blocks);
+    void add_subtree(NodeId id, QueryBlocks& blocks);
     void descend(NodeId id, QueryBlocks blocks);
     void compute(const QueryBlocks& blocks);
     void compute_batch(QueryBlocks batch);
     void begin(QueryBlocks& batch);
     void compare_with_own(NodeId id, const QueryBlocks& batch);
     void compare_with_others(QueryBlocks& batch);
-    void compare_near(NodeId id, const QueryBlocks& batch, NodeId below);
     void collect(NodeId id, const QueryBlocks& batch, const std::vector<std::uint32_t>& near,
                  std::vector<std::pair<double, NodeId>>& found) const;
     void set_limits(QueryBlocks& batch);
@@ -158,7 +163,6 @@ private:
     RadiusSearch search_;
     std::optional<std::size_t> normal_;
     ColumnSet columns_;
-    std::vector<NodeId> path_;  // nodes with points, from the root to the present one
     std::unordered_map<NodeId, ChunkBoxes> boxes_;
     std::size_t boxes_bytes_ = 0;
     std::uint64_t done_ = 0;  // points
@@ -181,32 +185,56 @@ const ChunkBoxes& RadiiPass::boxes_of(NodeId id)
     return made;
 }
 
+void RadiiPass::add_blocks(NodeId id, QueryBlocks& blocks)
+{
+    if (node(id).points == 0) return;
+    const ChunkBoxes& own = boxes_of(id);
+    for (std::size_t b = 0; b < own.blocks.size(); ++b) {
+        QueryBlock block{id, b, own.blocks[b].first, own.blocks[b].count, own.box(b)};
+        if (block.points == ChunkBoxes::block_points && b + 1 < own.blocks.size()) {
+            ++b;
+            block.points += own.blocks[b].count;
+            block.box.extend(own.box(b));
+        }
+        blocks.push_back(block);
+    }
+}
+
+void RadiiPass::add_subtree(NodeId id, QueryBlocks& blocks)
+{
+    add_blocks(id, blocks);
+    for (const NodeId child : node(id).children)
+        if (child != no_node) add_subtree(child, blocks);
+}
+
+std::size_t points_of(const QueryBlocks& blocks)
+{
+    std::size_t points = 0;
+    for (const QueryBlock& block : blocks) points += block.points;
+    return points;
+}
+
 // `blocks` are those of the nodes above that lie nearer to this node than to its sibling.
 void RadiiPass::descend(NodeId id, QueryBlocks blocks)
 {
-    if (node(id).points > 0) {
-        const ChunkBoxes& own = boxes_of(id);
-        for (std::size_t b = 0; b < own.blocks.size(); ++b)
-            blocks.push_back({id, b, own.blocks[b], own.box(b), 0, infinity});
-        path_.push_back(id);
+    if (points_of(blocks) + node(id).subtree_points <= search_.most_points()) {
+        add_subtree(id, blocks);
+        return compute(blocks);
     }
+    add_blocks(id, blocks);
     std::vector<NodeId> children;
     for (const NodeId child : node(id).children)
         if (child != no_node && node(child).subtree_points > 0) children.push_back(child);
+    if (children.empty()) return compute(blocks);
+    const Vec3d& scale = tree_->info().grid.scale;
     std::vector<QueryBlocks> parts(children.size());
-    if (children.empty()) {
-        compute(blocks);
-    } else {
-        const Vec3d& scale = tree_->info().grid.scale;
-        for (const QueryBlock& block : blocks) {
-            const bool second = children.size() > 1 && squared_gap(block.box, node(children[1]).box, scale) <
-                                                           squared_gap(block.box, node(children[0]).box, scale);
-            parts[second].push_back(block);
-        }
-        blocks = {};
+    for (const QueryBlock& block : blocks) {
+        const bool second = children.size() > 1 && squared_gap(block.box, node(children[1]).box, scale) <
+                                                       squared_gap(block.box, node(children[0]).box, scale);
+        parts[second].push_back(block);
     }
+    blocks = {};
     for (std::size_t c = 0; c < children.size(); ++c) descend(children[c], std::move(parts[c]));
-    if (node(id).points > 0) path_.pop_back();
 }
 
 void RadiiPass::compute(const QueryBlocks& blocks)
@@ -214,29 +242,26 @@ void RadiiPass::compute(const QueryBlocks& blocks)
     QueryBlocks batch;
     std::size_t points = 0;
     for (const QueryBlock& block : blocks) {
-        if (points + block.points.count > search_.most_points()) {
-            compute_batch(std::move(batch));
-            batch.clear();
+        if (points + block.points > search_.most_points()) {
+            compute_batch(std::exchange(batch, {}));
             points = 0;
         }
         batch.push_back(block);
-        points += block.points.count;
+        points += block.points;
     }
     if (points > 0) compute_batch(std::move(batch));
 }
 
-// Of a point's candidates the nearest come first, so that the others are left out: its own node, whose points are as
-// dense; then finer ones in order; then what is coarser or beside.
+// A point's own node, whose points are as dense, comes first, so that of the others only what is near is looked at.
 void RadiiPass::compute_batch(QueryBlocks batch)
 {
     begin(batch);
-    for (const NodeId id : path_) compare_with_own(id, batch);
-    set_limits(batch);
-    for (const NodeId id : path_) compare_near(id, batch, id);
-    set_limits(batch);
+    NodeId last = no_node;
+    for (const QueryBlock& block : batch)
+        if (block.node != last) compare_with_own(last = block.node, batch);
     compare_with_others(batch);
     finish(batch);
-    for (const QueryBlock& block : batch) done_ += block.points.count;
+    done_ += points_of(batch);
     ++report_.batches;
     report();
 }
@@ -252,8 +277,8 @@ void RadiiPass::begin(QueryBlocks& batch)
     for (QueryBlock& block : batch) {
         if (block.node != held) chunk = cloud_.cache().get(held = block.node, columns_);
         block.first = first;
-        first += block.points.count;
-        for (std::uint32_t i = block.points.first; i < block.points.first + block.points.count; ++i) {
+        first += block.points;
+        for (std::uint32_t i = block.first_point; i < block.first_point + block.points; ++i) {
             for (std::size_t a = 0; a < 3; ++a) {
                 const auto steps =
                     static_cast<std::uint64_t>(chunk->positions->grid(i, a)) - static_cast<std::uint64_t>(origin[a]);
@@ -275,13 +300,9 @@ void RadiiPass::compare(NodeId id, const GpuView& view, const GpuPiece& piece, c
     std::vector<RadiusSearch::Block> blocks;
     for (const QueryBlock& block : batch) {
         if (!choose(block)) continue;
-        RadiusSearch::Block one{block.first, block.points.count, boxes.groups, RadiusSearch::not_inside};
-        if (block.node == id) {
-            one.self = block.points.first - piece.first;
-            const std::uint32_t end = block.points.first + block.points.count;
-            if (end > piece.first && block.points.first < piece.first + piece.count)
-                one.start = boxes.box_of(block.number);
-        }
+        RadiusSearch::Block one{block.first, block.points, boxes.groups, RadiusSearch::not_inside};
+        if (block.node == id) one.self = block.first_point - piece.first;
+        if (block.node == id && block.begins_in(piece)) one.start = boxes.box_of(block.number);
         blocks.push_back(one);
     }
     Vec3i shift;
@@ -290,36 +311,18 @@ void RadiiPass::compare(NodeId id, const GpuView& view, const GpuPiece& piece, c
     report();
 }
 
-// The node's own points, beginning with the piece that each is in, and those of the nodes above.
+// Points of the node with points of the node, beginning with the piece that each is in.
 void RadiiPass::compare_with_own(NodeId id, const QueryBlocks& batch)
 {
-    const auto is_in = [](const QueryBlock& block, const GpuPiece& piece) {
-        return block.points.first >= piece.first && block.points.first - piece.first < piece.count;
-    };
     const GpuView view = cursor_.get(id);
-    for (const GpuPiece& piece : view.pieces())
-        compare(id, view, piece, batch,
-                [&](const QueryBlock& block) { return block.node == id && is_in(block, piece); });
-    for (const GpuPiece& piece : view.pieces())
-        compare(id, view, piece, batch,
-                [&](const QueryBlock& block) { return block.node < id || (block.node == id && !is_in(block, piece)); });
+    for (const bool inside : {true, false})
+        for (const GpuPiece& piece : view.pieces())
+            compare(id, view, piece, batch, [&, inside](const QueryBlock& block) {
+                return block.node == id && block.begins_in(piece) == inside;
+            });
 }
 
-// Points of nodes after `below` that can have neighbours in this one.
-void RadiiPass::compare_near(NodeId id, const QueryBlocks& batch, NodeId below)
-{
-    const Vec3d& scale = tree_->info().grid.scale;
-    const auto is_near = [&](const QueryBlock& block) {
-        return (below == no_node || block.node > below) &&
-               may_have_neighbours(squared_gap(block.box, node(id).box, scale), block.limit);
-    };
-    if (std::none_of(batch.begin(), batch.end(), is_near)) return;
-    const GpuView view = cursor_.get(id);
-    for (const GpuPiece& piece : view.pieces()) compare(id, view, piece, batch, is_near);
-}
-
-// The nodes of the subtree, less those of the path, in which the blocks `near` can have neighbours; with the smallest
-// square of a distance.
+// The nodes of the subtree in which the blocks `near` can have neighbours, with the smallest square of a distance.
 void RadiiPass::collect(NodeId id, const QueryBlocks& batch, const std::vector<std::uint32_t>& near,
                         std::vector<std::pair<double, NodeId>>& found) const
 {
@@ -332,22 +335,32 @@ void RadiiPass::collect(NodeId id, const QueryBlocks& batch, const std::vector<s
         least = std::min(least, square);
     }
     if (nearer.empty()) return;
-    if (node(id).points > 0 && !std::binary_search(path_.begin(), path_.end(), id)) found.emplace_back(least, id);
+    if (node(id).points > 0) found.emplace_back(least, id);
     for (const NodeId child : node(id).children)
         if (child != no_node && node(child).subtree_points > 0) collect(child, batch, nearer, found);
 }
 
+// The nearest nodes first, and of those that overlap the coarse ones: neighbours of a coarse node's points come nearer
+// level by level.
 void RadiiPass::compare_with_others(QueryBlocks& batch)
 {
-    constexpr std::size_t nodes_per_wait = 8;  // then the limits are read again
+    set_limits(batch);
     std::vector<std::uint32_t> all(batch.size());
     for (std::uint32_t b = 0; b < all.size(); ++b) all[b] = b;
     std::vector<std::pair<double, NodeId>> found;
     collect(0, batch, all, found);
     std::sort(found.begin(), found.end());
-    for (std::size_t n = 0; n < found.size(); ++n) {
-        if (n > 0 && n % nodes_per_wait == 0) set_limits(batch);
-        compare_near(found[n].second, batch, no_node);
+    std::size_t compared = 0;
+    for (const auto& [square, id] : found) {
+        const auto is_near = [&, other = id](const QueryBlock& block) {
+            const double gap = squared_gap(block.box, node(other).box, tree_->info().grid.scale);
+            return block.node != other && may_have_neighbours(gap, block.limit);
+        };
+        if (std::none_of(batch.begin(), batch.end(), is_near)) continue;
+        const GpuView view = cursor_.get(id);
+        for (const GpuPiece& piece : view.pieces()) compare(id, view, piece, batch, is_near);
+        ++compared;
+        if (compared == 1 || compared == 2 || compared % 4 == 0) set_limits(batch);  // it waits for the device
     }
 }
 
@@ -356,7 +369,7 @@ void RadiiPass::set_limits(QueryBlocks& batch)
     const std::vector<double> limits = search_.limits();
     for (QueryBlock& block : batch) {
         const auto first = limits.begin() + block.first;
-        block.limit = *std::max_element(first, first + block.points.count);
+        block.limit = *std::max_element(first, first + block.points);
     }
 }
 
@@ -368,13 +381,12 @@ void RadiiPass::finish(const QueryBlocks& batch)
         GpuView view = cursor_.get(id);
         for (; block != batch.end() && block->node == id; ++block)
             for (const GpuPiece& piece : view.pieces()) {
-                const std::uint32_t first = std::max(block->points.first, piece.first);
-                const std::uint32_t end =
-                    std::min(block->points.first + block->points.count, piece.first + piece.count);
+                const std::uint32_t first = std::max(block->first_point, piece.first);
+                const std::uint32_t end = std::min(block->first_point + block->points, piece.first + piece.count);
                 if (first >= end) continue;
                 BufferRange to = piece.attributes[0];
                 to.offset += std::uint64_t(first - piece.first) * sizeof(float);
-                search_.copy(block->first + first - block->points.first, end - first, to);
+                search_.copy(block->first + first - block->first_point, end - first, to);
             }
         view.mark_written(0);
     }

@@ -14,6 +14,7 @@
 namespace pcm {
 namespace {
 
+constexpr std::size_t group_points = 64;                   // the shader's workgroup
 constexpr std::size_t heap_bytes = std::size_t(16) << 20;  // the size of a shader storage block that every driver has
 // A dispatch compares at most so many pairs of points, so that it ends before a driver takes it for hung.
 constexpr std::uint64_t most_pairs = std::uint64_t(1) << 31;
@@ -50,8 +51,8 @@ RadiusSearch::RadiusSearch(const Options& options) : options_(options)
     const double largest = std::max({options.scale[0], options.scale[1], options.scale[2]});
     unit_ = std::ldexp(1.0, std::ilogb(largest) + 1);
     const std::size_t key_bytes = options.normals ? sizeof(double) : sizeof(float);
-    most_points_ = std::max<std::size_t>(1, heap_bytes / (options.neighbours * key_bytes) / ChunkBoxes::block_points) *
-                   ChunkBoxes::block_points;
+    most_points_ =
+        std::max<std::size_t>(1, heap_bytes / (options.neighbours * key_bytes) / group_points) * group_points;
     search_ = ShaderProgram::compute("radii.comp", defines_of(options, false));
     finish_ = ShaderProgram::compute("radii.comp", defines_of(options, true));
     glGenBuffers(static_cast<GLsizei>(buffers_.size()), buffers_.data());
@@ -80,7 +81,7 @@ void RadiusSearch::bind(Buffer buffer) const
 void RadiusSearch::begin(const std::vector<std::uint32_t>& positions, const std::vector<double>& normals)
 {
     points_ = positions.size() / (options_.wide ? 6 : 3);
-    stride_ = (points_ + 63) / 64 * 64;
+    stride_ = (points_ + group_points - 1) / group_points * group_points;
     drain_gl_errors();
     store(Buffer::queries, positions.size() * sizeof(std::uint32_t), positions.data());
     const std::size_t entries = stride_ * options_.neighbours;
@@ -134,7 +135,7 @@ void RadiusSearch::compare(const GpuPiece& piece, const std::vector<std::uint32_
     glUniform1ui(search_.uniform("groups"), groups);
     glUniform1ui(search_.uniform("group_size"), ChunkBoxes::group_blocks);
     const std::size_t most =
-        std::clamp<std::size_t>(most_pairs / (std::uint64_t(ChunkBoxes::block_points) * piece.count), 1, 65535);
+        std::clamp<std::size_t>(most_pairs / (std::uint64_t(group_points) * piece.count), 1, 65535);
     for (std::size_t first = 0; first < block_list.size(); first += most) {
         glUniform1ui(search_.uniform("first_block"), static_cast<GLuint>(first));
         glDispatchCompute(static_cast<GLuint>(std::min(most, block_list.size() - first)), 1, 1);
@@ -172,7 +173,7 @@ void RadiusSearch::finish()
     glUniform1ui(finish_.uniform("stride"), static_cast<GLuint>(stride_));
     glUniform1f(finish_.uniform("unit"), static_cast<float>(unit_));
     glUniform1ui(finish_.uniform("points"), static_cast<GLuint>(points_));
-    glDispatchCompute(static_cast<GLuint>(stride_ / 64), 1, 1);
+    glDispatchCompute(static_cast<GLuint>(stride_ / group_points), 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     ++dispatches_;
     check_errors();
