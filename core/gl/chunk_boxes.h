@@ -13,7 +13,7 @@ namespace pcm {
 
 // Points of a chunk lie in Morton order, level by level, so a run of them is compact. Blocks are runs of one level.
 struct ChunkBoxes {
-    static constexpr std::uint32_t block_points = 32, group_blocks = 32;
+    static constexpr std::uint32_t block_points = 32, group_blocks = 16;
 
     struct Block {
         std::uint32_t first = 0, count = 0;
