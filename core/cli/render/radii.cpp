@@ -4,6 +4,8 @@
 #include "pcm/gl/gpu_cursor.h"
 #include "pcm/gl/gpu_radii.h"
 #include "pcm/offscreen/offscreen.h"
+#include "pcm/point_cloud.h"
+#include "pcm/update/target.h"
 
 #include <algorithm>
 #include <cstdio>
