@@ -1,6 +1,7 @@
 #include "pcm/gl/chunk_boxes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace pcm {
@@ -71,11 +72,12 @@ PieceBoxes::PieceBoxes(const ChunkBoxes& chunk, std::uint32_t first, std::uint32
     : first_block(chunk.block_of(first))
 {
     const std::size_t blocks = chunk.block_of(first + count - 1) + 1 - first_block;
-    groups = static_cast<std::uint32_t>((blocks + ChunkBoxes::group_blocks - 1) / ChunkBoxes::group_blocks);
+    group_blocks = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(blocks))));
+    groups = static_cast<std::uint32_t>((blocks + group_blocks - 1) / group_blocks);
     words.reserve((groups + blocks) * (wide ? 14 : 8));
     for (std::size_t g = 0; g < groups; ++g) {
-        const std::size_t begin = g * ChunkBoxes::group_blocks;
-        const std::size_t end = std::min<std::size_t>(begin + ChunkBoxes::group_blocks, blocks);
+        const std::size_t begin = g * group_blocks;
+        const std::size_t end = std::min<std::size_t>(begin + group_blocks, blocks);
         Corner low = chunk.blocks[first_block + begin].low, high = chunk.blocks[first_block + begin].high;
         for (std::size_t b = begin + 1; b < end; ++b)
             for (std::size_t a = 0; a < 3; ++a) {

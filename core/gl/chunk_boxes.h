@@ -13,7 +13,7 @@ namespace pcm {
 
 // Points of a chunk lie in Morton order, level by level, so a run of them is compact. Blocks are runs of one level.
 struct ChunkBoxes {
-    static constexpr std::uint32_t block_points = 32, group_blocks = 16;
+    static constexpr std::uint32_t block_points = 32;
 
     struct Block {
         std::uint32_t first = 0, count = 0;
@@ -29,12 +29,13 @@ struct ChunkBoxes {
     std::size_t bytes() const { return blocks.size() * sizeof(Block) + sizeof *this; }
 };
 
-// The boxes of consecutive points of a chunk as radii.comp reads them: first of groups of `group_blocks` blocks, then
-// of the blocks. Of each, in 32-bit words: the low and the high corner, two words per coordinate where `wide`, and the
-// range [first, end): of boxes for a group, of points for a block, counted from the first point given.
+// The boxes of consecutive points of a chunk as radii.comp reads them: first of groups of consecutive blocks, about as
+// many as a group has blocks, then of the blocks. Of each, in 32-bit words: the low and the high corner, two words per
+// coordinate where `wide`, and the range [first, end): of boxes for a group, of points for a block, counted from the
+// first point given.
 struct PieceBoxes {
     std::vector<std::uint32_t> words;
-    std::uint32_t groups = 0;
+    std::uint32_t groups = 0, group_blocks = 0;
     std::size_t first_block = 0;  // of the chunk
 
     PieceBoxes(const ChunkBoxes& chunk, std::uint32_t first, std::uint32_t count, bool wide);

@@ -307,7 +307,7 @@ void RadiiPass::compare(NodeId id, const GpuView& view, const GpuPiece& piece, c
     }
     Vec3i shift;
     for (std::size_t a = 0; a < 3; ++a) shift[a] = tree_->info().box.min[a] - view.origin()[a];
-    search_.compare(piece, boxes.words, boxes.groups, shift, blocks);
+    search_.compare(piece, boxes, shift, blocks);
     report();
 }
 

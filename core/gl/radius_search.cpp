@@ -1,6 +1,5 @@
 #include "pcm/gl/radius_search.h"
 
-#include "pcm/gl/chunk_boxes.h"
 #include "pcm/gl/gl_state.h"
 #include "pcm/system/error.h"
 
@@ -106,11 +105,11 @@ void RadiusSearch::begin(const std::vector<std::uint32_t>& positions, const std:
             "give the L1 less memory");
 }
 
-void RadiusSearch::compare(const GpuPiece& piece, const std::vector<std::uint32_t>& box_words, std::uint32_t groups,
-                           const Vec3i& shift, const std::vector<Block>& block_list)
+void RadiusSearch::compare(const GpuPiece& piece, const PieceBoxes& piece_boxes, const Vec3i& shift,
+                           const std::vector<Block>& block_list)
 {
     if (block_list.empty()) return;
-    store(Buffer::boxes, box_words.size() * sizeof(std::uint32_t), box_words.data());
+    store(Buffer::boxes, piece_boxes.words.size() * sizeof(std::uint32_t), piece_boxes.words.data());
     store(Buffer::blocks, block_list.size() * sizeof(Block), block_list.data());
     for (const Buffer buffer : {Buffer::queries, Buffer::keys, Buffer::boxes, Buffer::blocks}) bind(buffer);
     if (options_.normals)
@@ -132,8 +131,8 @@ void RadiusSearch::compare(const GpuPiece& piece, const std::vector<std::uint32_
     if (options_.normals) glUniform3d(search_.uniform("exact_scale"), scale[0], scale[1], scale[2]);
     glUniform1ui(search_.uniform("neighbours"), static_cast<GLuint>(options_.neighbours));
     glUniform1ui(search_.uniform("stride"), static_cast<GLuint>(stride_));
-    glUniform1ui(search_.uniform("groups"), groups);
-    glUniform1ui(search_.uniform("group_size"), ChunkBoxes::group_blocks);
+    glUniform1ui(search_.uniform("groups"), piece_boxes.groups);
+    glUniform1ui(search_.uniform("group_size"), piece_boxes.group_blocks);
     const std::size_t most =
         std::clamp<std::size_t>(most_pairs / (std::uint64_t(group_points) * piece.count), 1, 65535);
     for (std::size_t first = 0; first < block_list.size(); first += most) {

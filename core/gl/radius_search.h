@@ -6,6 +6,7 @@
 #pragma once
 
 #include "pcm/cloud/vector.h"
+#include "pcm/gl/chunk_boxes.h"
 #include "pcm/gl/gpu_cursor.h"
 #include "pcm/gl/shader_program.h"
 
@@ -46,8 +47,7 @@ public:
     // Compares points of the batch with the points of a piece whose boxes are given. `shift`: what is to be added to
     // the batch's positions to have them relative to the piece's chunk. Each pair of points must be compared at most
     // once.
-    void compare(const GpuPiece& piece, const std::vector<std::uint32_t>& boxes, std::uint32_t groups,
-                 const Vec3i& shift, const std::vector<Block>& blocks);
+    void compare(const GpuPiece& piece, const PieceBoxes& boxes, const Vec3i& shift, const std::vector<Block>& blocks);
 
     // Of each point, the squared distance of its farthest neighbour so far, source units; infinite while there are
     // fewer than asked for. Exact to 1e-6. Waits for the device. Throws Error(io) when OpenGL has failed.

@@ -1,6 +1,7 @@
 #include "pcm/build/nodes/point_sizes.h"
 
 #include "pcm/build/bins/row.h"
+#include "pcm/build/nodes/size_loops.h"
 #include "pcm/tree/point_size.h"
 
 #include <algorithm>
@@ -11,56 +12,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t group_points = 32;
-constexpr std::size_t neighbours = 4;
 // A size is at most this many times the middle one of its group, and this many times that of the bin.
 constexpr float most_of_group = 1.5f, most_of_bin = 16;
-
-template <class Real>
-constexpr Real infinite = std::numeric_limits<Real>::infinity();
-
-template <class Real>
-using Lanes = std::array<Real, group_points>;
-
-// Points that follow one another in Morton order. The last group is filled up with points infinitely far away.
-template <class Real>
-using Group = std::array<Lanes<Real>, 3>;
-
-// The squares of the distances of a group's points to the nearest points found so far, nearest first.
-template <class Real>
-using Nearest = std::array<Lanes<Real>, neighbours>;
-
-// Offers the points of `to` to those of `from`, all of which are updated at once. Written so that it becomes vector
-// instructions.
-template <class Real>
-void offer(const Group<Real>& from, const Group<Real>& to, Nearest<Real>& nearest)
-{
-    const bool own = &from == &to;
-    for (std::size_t j = 0; j < group_points; ++j) {
-        const Real x = to[0][j], y = to[1][j], z = to[2][j];
-        Lanes<Real> d;
-        for (std::size_t k = 0; k < group_points; ++k) {
-            const Real dx = from[0][k] - x, dy = from[1][k] - y, dz = from[2][k] - z;
-            d[k] = dx * dx + dy * dy + dz * dz;
-        }
-        if (own) d[j] = infinite<Real>;
-        for (Lanes<Real>& rank : nearest)
-            for (std::size_t k = 0; k < group_points; ++k) {
-                const Real nearer = std::min(rank[k], d[k]);  // a NaN, of two points infinitely far away, is not taken
-                d[k] = std::max(rank[k], d[k]);
-                rank[k] = nearer;
-            }
-    }
-}
-
-// The distance to the fourth neighbour, or to the last one that there is; 0 without any.
-template <class Real>
-float distance_of(const Nearest<Real>& nearest, std::size_t k)
-{
-    for (std::size_t rank = neighbours; rank-- > 0;)
-        if (nearest[rank][k] < infinite<Real>) return static_cast<float>(std::sqrt(nearest[rank][k]));
-    return 0;
-}
 
 float middle_of(std::vector<float>& values)
 {
@@ -69,31 +22,48 @@ float middle_of(std::vector<float>& values)
     return *middle;
 }
 
+// Like ==, which would call memcmp.
+template <class Coord>
+bool same_place(const std::array<Coord, 3>& p, const std::array<Coord, 3>& q)
+{
+    return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
+}
+
+void find_distances(const SizeLoops& loops, const std::vector<float>& groups, std::vector<float>& to)
+{
+    loops.distances(groups.data(), to.size() / size_group, to.data());
+}
+void find_distances(const SizeLoops& loops, const std::vector<double>& groups, std::vector<float>& to)
+{
+    loops.distances_in_double(groups.data(), to.size() / size_group, to.data());
+}
+
 // Of points at different places in Morton order. `place(i, axis)` is a coordinate.
 template <class Real, class Place>
 std::vector<float> distances(std::size_t points, const Place& place)
 {
-    std::vector<Group<Real>> groups((points + group_points - 1) / group_points);
-    for (std::size_t i = 0; i < groups.size() * group_points; ++i)
+    const SizeLoops& loops = size_loops(simd_level());
+    const std::size_t groups = (points + size_group - 1) / size_group;
+    std::vector<Real> values(groups * 3 * size_group, std::numeric_limits<Real>::infinity());
+    for (std::size_t g = 0; g < groups; ++g) {
+        const std::size_t first = g * size_group, count = std::min(size_group, points - first);
         for (std::size_t a = 0; a < 3; ++a)
-            groups[i / group_points][a][i % group_points] = i < points ? place(i, a) : infinite<Real>;
-    std::vector<float> distance(points), of_group, middles;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        Nearest<Real> nearest;
-        for (Lanes<Real>& rank : nearest) rank.fill(infinite<Real>);
-        for (std::size_t other = g > 0 ? g - 1 : 0; other <= std::min(g + 1, groups.size() - 1); ++other)
-            offer(groups[g], groups[other], nearest);
-        const std::size_t first = g * group_points, count = std::min(group_points, points - first);
-        for (std::size_t k = 0; k < count; ++k) distance[first + k] = distance_of(nearest, k);
-        // The last group may have few points: those before count too.
-        const auto end = distance.begin() + static_cast<std::ptrdiff_t>(first + count);
-        of_group.assign(end - static_cast<std::ptrdiff_t>(std::min(first + count, group_points)), end);
-        middles.push_back(middle_of(of_group));
+            for (std::size_t k = 0; k < count; ++k) values[3 * first + a * size_group + k] = place(first + k, a);
     }
-    of_group = middles;
-    const float most = most_of_bin * middle_of(of_group);
+    std::vector<float> distance(groups * size_group);
+    find_distances(loops, values, distance);
+    distance.resize(points);
+    std::vector<float> middles(groups);
+    loops.middles(distance.data(), points / size_group, middles.data());
+    if (points % size_group) {  // the last group may have few points: those before count too
+        std::vector<float> last(distance.end() - static_cast<std::ptrdiff_t>(std::min(points, size_group)),
+                                distance.end());
+        middles.back() = middle_of(last);
+    }
+    std::vector<float> of_bin = middles;
+    const float most = most_of_bin * middle_of(of_bin);
     for (std::size_t i = 0; i < points; ++i)
-        distance[i] = std::min({distance[i], most_of_group * middles[i / group_points], most});
+        distance[i] = std::min({distance[i], most_of_group * middles[i / size_group], most});
     return distance;
 }
 
@@ -105,6 +75,7 @@ std::vector<std::uint8_t> find_sizes(const std::byte* rows, std::size_t points, 
     // Points at one place follow one another.
     std::vector<std::uint32_t> of(points);
     std::vector<std::array<Coord, 3>> places;
+    places.reserve(points);
     std::array<Coord, 3> low{}, high{};
     for (std::size_t i = 0; i < points; ++i) {
         const std::array<Coord, 3> p = coordinates_of<Coord>(rows + i * row_bytes);
@@ -113,7 +84,7 @@ std::vector<std::uint8_t> find_sizes(const std::byte* rows, std::size_t points, 
             low[a] = std::min(low[a], p[a]);
             high[a] = std::max(high[a], p[a]);
         }
-        if (places.empty() || places.back() != p) places.push_back(p);
+        if (places.empty() || !same_place(places.back(), p)) places.push_back(p);
         of[i] = static_cast<std::uint32_t>(places.size() - 1);
     }
     if (places.size() < 2) return std::vector<std::uint8_t>(points, unknown_size);

@@ -1,0 +1,25 @@
+// The hot loops of point_sizes.cpp, compiled once per level of vector instructions. All levels give the same bits.
+#pragma once
+
+#include "pcm/system/cpu.h"
+
+#include <cstddef>
+
+namespace pcm {
+
+// Points that follow one another in Morton order, in groups: 32 x, then their 32 y, then their 32 z.
+inline constexpr std::size_t size_group = 32;
+inline constexpr std::size_t size_neighbours = 4;
+
+struct SizeLoops {
+    // For each point of `count` groups the distance to its fourth neighbour among its group and the two beside it, or
+    // to the last one that there is; 0 without any. Points infinitely far away are no neighbours.
+    void (*distances)(const float* groups, std::size_t count, float* to);
+    void (*distances_in_double)(const double* groups, std::size_t count, float* to);
+    // Of each of `count` groups of 32 distances the 17th, ascending.
+    void (*middles)(const float* distances, std::size_t count, float* to);
+};
+
+const SizeLoops& size_loops(SimdLevel level);
+
+}  // namespace pcm
