@@ -39,8 +39,9 @@ struct UnitSearchOptions {
 };
 
 // The result is that of comparing all pairs with squared distances (dx * dx + dy * dy) + dz * dz in double, where dx is
-// the exact difference in steps times the scale, both rounded once; of points at equal distance any may be chosen. So
-// it is for any extent, any number of points at one place, and more neighbours than there are points.
+// the exact difference in steps times the scale, both rounded once; of points at equal distance any may be chosen, even
+// if their squares differ by that rounding. So it is for any extent, any number of points at one place, and more
+// neighbours than there are points. The instructions used (system/cpu.h) make no difference.
 class UnitSearch {
 public:
     virtual ~UnitSearch() = default;
@@ -50,10 +51,12 @@ public:
                         const std::function<void(const FoundNeighbours&)>& found) const = 0;
 };
 
-// The positions are needed during the construction only. One thread makes it; then any number of threads may search.
+// At most 2^32 - 64 positions, which are needed during the construction only. One thread makes it; then any number of
+// threads may search. Throws Error(invalid_argument) for a wrong PCM_SIMD (system/cpu.h).
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
 
-// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it is its own nearest).
+// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it, or another at its
+// place, is its nearest). `among` is not empty if `points` is not.
 std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
                                       const std::vector<std::uint32_t>& among);
 
