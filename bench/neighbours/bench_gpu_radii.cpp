@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Radii = std::vector<std::vector<float>>;  // of each node's points
+
+// Of all threads.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -138,11 +142,17 @@ int run(const Arguments& arguments)
     l2.capacity_bytes = arguments.l2_mb << 20;
     const auto cloud = pcm::PointCloud::open(arguments.tree, l2, pcm::Access::write);
     Radii radii = empty_radii(*cloud->tree());
-    std::vector<double> cpu, gpu;
+    std::vector<double> cpu, gpu, cpu_work, gpu_work;
     pcm::GpuRadiiReport report;
     for (std::size_t round = 0; round < arguments.rounds; ++round) {
-        if (!arguments.no_cpu) cpu.push_back(on_processor(*cloud, arguments, radii));
+        double before = processor_seconds();
+        if (!arguments.no_cpu) {
+            cpu.push_back(on_processor(*cloud, arguments, radii));
+            cpu_work.push_back(processor_seconds() - before);
+        }
+        before = processor_seconds();
         gpu.push_back(on_device(cloud, arguments, report));
+        gpu_work.push_back(processor_seconds() - before);
     }
     nlohmann::ordered_json json;
     json["tree"] = arguments.tree;
@@ -152,11 +162,13 @@ int run(const Arguments& arguments)
     json["normals"] = arguments.normals;
     json["device"] = screen.renderer();
     json["gpu_seconds"] = median_of(gpu);
+    json["gpu_processor_seconds"] = median_of(gpu_work);  // nearly all of a software renderer's work
     json["batches"] = report.batches;
     json["dispatches"] = report.dispatches;
     if (!arguments.no_cpu) {
         const auto [largest, median] = differences(*cloud, radii);
         json["cpu_seconds"] = median_of(cpu);
+        json["cpu_processor_seconds"] = median_of(cpu_work);
         json["largest_difference"] = largest;
         json["median_difference"] = median;
     }
