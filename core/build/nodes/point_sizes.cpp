@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace pcm {
@@ -28,6 +29,58 @@ bool same_place(const std::array<Coord, 3>& p, const std::array<Coord, 3>& q)
 {
     return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
 }
+
+// size_code() of many distances, without its logarithm: a table of the distances at which the next code begins, by the
+// exponent and the first bits of a number; so few that a code begins within a cell of it at most once.
+class SizeCodes {
+public:
+    // For distances from `least_distance` to `most_distance`.
+    SizeCodes(float least_distance, float most_distance, double least) : first_(cell_of(least_distance))
+    {
+        const std::uint32_t last = cell_of(most_distance);
+        cells_.reserve(last - first_ + 1);
+        std::uint8_t code = size_code(static_cast<double>(start_of(first_)), least);
+        for (std::uint32_t cell = first_; cell <= last; ++cell) {
+            const std::uint8_t next = size_code(static_cast<double>(start_of(cell + 1)), least);
+            std::uint32_t from = cell << dropped_bits, to = from + (1u << dropped_bits);
+            while (code != next && to - from > 1) {  // `from` has the cell's first code, `to` has not
+                const std::uint32_t middle = from + (to - from) / 2;
+                (size_code(static_cast<double>(float_of(middle)), least) == code ? from : to) = middle;
+            }
+            cells_.push_back({to, code});
+            code = next;
+        }
+    }
+    std::uint8_t operator()(float distance) const
+    {
+        const Cell& cell = cells_[cell_of(distance) - first_];
+        return static_cast<std::uint8_t>(cell.code + (bits_of(distance) >= cell.next));
+    }
+
+private:
+    static constexpr int dropped_bits = 19;  // of 23: a cell's end is less than a quarter octave above its start
+    struct Cell {
+        std::uint32_t next;  // bits of the first number that has the next code, or of the next cell's start
+        std::uint8_t code;
+    };
+    static std::uint32_t bits_of(float v)
+    {
+        std::uint32_t bits;
+        std::memcpy(&bits, &v, sizeof bits);
+        return bits;
+    }
+    static float float_of(std::uint32_t bits)
+    {
+        float v;
+        std::memcpy(&v, &bits, sizeof v);
+        return v;
+    }
+    static std::uint32_t cell_of(float v) { return bits_of(v) >> dropped_bits; }
+    static float start_of(std::uint32_t cell) { return float_of(cell << dropped_bits); }
+
+    std::uint32_t first_;
+    std::vector<Cell> cells_;
+};
 
 void find_distances(const SizeLoops& loops, const std::vector<float>& groups, std::vector<float>& to)
 {
@@ -102,7 +155,9 @@ std::vector<std::uint8_t> find_sizes(const std::byte* rows, std::size_t points, 
     const std::vector<float> distance = steps < (1u << 24) ? distances_as(float()) : distances_as(double());
     const double least = least_point_size(grid) / unit;
     std::vector<std::uint8_t> codes(places.size());
-    for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = size_code(static_cast<double>(distance[i]), least);
+    const auto [nearest, farthest] = std::minmax_element(distance.begin(), distance.end());
+    const SizeCodes code_of(*nearest, *farthest, least);
+    for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = code_of(distance[i]);
     std::vector<std::uint8_t> sizes(points);
     for (std::size_t i = 0; i < points; ++i) sizes[i] = codes[of[i]];
     return sizes;
