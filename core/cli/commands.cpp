@@ -10,7 +10,9 @@ Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
+Run add_normals(Options& options);
 Run add_query(Options& options);
+Run add_radii(Options& options);
 Run add_repair(Options& options);
 Run add_set(Options& options);
 Run add_transform(Options& options);
@@ -31,6 +33,9 @@ const std::vector<Command>& commands()
         {"repair", "Rebuild a tree's index from its chunks, without damaged chunks", add_repair},
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
+        {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
+        {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
+         add_normals},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},

@@ -1,0 +1,95 @@
+#include "pcm/cli/attribute_options.h"
+
+#include <cstdio>
+
+namespace pcm::cli {
+
+void TargetOptions::add_to(Options& options)
+{
+    options.option("-o,--output", output,
+                   "Tree folder to write: a copy that shares unchanged data with the original where the file system "
+                   "allows");
+    options.flag("--in-place", in_place, "Change the tree itself, atomically");
+}
+
+void NeighbourOptions::add_to(Options& options)
+{
+    options.option("-k,--neighbours", neighbours, "Number of nearest neighbours (default 16)").between(1, 1024);
+    options.option("--max-distance", max_distance, "Farthest neighbour, source units (default: none)").positive();
+    const char* const group = "Precision (default: exact)";
+    options.option("--level", level, "Compute the points up to this level; the others take their nearest one's values")
+        .group(group);
+    options
+        .option("--time-limit", time_limit,
+                "Choose the finest level that is predicted to take no longer than so many seconds")
+        .positive()
+        .group(group);
+    options
+        .option("--error-target", error_target,
+                "Choose the coarsest level at which 95 % of the points are predicted to have no larger error, in "
+                "percent (for normals 1 is an angle of 0.01)")
+        .not_negative()
+        .group(group);
+    options.option("-m,--memory", memory, "Memory limit, e.g. 512M or 2G (default 512M)").bytes();
+    options.option("-t,--threads", threads, "Threads (default: one per processor)");
+    options.flag("--flann", flann, "Search with the FLANN library, for comparison");
+}
+
+void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const
+{
+    options.neighbours = neighbours;
+    if (max_distance) options.max_distance = *max_distance;
+    options.level = level;
+    options.time_limit = time_limit;
+    options.error_target_percent = error_target;
+    options.memory_bytes = memory;
+    options.threads = threads;
+    options.backend = flann ? NeighbourBackend::flann : NeighbourBackend::own;
+}
+
+void put_report(Json& json, const FilterReport& report)
+{
+    put_outcome(json, report.outcome);
+    json["points_in"] = report.outcome.points_in;
+    json["level"] = report.level ? Json(*report.level) : Json();
+    json["points_checked"] = report.points_checked;
+    Json errors = Json::array();
+    for (const SampledError& error : report.errors)
+        errors.push_back({{"of", error.what}, {"unit", error.unit}, {"median", error.median}, {"p95", error.p95}});
+    json["errors"] = std::move(errors);
+    json["notes"] = report.notes;
+}
+
+int run_attribute_filter(const Common& common, const std::string& tree, const TargetOptions& choice,
+                         NeighbourAttributeOptions options)
+{
+    options.progress = console_progress(common);
+    UpdateTarget target(tree, choice.get());
+    NeighbourAttributeReport report = compute_neighbour_attributes(target.path(), options);
+    const auto& warnings = target.keep();
+    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    end_progress(common);
+    if (common.json) {
+        Json json;
+        json["tree"] = target.path().string();
+        put_report(json, report);
+        json["points_computed"] = report.points_computed;
+        json["used_known_normals"] = report.used_known_normals;
+        if (options.wanted.needs_shape())
+            json["confidence"] = {{"line", report.lines}, {"blob", report.blobs}, {"too_few", report.too_few}};
+        if (options.wanted.normal) json["flipped"] = report.flipped;
+        std::printf("%s\n", json.dump(2).c_str());
+        return finished(report.outcome);
+    }
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s\n", target.path().c_str(), outcome_text(noun_of(options.wanted), report).c_str());
+    std::printf("%s points, %s computed, peak memory %s\n", grouped(report.outcome.points_out).c_str(),
+                grouped(report.points_computed).c_str(), bytes_text(report.peak_memory_bytes).c_str());
+    if (options.wanted.needs_shape())
+        std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s\n", grouped(report.lines).c_str(),
+                    grouped(report.blobs).c_str(), grouped(report.too_few).c_str());
+    if (report.used_known_normals) std::printf("radii were measured across the normals that the tree has\n");
+    return finished(report.outcome);
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,43 @@
+// What the commands that compute attributes from neighbours have in common.
+#pragma once
+
+#include "pcm/cli/common.h"
+#include "pcm/filter/neighbour_attributes.h"
+#include "pcm/update/target.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::cli {
+
+// Where the result of a filter goes: -o or --in-place.
+struct TargetOptions {
+    std::string output;
+    bool in_place = false;
+    void add_to(Options& options);
+    TargetChoice get() const { return {output, in_place}; }
+};
+
+// Neighbours, precision, memory and threads.
+struct NeighbourOptions {
+    std::uint32_t neighbours = 16;
+    std::optional<double> max_distance;
+    std::optional<std::uint16_t> level;
+    std::optional<double> time_limit, error_target;
+    std::uint64_t memory = std::uint64_t(512) << 20;
+    std::uint32_t threads = 0;
+    bool flann = false;
+    void add_to(Options& options);
+    void put_into(NeighbourAttributeOptions& options) const;
+};
+
+// points, seconds, ..., level, errors, notes.
+void put_report(Json& json, const FilterReport& report);
+
+// Runs the filter on `tree` and prints its report. Returns the exit code.
+int run_attribute_filter(const Common& common, const std::string& tree, const TargetOptions& target,
+                         NeighbourAttributeOptions options);
+
+}  // namespace pcm::cli

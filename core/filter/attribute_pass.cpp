@@ -1,0 +1,181 @@
+#include "pcm/filter/attribute_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace pcm {
+namespace {
+
+struct Counts {
+    std::uint64_t lines = 0, blobs = 0, too_few = 0, flipped = 0;
+};
+
+// Keeps the values of one unit, and writes them at its end.
+class PassVisitor final : public NeighbourhoodVisitor {
+public:
+    PassVisitor(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
+                std::mutex& mutex, NeighbourAttributeReport& report)
+        : cache_(cache),
+          wanted_(options.wanted),
+          orientation_(options.orientation),
+          places_(places),
+          schema_(cache.tree().info().schema),
+          grid_(cache.tree().info().grid),
+          mutex_(mutex),
+          report_(report)
+    {
+        written_.positions = false;
+        for (const auto& place :
+             {places.radius, places.normal, places.curvature, places.confidence, places.mean_distance})
+            if (place) written_.attributes.set(*place);
+    }
+    ~PassVisitor() override
+    {
+        const std::lock_guard lock(mutex_);
+        report_.lines += counts_.lines;
+        report_.blobs += counts_.blobs;
+        report_.too_few += counts_.too_few;
+        report_.flipped += counts_.flipped;
+    }
+
+    void begin(const NeighbourhoodUnit& unit) override
+    {
+        if (places_.radius) radius_.resize(unit.points);
+        if (places_.normal) normal_.resize(unit.points);
+        if (places_.curvature) curvature_.resize(unit.points);
+        if (wanted_.needs_shape()) confidence_.resize(unit.points);
+        if (places_.mean_distance) mean_distance_.resize(unit.points);
+        part_ = unit.parts.data();
+    }
+
+    void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
+    {
+        Vec3d known{};
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const std::uint32_t number = some.number(i);
+            if (places_.known_normal) known = known_normal(unit, number);
+            const PointValues values = values_of({some.dx(i), some.dy(i), some.dz(i), some.squared(i), some.count(i)},
+                                                 wanted_, places_.known_normal ? &known : nullptr);
+            if (places_.radius) radius_[number] = static_cast<float>(values.radius);
+            if (places_.normal)
+                for (std::size_t a = 0; a < 3; ++a) normal_[number][a] = static_cast<float>(values.normal[a]);
+            if (places_.curvature) curvature_[number] = static_cast<float>(values.curvature);
+            if (wanted_.needs_shape()) confidence_[number] = static_cast<std::uint8_t>(values.confidence);
+            if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
+        }
+    }
+
+    void end(const NeighbourhoodUnit& unit) override
+    {
+        for (const NeighbourhoodUnit::Part& part : unit.parts) {
+            L2Cache::Edit edit = cache_.edit(part.node, written_);
+            const auto put = [&](const std::optional<std::size_t>& place, const auto& values) {
+                if (!place) return;
+                using Value = typename std::decay_t<decltype(values)>::value_type;
+                auto* const to = edit.column(*place).template as<Value>();
+                for (std::size_t i = 0; i < part.indices.size(); ++i)
+                    to[part.indices[i]] = values[source(unit, part, i)];
+            };
+            put(places_.radius, radius_);
+            put(places_.curvature, curvature_);
+            put(places_.confidence, confidence_);
+            put(places_.mean_distance, mean_distance_);
+            if (places_.normal) put_normals(unit, part, edit.column(*places_.normal).as<float>());
+            edit.mark_written();
+        }
+        if (wanted_.needs_shape())
+            for (std::uint32_t n = 0; n < unit.points; ++n)
+                count(confidence_[unit.source.empty() ? n : unit.source[n]]);
+    }
+
+private:
+    static std::uint32_t source(const NeighbourhoodUnit& unit, const NeighbourhoodUnit::Part& part, std::size_t i)
+    {
+        const std::uint32_t number = part.first + static_cast<std::uint32_t>(i);
+        return unit.source.empty() ? number : unit.source[number];
+    }
+
+    Vec3d known_normal(const NeighbourhoodUnit& unit, std::uint32_t number)
+    {
+        if (number < part_->first || number - part_->first >= part_->indices.size()) part_ = &unit.part_of(number);
+        const std::size_t place = *places_.known_normal;
+        return known_normal_of(*part_->chunk->attributes[place], schema_[place], part_->indices[number - part_->first]);
+    }
+
+    void put_normals(const NeighbourhoodUnit& unit, const NeighbourhoodUnit::Part& part, float* to)
+    {
+        for (std::size_t i = 0; i < part.indices.size(); ++i) {
+            const std::uint32_t index = part.indices[i];
+            std::array<float, 3> n = normal_[source(unit, part, i)];
+            const Vec3d p = grid_.to_source(part.chunk->positions->grid(index));
+            if (is_to_flip(orientation_, {n[0], n[1], n[2]}, p)) {
+                for (float& component : n) component = -component;
+                ++counts_.flipped;
+            }
+            std::copy(n.begin(), n.end(), to + std::size_t(3) * index);
+        }
+    }
+
+    void count(std::uint8_t confidence)
+    {
+        counts_.lines += confidence == static_cast<std::uint8_t>(NormalConfidence::line);
+        counts_.blobs += confidence == static_cast<std::uint8_t>(NormalConfidence::blob);
+        counts_.too_few += confidence == static_cast<std::uint8_t>(NormalConfidence::too_few);
+    }
+
+    L2Cache& cache_;
+    const WantedValues wanted_;
+    const NormalOrientation orientation_;
+    const AttributePlaces places_;
+    const Schema& schema_;
+    const Grid& grid_;
+    std::mutex& mutex_;  // of the report
+    NeighbourAttributeReport& report_;
+    ColumnSet written_;
+    const NeighbourhoodUnit::Part* part_ = nullptr;  // of the last known normal
+    // By number in the unit.
+    std::vector<float> radius_, curvature_, mean_distance_;
+    std::vector<std::array<float, 3>> normal_;
+    std::vector<std::uint8_t> confidence_;
+    Counts counts_;
+};
+
+}  // namespace
+
+Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::size_t point)
+{
+    Vec3d n;
+    for (std::uint32_t c = 0; c < 3; ++c) n[c] = column.value(point, c) * attribute.scale + attribute.offset;
+    const double size = length(n);
+    return size > 0 && std::isfinite(size) ? n / size : Vec3d{0, 0, 0};
+}
+
+NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places)
+{
+    NeighbourhoodOptions search;
+    search.neighbours = options.neighbours;
+    search.max_distance = options.max_distance;
+    search.level = options.level;
+    if (places.known_normal) search.columns.attributes.set(*places.known_normal);
+    search.memory_bytes = options.memory_bytes / 2;
+    search.threads = options.threads;
+    search.backend = options.backend;
+    search.progress = options.progress;
+    search.stage = "Computing " + noun_of(options.wanted);
+    return search;
+}
+
+NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
+                                       const AttributePlaces& places, double end, NeighbourAttributeReport& report)
+{
+    NeighbourhoodOptions search = search_options(options, places);
+    search.end = end;
+    std::mutex mutex;
+    return for_each_neighbourhood(cache, search,
+                                  [&] { return std::make_unique<PassVisitor>(cache, options, places, mutex, report); });
+}
+
+}  // namespace pcm

@@ -1,0 +1,31 @@
+// The pass over all neighbourhoods that computes attributes and writes them through a cache.
+#pragma once
+
+#include "pcm/bpc/chunk.h"
+#include "pcm/cache/l2_cache.h"
+#include "pcm/filter/neighbour_attributes.h"
+#include "pcm/knn/neighbourhoods.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace pcm {
+
+// Places in the tree's schema.
+struct AttributePlaces {
+    std::optional<std::size_t> radius, normal, curvature, confidence, mean_distance;  // to write
+    std::optional<std::size_t> known_normal;                                          // to measure radii across
+};
+
+// The normal that an attribute gives a point, in double, of unit length; 0 where it has none or no finite one.
+Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::size_t point);
+
+// Computes the attributes of all points, at options.level, into edits of the cache; nothing is flushed. Adds to the
+// report's counts. Progress goes from 0 to `end`. Throws what for_each_neighbourhood() throws.
+NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
+                                       const AttributePlaces& places, double end, NeighbourAttributeReport& report);
+
+// How the pass searches neighbours.
+NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places);
+
+}  // namespace pcm

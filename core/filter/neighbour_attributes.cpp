@@ -1,0 +1,123 @@
+#include "pcm/filter/neighbour_attributes.h"
+
+#include "pcm/filter/attribute_pass.h"
+#include "pcm/filter/precision.h"
+#include "pcm/filter/result_attributes.h"
+#include "pcm/system/error.h"
+#include "pcm/threads/watch.h"
+#include "pcm/tree/tree.h"
+#include "pcm/update/tree_changes.h"
+
+#include <cmath>
+#include <memory>
+
+namespace pcm {
+namespace {
+
+// Of the progress: the pass ends, the result is checked, the index is written.
+constexpr double end_of_pass = 0.93, end_of_check = 0.95;
+
+void check(const NeighbourAttributeOptions& options, const std::filesystem::path& path)
+{
+    const auto refuse = [&](const char* what, const char* hint) {
+        throw Error(ErrorCode::invalid_argument, path, what, hint);
+    };
+    if (!options.wanted.any()) refuse("no attribute is to be computed", "choose radii, normals or another attribute");
+    if (!(options.max_distance > 0)) refuse("the largest distance of a neighbour must be positive", "");
+    if (options.level && (options.time_limit || options.error_target_percent))
+        refuse("a level is given, and a time limit or an error target that would choose it", "give one of them");
+    if (options.time_limit && !(*options.time_limit > 0)) refuse("the time limit must be positive", "");
+    if (options.error_target_percent && !(*options.error_target_percent >= 0))
+        refuse("the error target must be 0 or more", "");
+    if (options.wanted.normal) {
+        if (!is_finite(options.orientation.vector)) refuse("the orientation is not finite", "");
+        if (options.orientation.rule == NormalOrientation::Rule::direction &&
+            largest_magnitude(options.orientation.vector) == 0)
+            refuse("the direction that normals are to point to is 0 0 0", "give a direction such as 0 0 1");
+    }
+}
+
+AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted)
+{
+    AttributePlaces places;
+    const auto place = [&](bool is_wanted, std::string_view name, ScalarType type, std::uint32_t components,
+                           const char* description) -> std::optional<std::size_t> {
+        if (!is_wanted) return {};
+        return place_for(changes, {std::string(name), type, components, 1, 0, description});
+    };
+    // In the order that exports have them.
+    places.normal = place(wanted.normal, attribute_name::normal, ScalarType::f32, 3, "");
+    places.radius = place(wanted.radius, attribute_name::radius, ScalarType::f32, 1, "");
+    places.curvature = place(wanted.curvature, attribute_name::curvature, ScalarType::f32, 1,
+                             "share of the smallest variance among the neighbours, 0 to 1/3");
+    places.confidence = place(wanted.confidence, attribute_name::normal_confidence, ScalarType::u8, 1,
+                              "0 good, 1 neighbours on a line, 2 no plane, 3 too few neighbours");
+    places.mean_distance = place(wanted.mean_distance, attribute_name::mean_distance, ScalarType::f32, 1,
+                                 "of the nearest neighbours, source units");
+    const Schema& schema = changes.tree()->info().schema;
+    const auto known = schema.find(attribute_name::normal);
+    if (wanted.radius && !wanted.normal && known && schema[*known].components == 3) places.known_normal = known;
+    return places;
+}
+
+}  // namespace
+
+NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::path& path,
+                                                      const NeighbourAttributeOptions& asked)
+{
+    check(asked, path);
+    Watch watch(asked.progress);
+    NeighbourAttributeOptions options = asked;
+    NeighbourAttributeReport report;
+    const auto changes = std::make_shared<TreeChanges>(path);
+    const AttributePlaces places = make_places(*changes, options.wanted);
+    const TreeInfo info = changes->tree()->info();
+    L2Options cache_options;
+    cache_options.capacity_bytes = options.memory_bytes / 2;
+    L2Cache cache(changes, cache_options);
+    try {
+        if (options.time_limit || options.error_target_percent)
+            options.level = choose_level(cache, options, places, watch, report.notes);
+        if (options.level && *options.level + 1 >= info.levels) options.level.reset();  // all points
+        report.level = options.level;
+        const NeighbourhoodReport pass = run_attribute_pass(cache, options, places, end_of_pass, report);
+        report.points_computed = pass.outcome.points_out;
+        report.used_known_normals = places.known_normal.has_value();
+        if (options.level) {
+            watch.report("Checking", end_of_pass);
+            check_errors(cache, options, places, report);
+        }
+        watch.report("Writing", end_of_check, true);  // the last chance to cancel
+        run_last_step(report.outcome, [&] { cache.flush(); });
+    } catch (...) {
+        cache.abandon();
+        throw;
+    }
+    changes->end();
+    watch.finish("Done");
+    report.outcome.points_in = report.outcome.points_out = info.points;
+    report.outcome.seconds = watch.seconds();
+    report.peak_memory_bytes = peak_memory_bytes();
+    if (!report.errors.empty()) {
+        report.outcome.error = report.errors.front().p95;
+        report.outcome.error_meaning =
+            "of 95 % of the " + report.errors.front().what + ", " + report.errors.front().unit;
+    }
+    return report;
+}
+
+std::string noun_of(const WantedValues& wanted)
+{
+    std::vector<std::string> nouns;
+    if (wanted.normal) nouns.push_back("normals");
+    if (wanted.radius) nouns.push_back("radii");
+    if (wanted.curvature) nouns.push_back("curvature");
+    if (wanted.mean_distance) nouns.push_back("mean distances");
+    if (wanted.confidence && nouns.empty()) nouns.push_back("confidence of normals");
+    std::string text;
+    for (std::size_t i = 0; i < nouns.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == nouns.size() ? " and " : ", ") + nouns[i];
+    return text;
+}
+
+}  // namespace pcm

@@ -1,0 +1,67 @@
+// Attributes of points that are computed from their nearest neighbours, in one pass over all neighbourhoods: radii,
+// normals, curvature, a normal's confidence, mean distances.
+//
+//     UpdateTarget target(tree, choice);                       // a copy, or the tree itself
+//     compute_neighbour_attributes(target.path(), options);
+//     target.keep();
+//
+// What is written, by name:
+//     radius             f32      source units
+//     normal             f32 x 3  unit length; (0, 0, 0) where it is undefined, which splats draw facing the eye
+//     curvature          f32      0 to 1/3
+//     normal_confidence  u8       NormalConfidence
+//     mean_distance      f32      source units
+// An attribute of that name and type is overwritten. Values are never NaN: point_values.h says what a point without
+// enough neighbours gets.
+#pragma once
+
+#include "pcm/filter/filter_report.h"
+#include "pcm/filter/normal_orientation.h"
+#include "pcm/filter/point_values.h"
+#include "pcm/knn/neighbourhoods.h"
+#include "pcm/system/progress.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+
+namespace pcm {
+
+struct NeighbourAttributeOptions {
+    // At least one of them. When radii are wanted without normals and the tree has an attribute "normal" with 3
+    // components, radii are measured across those.
+    WantedValues wanted;
+    std::size_t neighbours = 16;                                    // k, 1 to most_neighbours
+    double max_distance = std::numeric_limits<double>::infinity();  // of a neighbour, source units; positive
+    NormalOrientation orientation;                                  // of the normals that are computed
+    // The precision (see NeighbourhoodOptions::level), or one or both of the next two, which choose it: the time that
+    // the filter may take, and the largest error that 95 % of the points may have: of the value for radii, curvature
+    // and mean distances; for normals 1 % is an angle of 0.01. Without any of them all points are computed.
+    std::optional<std::uint16_t> level;
+    std::optional<double> time_limit;            // seconds
+    std::optional<double> error_target_percent;  // at least 0
+    std::uint64_t memory_bytes = std::uint64_t(512) << 20;
+    unsigned threads = 0;  // 0: one per processor
+    NeighbourBackend backend = NeighbourBackend::own;
+    ProgressFunction progress;
+};
+
+struct NeighbourAttributeReport : FilterReport {
+    std::uint64_t points_computed = 0;                // the others took a neighbour's values
+    std::uint64_t lines = 0, blobs = 0, too_few = 0;  // points by NormalConfidence; 0 when no normals are wanted
+    bool used_known_normals = false;                  // radii were measured across normals that the tree had
+    std::uint64_t flipped = 0;                        // normals that the orientation turned around
+};
+
+// In place and atomic: whatever ends it early, also a crash, a cancelled progress or a full disk, leaves the tree as it
+// was. Open readers keep reading the old tree. Throws Error(invalid_argument) for options out of range and for an
+// attribute that exists with another type, Error(exists) when another process or thread changes the tree, and what
+// reading and writing throw. What fails after the tree is changed is a warning of the outcome.
+NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::path& tree,
+                                                      const NeighbourAttributeOptions& options);
+
+// "normals and radii", for outcome_text().
+std::string noun_of(const WantedValues& wanted);
+
+}  // namespace pcm

@@ -1,0 +1,26 @@
+// Which of the two sides of a surface its normals point to.
+#pragma once
+
+#include "pcm/cloud/vector.h"
+
+#include <cstdint>
+
+namespace pcm {
+
+struct NormalOrientation {
+    enum class Rule : std::uint8_t {
+        direction,  // to the half space of a vector: n . vector >= 0
+        viewpoint,  // towards a point, where the scanner stood
+    };
+    Rule rule = Rule::direction;
+    Vec3d vector{0, 0, 1};  // of a direction: not 0; of a viewpoint: source coordinates
+};
+
+// Whether the normal of the point `p` has to be turned around. Normals at a right angle to the rule stay.
+inline bool is_to_flip(const NormalOrientation& orientation, const Vec3d& normal, const Vec3d& p)
+{
+    const bool to_point = orientation.rule == NormalOrientation::Rule::viewpoint;
+    return dot(normal, to_point ? orientation.vector - p : orientation.vector) < 0;
+}
+
+}  // namespace pcm

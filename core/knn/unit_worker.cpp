@@ -1,0 +1,236 @@
+#include "pcm/knn/unit_worker.h"
+
+#include "pcm/knn/unit_plan.h"
+#include "pcm/system/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace pcm {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// The value below which a share of the values lie, which are reordered.
+double quantile(std::vector<double>& values, double share)
+{
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + at, values.end());
+    return values[static_cast<std::size_t>(at)];
+}
+
+// More than source coordinates differ from exact positions on the grid.
+double rounding_of(const TreeInfo& info)
+{
+    const Box3d bounds = info.bounds();
+    return 1e-14 * std::max(largest_magnitude(bounds.min), largest_magnitude(bounds.max));
+}
+
+// Neighbours at almost the same distance are ordered by the exact one: some more are searched for.
+constexpr std::size_t spare = 4;
+
+}  // namespace
+
+UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
+                       NeighbourhoodVisitor& visitor)
+    : cache_(cache),
+      options_(options),
+      signal_(signal),
+      visitor_(visitor),
+      search_alone_(cache, blocks, {}, options.max_distance + rounding_of(cache.tree().info())),
+      cloud_(cache.tree().info().box)
+{
+}
+
+void UnitWorker::run(const Box3i& box)
+{
+    if (!margin_) margin_ = first_margin(box);
+    points_ = gather_unit(cache_, box, std::min(*margin_, options_.max_distance), options_.columns);
+    unit_ = std::move(points_.unit);
+    if (unit_.points == 0) return;
+    choose_points();
+    visitor_.begin(unit_);
+    distances_.clear();
+    unresolved_.clear();
+    search(chosen_ ? &*chosen_ : nullptr);
+    for (int round = 0; round < 3 && widen(); ++round) {
+        std::vector<std::uint32_t> again;
+        for (const auto& [margin, number] : unresolved_) again.push_back(number);
+        std::sort(again.begin(), again.end());
+        unresolved_.clear();
+        search(&again);
+    }
+    for (const auto& [margin, number] : unresolved_) search_alone(number);
+    hand_over();
+    computed_ += chosen_ ? chosen_->size() : unit_.points;
+    learn_margin();
+    if (options_.level) find_sources();
+    visitor_.end(unit_);
+}
+
+void UnitWorker::choose_points()
+{
+    chosen_.reset();
+    if (!options_.level) return;
+    chosen_.emplace();
+    for (const auto& part : unit_.parts) {
+        const std::uint32_t end = cache_.tree().node(part.node).points_to_level(*options_.level);
+        for (std::uint32_t i = 0; i < part.indices.size() && part.indices[i] < end; ++i)
+            chosen_->push_back(part.first + i);
+    }
+    if (chosen_->empty()) chosen_.reset();
+}
+
+void UnitWorker::search(const std::vector<std::uint32_t>* points)
+{
+    std::vector<std::uint32_t> all;
+    if (!points && points_.positions.size() > unit_.points) {
+        all.resize(unit_.points);
+        for (std::uint32_t i = 0; i < unit_.points; ++i) all[i] = i;
+        points = &all;
+    }
+    const auto search = make_unit_search(points_.positions);
+    UnitSearchOptions options;
+    options.neighbours = options_.neighbours;
+    options.max_distance = options_.max_distance;
+    search->search(points, options, [&](const FoundNeighbours& found) { take(found); });
+}
+
+// How far from the point everything must have been loaded for its neighbours to be right.
+double UnitWorker::needed(const FoundNeighbours& found, std::size_t i) const
+{
+    const bool full = found.counts[i] == options_.neighbours;
+    const double farthest = full ? std::sqrt(found.squared[i * found.stride + found.counts[i] - 1]) : infinity;
+    return std::min(farthest, options_.max_distance);
+}
+
+void UnitWorker::take(const FoundNeighbours& found)
+{
+    if (signal_.stopped) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    begin_block(found.stride, found.size);
+    for (std::size_t i = 0; i < found.size; ++i) {
+        const std::uint32_t number = found.points[i];
+        const double distance = needed(found, i);
+        if (seen_++ % 16 == 0) distances_.push_back(distance);
+        if (distance > points_.reach(number, cloud_)) {
+            unresolved_.emplace_back(distance, number);
+            continue;
+        }
+        const std::size_t at = block_.size() * block_.stride;
+        const std::uint32_t* const neighbours = found.neighbours + i * found.stride;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            points_.put_offsets(axis, number, neighbours, found.counts[i], block_.offsets[axis].data() + at);
+        std::copy_n(found.squared + i * found.stride, found.counts[i], block_.squares.data() + at);
+        add_point(number, found.counts[i]);
+    }
+    hand_over();
+}
+
+// Loads more points around the unit where that resolves many points. Returns whether it did.
+bool UnitWorker::widen()
+{
+    if (unresolved_.size() < 64 || unresolved_.size() * 300 < unit_.points) return false;
+    std::vector<double> margins;
+    for (const auto& [margin, number] : unresolved_)
+        if (margin < infinity) margins.push_back(margin);
+    double margin = 4 * *margin_;
+    for (const double share : {0.99, 0.8, 0.5}) {
+        if (!margins.empty()) margin = 1.001 * quantile(margins, share);
+        const Box3i box = box_around(points_.box, margin, cache_.tree().info());
+        if (box == points_.loaded) return false;
+        if (estimated_points(cache_.tree(), box) > 3.0 * unit_.points + 100'000) continue;
+        GatheredPoints more = gather_unit(cache_, points_.box, margin, ColumnSet::only_positions());
+        points_ = std::move(more);
+        points_.unit = {};
+        return true;
+    }
+    return false;
+}
+
+void UnitWorker::search_alone(std::uint32_t number)
+{
+    if (signal_.stopped) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    ++alone_;
+    const Grid& grid = cache_.tree().info().grid;
+    const Vec3i at = points_.grid(number);
+    search_alone_.run(grid.to_source(at), options_.neighbours + 1 + spare, found_);
+    const auto& part = unit_.part_of(number);
+    const std::uint32_t index = unit_.index_of(number);
+    std::vector<std::pair<double, Vec3d>> sorted;
+    for (const Neighbour& neighbour : found_) {
+        if (neighbour.node == part.node && neighbour.index == index) continue;
+        const auto chunk = cache_.get(neighbour.node, ColumnSet::only_positions());
+        const Vec3i there = chunk->positions->grid(neighbour.index);
+        Vec3d offset;
+        for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] = double(there[axis] - at[axis]) * grid.scale[axis];
+        const double square = (offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2];
+        if (square <= options_.max_distance * options_.max_distance) sorted.emplace_back(square, offset);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    sorted.resize(std::min(sorted.size(), options_.neighbours));
+    begin_block(options_.neighbours, 1);
+    for (std::size_t j = 0; j < sorted.size(); ++j) {
+        block_.squares[j] = sorted[j].first;
+        for (std::size_t axis = 0; axis < 3; ++axis) block_.offsets[axis][j] = sorted[j].second[axis];
+    }
+    add_point(number, sorted.size());
+    hand_over();
+}
+
+void UnitWorker::begin_block(std::size_t stride, std::size_t points)
+{
+    block_.numbers.clear();
+    block_.counts.clear();
+    block_.stride = stride;
+    for (auto& axis : block_.offsets) axis.resize(std::max(axis.size(), stride * points));
+    block_.squares.resize(std::max(block_.squares.size(), stride * points));
+}
+
+void UnitWorker::add_point(std::uint32_t number, std::size_t count)
+{
+    block_.numbers.push_back(number);
+    block_.counts.push_back(static_cast<std::uint32_t>(count));
+}
+
+void UnitWorker::hand_over()
+{
+    if (!block_.numbers.empty()) visitor_.visit(unit_, block_);
+    block_.numbers.clear();
+    block_.counts.clear();
+}
+
+void UnitWorker::find_sources()
+{
+    unit_.source.resize(unit_.points);
+    for (std::uint32_t i = 0; i < unit_.points; ++i) unit_.source[i] = i;
+    if (!chosen_) return;
+    std::vector<bool> computed(unit_.points, false);
+    for (const std::uint32_t number : *chosen_) computed[number] = true;
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t i = 0; i < unit_.points; ++i)
+        if (!computed[i]) others.push_back(i);
+    const std::vector<std::uint32_t> nearest = nearest_of(points_.positions, others, *chosen_);
+    for (std::size_t i = 0; i < others.size(); ++i) unit_.source[others[i]] = nearest[i];
+}
+
+// From some points of the unit, whose neighbours are searched one by one.
+double UnitWorker::first_margin(const Box3i& box)
+{
+    const GatheredPoints points = gather_unit(cache_, box, 0, ColumnSet::only_positions());
+    const std::uint32_t step = points.unit.points / 32 + 1;
+    std::vector<double> distances;
+    for (std::uint32_t number = 0; number < points.unit.points; number += step) {
+        search_alone_.run(cache_.tree().info().grid.to_source(points.grid(number)), options_.neighbours + 1, found_);
+        if (!found_.empty()) distances.push_back(found_.back().distance());
+    }
+    return distances.empty() ? 0 : 1.3 * quantile(distances, 0.9);
+}
+
+void UnitWorker::learn_margin()
+{
+    distances_.erase(std::remove(distances_.begin(), distances_.end(), infinity), distances_.end());
+    if (!distances_.empty()) margin_ = 1.1 * quantile(distances_, 0.98);
+}
+
+}  // namespace pcm

@@ -1,0 +1,146 @@
+// Filters that are killed, or whose disk fails them, at their file-changing calls: the tree that they were given stays
+// what it was, and what they write is the old tree or the new one, or not there.
+
+#include "tests/faults.h"
+#include "pcm/tree/tree.h"
+#include "pcm/tree/verify.h"
+#include "pcm/update/tree_update.h"
+#include "tests/filter/oracle.h"
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+struct FaultCase {
+    const char* name;
+    std::vector<std::string> words;  // of the command, without the tree
+    bool in_place;
+};
+
+class FilterFaults : public testing::TestWithParam<FaultCase> {
+protected:
+    struct State {
+        std::uint64_t hash = 0, points = 0;
+        std::size_t attributes = 0;
+        bool operator==(const State& o) const
+        {
+            return hash == o.hash && points == o.points && attributes == o.attributes;
+        }
+    };
+
+    FilterFaults()
+    {
+        build_small(cloud_of(4000, 31,
+                             [](double u, double v, double w) {
+                                 return Vec3d{10 * u, 8 * v, w > 0.995 ? 5.0 : std::sin(3 * u)};
+                             }),
+                    folder_ / "before.pct");
+        start_again();
+        before_ = state_of(tree_);
+        calls_ = count_calls(command(), work_);
+        after_ = state_of(result());
+        EXPECT_FALSE(before_ == after_);
+    }
+
+    fs::path result() const { return GetParam().in_place ? tree_ : work_ / "result.pct"; }
+
+    void start_again()
+    {
+        fs::remove_all(work_);
+        fs::create_directory(work_);
+        fs::copy(folder_ / "before.pct", tree_, fs::copy_options::recursive);
+    }
+
+    std::vector<std::string> command() const
+    {
+        std::vector<std::string> words{paths::command};
+        words.insert(words.end(), GetParam().words.begin(), GetParam().words.end());
+        words.push_back(tree_.string());
+        if (GetParam().in_place)
+            words.push_back("--in-place");
+        else
+            words.insert(words.end(), {"-o", result().string()});
+        return words;
+    }
+
+    static State state_of(const fs::path& tree)
+    {
+        const auto opened = Tree::open(tree);
+        return {opened->info().content_hash, opened->info().points, opened->info().schema.size()};
+    }
+
+    // Returns whether the result is there.
+    bool expect_old_or_new(const std::string& when, bool copy_may_stay)
+    {
+        if (!GetParam().in_place) {
+            EXPECT_TRUE(verify_tree(tree_, 1).faults.empty()) << when;
+            EXPECT_TRUE(state_of(tree_) == before_) << when;
+            EXPECT_TRUE(leftovers(tree_, Tree::open(tree_)->data_files().size()).empty()) << when;
+            if (!is_tree(result())) {
+                EXPECT_TRUE(copy_may_stay || !fs::exists(result())) << when;
+                return false;
+            }
+            EXPECT_TRUE(copy_may_stay || state_of(result()) == after_) << when;
+        }
+        const VerifyReport verified = verify_tree(result(), 1);
+        EXPECT_TRUE(verified.faults.empty()) << when << ": " << verified.faults.front();
+        const State now = state_of(result());
+        EXPECT_TRUE(now == before_ || now == after_) << when;
+        return now == after_;
+    }
+
+    const TemporaryFolder folder_;
+    const fs::path work_ = folder_ / "work", tree_ = work_ / "tree.pct";
+    State before_, after_;
+    long calls_ = 0;
+};
+
+// A small limit of memory: most chunks are written long before the end.
+INSTANTIATE_TEST_SUITE_P(
+    Commands, FilterFaults,
+    testing::Values(FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, true},
+                    FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, false}),
+    [](const auto& info) { return info.param.name; });
+
+TEST_P(FilterFaults, KilledAtAnyCall)
+{
+    EXPECT_GE(calls_, 20);
+    for (const long at : spread(calls_, 40)) {
+        const std::string when = "killed at " + std::to_string(at) + " of " + std::to_string(calls_);
+        start_again();
+        ASSERT_TRUE(run_with_fault(command(), work_, "kill", at).killed) << when;
+        expect_old_or_new(when, true);
+    }
+}
+
+TEST_P(FilterFaults, AFullDisk)
+{
+    for (const long at : spread(calls_, 25)) {
+        const std::string when = "full at " + std::to_string(at) + " of " + std::to_string(calls_);
+        start_again();
+        const Faulty full = run_with_fault(command(), work_, "full", at);
+        const bool is_new = expect_old_or_new(when, false);
+        EXPECT_EQ(full.code, is_new ? 0 : 1) << when << ": " << full.err;
+        if (!is_new) EXPECT_NE(full.err.find("space"), std::string::npos) << full.err;
+    }
+}
+
+TEST_P(FilterFaults, ABadDisk)
+{
+    std::vector<long> instants = spread(calls_, 15);
+    for (long at = std::max(1L, calls_ - 10); at <= calls_; ++at) instants.push_back(at);
+    for (const long at : instants) {
+        const std::string when = "eio at " + std::to_string(at) + " of " + std::to_string(calls_);
+        start_again();
+        const Faulty bad = run_with_fault(command(), work_, "eio", at);
+        const bool is_new = expect_old_or_new(when, true);
+        if (bad.code == 0) EXPECT_TRUE(is_new) << when;
+        if (bad.code == 3) EXPECT_TRUE(is_new) << when << bad.err;
+        if (bad.code == 1) EXPECT_FALSE(is_new) << when << bad.err;
+        if (bad.code != 0) EXPECT_NE(bad.err.find(".pct"), std::string::npos) << bad.err;
+    }
+}
+
+}  // namespace

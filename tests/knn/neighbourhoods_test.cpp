@@ -1,0 +1,383 @@
+// The neighbourhoods of all points against a comparison of each point with all others, in double on exact differences.
+#include "pcm/knn/neighbourhoods.h"
+
+#include "pcm/build/builder.h"
+#include "pcm/knn/point_search.h"
+#include "pcm/system/error.h"
+#include "pcm/update/append.h"
+#include "tests/memory_reader.h"
+#include "tests/support.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <random>
+
+namespace pcm::test {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+using Place = std::pair<NodeId, std::uint32_t>;
+
+struct Found {
+    std::vector<double> squares;
+    std::vector<Vec3d> offsets;
+};
+using All = std::map<Place, Found>;
+
+class Collector final : public NeighbourhoodVisitor {
+public:
+    Collector(All& all, std::mutex& mutex) : all_(all), mutex_(mutex) {}
+    void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
+    {
+        const std::lock_guard lock(mutex_);
+        for (std::size_t i = 0; i < some.size(); ++i) {
+            const auto& part = unit.part_of(some.number(i));
+            Found found;
+            for (std::size_t j = 0; j < some.count(i); ++j) {
+                found.squares.push_back(some.squared(i)[j]);
+                found.offsets.push_back({some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]});
+            }
+            const bool first = all_.emplace(Place{part.node, unit.index_of(some.number(i))}, found).second;
+            EXPECT_TRUE(first) << "a point was visited twice";
+        }
+    }
+
+private:
+    All& all_;
+    std::mutex& mutex_;
+};
+
+All all_of(L2Cache& cache, const NeighbourhoodOptions& options, NeighbourhoodReport* report = nullptr)
+{
+    All all;
+    std::mutex mutex;
+    const auto made = for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex); });
+    if (report) *report = made;
+    EXPECT_EQ(made.outcome.points_out, all.size());
+    return all;
+}
+
+struct Point {
+    Place place;
+    Vec3i grid;
+    std::uint16_t level;
+};
+
+std::vector<Point> points_of(const Tree& tree)
+{
+    std::vector<Point> points;
+    for (NodeId id = 0; id < tree.nodes().size(); ++id) {
+        const Node& node = tree.node(id);
+        const Chunk chunk = tree.read_chunk(id, ColumnSet::only_positions());
+        for (std::uint32_t i = 0; i < chunk.points; ++i) {
+            std::uint16_t level = node.first_level;
+            while (node.points_to_level(level) <= i) ++level;
+            points.push_back({{id, i}, chunk.positions->grid(i), level});
+        }
+    }
+    return points;
+}
+
+double square_between(const Grid& grid, const Vec3i& a, const Vec3i& b)
+{
+    Vec3d d;
+    for (std::size_t axis = 0; axis < 3; ++axis) d[axis] = double(b[axis] - a[axis]) * grid.scale[axis];
+    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+}
+
+// Holds all points against the search for single points, whose distances are between rounded source coordinates.
+void expect_near(const std::shared_ptr<const Tree>& tree, const All& all, const NeighbourhoodOptions& options)
+{
+    L2Cache cache(tree);
+    BlockCache blocks;
+    PointSearch search(cache, blocks);
+    const Grid& grid = tree->info().grid;
+    const double rounding = 1e-15 * std::max(length(tree->info().bounds().min), length(tree->info().bounds().max));
+    std::vector<Neighbour> near;
+    for (const Point& point : points_of(*tree)) {
+        const auto found = all.find(point.place);
+        if (found == all.end()) continue;
+        search.run(grid.to_source(point.grid), options.neighbours + 1, near);
+        const auto self = std::find_if(near.begin(), near.end(),
+                                       [&](const Neighbour& n) { return Place(n.node, n.index) == point.place; });
+        if (self != near.end()) near.erase(self);
+        near.resize(std::min(near.size(), options.neighbours));
+        ASSERT_LE(found->second.squares.size(), near.size());
+        if (found->second.squares.size() < near.size()) {
+            ASSERT_GE(near[found->second.squares.size()].distance(), options.max_distance - rounding);
+        }
+        for (std::size_t j = 0; j < found->second.squares.size(); ++j)
+            ASSERT_NEAR(std::sqrt(found->second.squares[j]), near[j].distance(), rounding) << j;
+    }
+}
+
+// Compares some of the points with all others.
+void expect_right(const Tree& tree, const All& all, const NeighbourhoodOptions& options)
+{
+    const std::vector<Point> points = points_of(tree);
+    const double limit = options.max_distance * options.max_distance;
+    std::size_t computed = 0, tried = 0;
+    const std::size_t step = points.size() / 400 + 1;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        const auto found = all.find(points[p].place);
+        if (found == all.end()) continue;
+        ++computed;
+        if (p % step) continue;
+        ++tried;
+        std::vector<double> squares;
+        for (std::size_t q = 0; q < points.size(); ++q) {
+            const double square = square_between(tree.info().grid, points[p].grid, points[q].grid);
+            if (q != p && square <= limit) squares.push_back(square);
+        }
+        const std::size_t k = std::min(options.neighbours, squares.size());
+        std::partial_sort(squares.begin(), squares.begin() + std::ptrdiff_t(k), squares.end());
+        squares.resize(k);
+        ASSERT_EQ(found->second.squares.size(), k) << "point " << p;
+        for (std::size_t j = 0; j < k; ++j) {  // but for the last bits
+            const Vec3d& d = found->second.offsets[j];
+            ASSERT_DOUBLE_EQ(found->second.squares[j], squares[j]) << "point " << p;
+            ASSERT_DOUBLE_EQ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], squares[j]);
+        }
+    }
+    EXPECT_EQ(computed, all.size());
+    EXPECT_TRUE(points.empty() || tried > 0);
+}
+
+using Shape = std::function<Vec3d(std::mt19937_64&, std::size_t)>;
+
+MemoryCloud cloud_of(std::size_t count, const std::optional<Grid>& grid, const Shape& shape, std::uint64_t seed = 1)
+{
+    MemoryCloud cloud = random_cloud(Schema(), grid, count, seed, 1);
+    std::mt19937_64 random(seed);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3d p = shape(random, i);
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (grid)
+                cloud.points.grid_xyz[a][i] =
+                    static_cast<std::int32_t>(std::llround((p[a] - grid->offset[a]) / grid->scale[a]));
+            else
+                cloud.points.xyz[a][i] = p[a];
+        }
+    }
+    return cloud;
+}
+
+double uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
+
+class NeighbourhoodsOf : public testing::Test {
+protected:
+    std::shared_ptr<const Tree> tree(const MemoryCloud& cloud, std::uint32_t chunk_points = 1000)
+    {
+        MemoryReader reader(cloud);
+        BuildOptions build;
+        build.chunk_points = chunk_points;
+        build.overwrite = true;
+        build_tree(reader, {"memory"}, folder_.path() / "cloud.pct", build);
+        return Tree::open(folder_.path() / "cloud.pct");
+    }
+    void expect_right_for(const MemoryCloud& cloud, std::size_t k, double max_distance = infinity)
+    {
+        const auto opened = tree(cloud);
+        L2Cache cache(opened);
+        NeighbourhoodOptions options;
+        options.neighbours = k;
+        options.max_distance = max_distance;
+        options.memory_bytes = 1;  // the smallest units
+        const All all = all_of(cache, options, &report_);
+        EXPECT_EQ(all.size(), opened->info().points);
+        expect_right(*opened, all, options);
+        expect_near(opened, all, options);
+    }
+
+    TemporaryFolder folder_;
+    NeighbourhoodReport report_;
+};
+
+const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 100}};
+
+TEST_F(NeighbourhoodsOf, ASurfaceInManyUnits)
+{
+    const auto surface = [](std::mt19937_64& random, std::size_t) {
+        const double x = 30 * uniform(random), y = 30 * uniform(random);
+        return Vec3d{500000 + x, 4800000 + y, 100 + std::sin(x) + 0.01 * uniform(random)};
+    };
+    expect_right_for(cloud_of(45000, millimetres, surface), 16);
+    EXPECT_GT(report_.units, 3u);
+    EXPECT_LT(report_.alone, 1000u);
+    expect_right_for(cloud_of(45000, millimetres, surface), 5, 0.15);
+    expect_right_for(cloud_of(45000, std::nullopt, surface), 9);
+}
+
+TEST_F(NeighbourhoodsOf, AVolumeOfDoubles)
+{
+    expect_right_for(cloud_of(25000, std::nullopt,
+                              [](std::mt19937_64& random, std::size_t) {
+                                  return Vec3d{1e-6 * uniform(random), 1e-6 * uniform(random), 1e-6 * uniform(random)};
+                              }),
+                     8);
+    EXPECT_GT(report_.units, 1u);
+}
+
+TEST_F(NeighbourhoodsOf, ClustersFarApartAndStrays)
+{
+    expect_right_for(cloud_of(25000, std::nullopt,
+                              [](std::mt19937_64& random, std::size_t i) {
+                                  const double far = i % 2500 == 7 ? 1e9 * uniform(random) : i % 2 ? 0 : 3e5;
+                                  return Vec3d{far + uniform(random), uniform(random), uniform(random)};
+                              }),
+                     16);
+    EXPECT_GT(report_.units, 1u);
+}
+
+TEST_F(NeighbourhoodsOf, DenseBesideSparse)
+{
+    expect_right_for(cloud_of(30000, millimetres,
+                              [](std::mt19937_64& random, std::size_t i) {
+                                  const double size = i % 30 ? 1 : 300;
+                                  return Vec3d{500000 + size * uniform(random), 4800000 + size * uniform(random), 100};
+                              }),
+                     16);
+}
+
+TEST_F(NeighbourhoodsOf, AGridALineAndManyAtOnePlace)
+{
+    expect_right_for(cloud_of(22500, millimetres,
+                              [](std::mt19937_64&, std::size_t i) {
+                                  return Vec3d{500000 + 0.1 * double(i % 150), 4800000 + 0.1 * double(i / 150), 100};
+                              }),
+                     12);
+    expect_right_for(cloud_of(20000, millimetres,
+                              [](std::mt19937_64&, std::size_t i) {
+                                  return Vec3d{500000 + 0.01 * double(i), 4800000, 100};
+                              }),
+                     7);
+    expect_right_for(cloud_of(12000, millimetres,
+                              [](std::mt19937_64&, std::size_t i) {
+                                  return Vec3d{500000 + (i < 9000 ? 1 : 0.001 * double(i % 1000)), 4800000, 100};
+                              }),
+                     16);
+}
+
+TEST_F(NeighbourhoodsOf, FewPoints)
+{
+    const auto anywhere = [](std::mt19937_64& random, std::size_t) {
+        return Vec3d{uniform(random), uniform(random), uniform(random)};
+    };
+    for (const std::size_t count : {0u, 1u, 2u, 5u, 17u}) {
+        expect_right_for(cloud_of(count, std::nullopt, anywhere), 16);
+        expect_right_for(cloud_of(count, std::nullopt, anywhere), most_neighbours);
+    }
+}
+
+TEST_F(NeighbourhoodsOf, ATreeOfSeveralParts)
+{
+    const auto part = [](double x) {
+        return [x](std::mt19937_64& random, std::size_t) {
+            return Vec3d{500000 + x + 4 * uniform(random), 4800000 + 4 * uniform(random), 100};
+        };
+    };
+    const auto first = cloud_of(9000, millimetres, part(0)), second = cloud_of(9000, millimetres, part(2), 2);
+    tree(first);
+    MemoryReader reader(second);
+    append_points(folder_.path() / "cloud.pct", reader, {"second"});
+    const auto opened = Tree::open(folder_.path() / "cloud.pct");
+    ASSERT_EQ(opened->part_roots().size(), 2u);
+    L2Cache cache(opened);
+    NeighbourhoodOptions options;
+    options.memory_bytes = 1;
+    const All all = all_of(cache, options);
+    EXPECT_EQ(all.size(), 18000u);
+    expect_right(*opened, all, options);
+    expect_near(opened, all, options);
+}
+
+// Every point takes the values of a computed point, and no computed point of its unit is nearer.
+class SourceCheck final : public NeighbourhoodVisitor {
+public:
+    SourceCheck(const Tree& tree, std::uint16_t level, std::atomic<std::uint64_t>& points)
+        : tree_(tree), level_(level), points_(points)
+    {
+    }
+    void visit(const NeighbourhoodUnit&, const Neighbourhoods&) override {}
+    void end(const NeighbourhoodUnit& unit) override
+    {
+        ASSERT_EQ(unit.source.size(), unit.points);
+        std::vector<std::uint32_t> computed;
+        for (std::uint32_t n = 0; n < unit.points; ++n)
+            if (unit.index_of(n) < tree_.node(unit.part_of(n).node).points_to_level(level_)) computed.push_back(n);
+        for (std::uint32_t n = 0; n < unit.points; n += 97) {
+            double best = infinity;
+            for (const std::uint32_t c : computed) best = std::min(best, between(unit, n, c));
+            ASSERT_EQ(between(unit, n, unit.source[n]), computed.empty() ? 0 : best);
+        }
+        points_ += unit.points;
+    }
+
+private:
+    double between(const NeighbourhoodUnit& unit, std::uint32_t a, std::uint32_t b) const
+    {
+        const auto& from = *unit.part_of(a).chunk->positions;
+        const auto& to = *unit.part_of(b).chunk->positions;
+        return square_between(tree_.info().grid, from.grid(unit.index_of(a)), to.grid(unit.index_of(b)));
+    }
+    const Tree& tree_;
+    const std::uint16_t level_;
+    std::atomic<std::uint64_t>& points_;
+};
+
+TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
+{
+    const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
+        return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};
+    }));
+    L2Cache cache(opened);
+    NeighbourhoodOptions options;
+    options.memory_bytes = 1;
+    options.level = std::uint16_t(opened->info().levels - 3);
+    const All all = all_of(cache, options);
+    EXPECT_LT(all.size(), opened->info().points / 2);
+    EXPECT_EQ(all.size(), opened->points_to_level(*options.level));
+    expect_right(*opened, all, options);  // their neighbours are those of the whole cloud
+    std::atomic<std::uint64_t> points{0};
+    for_each_neighbourhood(cache, options,
+                           [&] { return std::make_unique<SourceCheck>(*opened, *options.level, points); });
+    EXPECT_EQ(points, opened->info().points);
+}
+
+TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
+{
+    const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
+        return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};
+    }));
+    L2Cache cache(opened);
+    NeighbourhoodOptions options;
+    options.memory_bytes = 1;
+    options.neighbours = most_neighbours;  // takes longer than a tenth of a second
+    int calls = 0;
+    options.progress = [&](const ProgressUpdate&) { return ++calls < 2; };
+    try {
+        all_of(cache, options);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::cancelled);
+    }
+    options.progress = {};
+    for (const std::size_t k : {std::size_t(0), most_neighbours + 1}) {
+        options.neighbours = k;
+        EXPECT_THROW(all_of(cache, options), Error);
+    }
+    options.neighbours = 4;
+    for (const double distance : {-1.0, std::nan("")}) {
+        options.max_distance = distance;
+        EXPECT_THROW(all_of(cache, options), Error);
+    }
+}
+
+}  // namespace
+}  // namespace pcm::test
