@@ -32,7 +32,7 @@ Word unzigzag(Word z)
 template <class Word>
 const ColumnLoops<Word>& loops()
 {
-    static const AllColumnLoops& all = column_loops(simd_level());
+    static const AllColumnLoops& all = column_loops();
     if constexpr (sizeof(Word) == 4)
         return all.narrow;
     else

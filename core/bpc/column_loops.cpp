@@ -1,19 +1,20 @@
 #include "pcm/bpc/column_loops.h"
 
-#include "pcm/bpc/column_loops_source.h"
+#include "pcm/system/cpu.h"
 
 namespace pcm {
 
-const AllColumnLoops& column_loops(SimdLevel level)
+const AllColumnLoops& column_loops()
 {
-    static constexpr AllColumnLoops baseline{loops<std::uint32_t>, loops<std::uint64_t>};
-    switch (level) {
+    switch (simd_level()) {
+#if defined(PCM_HAVE_AVX)
         case SimdLevel::avx512:
-            return column_loops_avx512;
+            return avx512_column_loops();
         case SimdLevel::avx2:
-            return column_loops_avx2;
+            return avx2_column_loops();
+#endif
         default:
-            return baseline;
+            return baseline_column_loops();
     }
 }
 

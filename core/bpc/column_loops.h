@@ -1,7 +1,5 @@
-// The hot loops of column_codec.cpp, compiled once per level of vector instructions.
+// The hot loops of column_codec.cpp, compiled once per level of system/cpu.h.
 #pragma once
-
-#include "pcm/system/cpu.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +23,11 @@ struct AllColumnLoops {
     ColumnLoops<std::uint64_t> wide;
 };
 
-const AllColumnLoops& column_loops(SimdLevel level);
+// Those of simd_level(); throws what that throws.
+const AllColumnLoops& column_loops();
+
+const AllColumnLoops& baseline_column_loops();
+const AllColumnLoops& avx2_column_loops();
+const AllColumnLoops& avx512_column_loops();
 
 }  // namespace pcm

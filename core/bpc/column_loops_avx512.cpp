@@ -2,6 +2,10 @@
 
 namespace pcm {
 
-const AllColumnLoops column_loops_avx512{loops<std::uint32_t>, loops<std::uint64_t>};
+const AllColumnLoops& avx512_column_loops()
+{
+    static constexpr AllColumnLoops all{loops<std::uint32_t>, loops<std::uint64_t>};
+    return all;
+}
 
 }  // namespace pcm

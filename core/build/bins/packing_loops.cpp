@@ -1,19 +1,20 @@
 #include "pcm/build/bins/packing_loops.h"
 
-#include "pcm/build/bins/packing_loops_source.h"
+#include "pcm/system/cpu.h"
 
 namespace pcm {
 
-const PackingLoops& packing_loops(SimdLevel level)
+const PackingLoops& packing_loops()
 {
-    static constexpr PackingLoops baseline{differing, least, subtract, move_bits, add};
-    switch (level) {
+    switch (simd_level()) {
+#if defined(PCM_HAVE_AVX)
         case SimdLevel::avx512:
-            return packing_loops_avx512;
+            return avx512_packing_loops();
         case SimdLevel::avx2:
-            return packing_loops_avx2;
+            return avx2_packing_loops();
+#endif
         default:
-            return baseline;
+            return baseline_packing_loops();
     }
 }
 

@@ -1,7 +1,5 @@
-// The hot loops of row_packing.cpp, compiled once per level of vector instructions.
+// The hot loops of row_packing.cpp, compiled once per level of system/cpu.h.
 #pragma once
-
-#include "pcm/system/cpu.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +21,11 @@ struct PackingLoops {
     void (*add)(std::uint64_t* values, std::size_t count, std::uint64_t base, std::uint64_t sign);
 };
 
-const PackingLoops& packing_loops(SimdLevel level);
+// Those of simd_level(); throws what that throws.
+const PackingLoops& packing_loops();
+
+const PackingLoops& baseline_packing_loops();
+const PackingLoops& avx2_packing_loops();
+const PackingLoops& avx512_packing_loops();
 
 }  // namespace pcm

@@ -2,6 +2,10 @@
 
 namespace pcm {
 
-const PackingLoops packing_loops_avx2{differing, least, subtract, move_bits, add};
+const PackingLoops& avx2_packing_loops()
+{
+    static constexpr PackingLoops all{differing, least, subtract, move_bits, add};
+    return all;
+}
 
 }  // namespace pcm

@@ -1,12 +1,9 @@
-// Included by one source per level of vector instructions. No inline function of another header is used here: see
-// system/cpu.h.
+// Included by one source per level of system/cpu.h. No inline function of another header is used: see there.
 #pragma once
 
 #include "pcm/build/bins/packing_loops.h"
 
 namespace pcm {
-
-extern const PackingLoops packing_loops_avx2, packing_loops_avx512;
 
 namespace {
 

@@ -103,7 +103,7 @@ void with_bytes(std::size_t bytes, F&& f)
 }  // namespace
 
 RowPacking::RowPacking(const RowLayout& layout, const Schema& schema, bool coordinates, bool signed_coordinates)
-    : row_bytes_(layout.bytes), loops_(&packing_loops(simd_level()))
+    : row_bytes_(layout.bytes), loops_(&packing_loops())
 {
     if (coordinates)
         for (std::size_t a = 0; a < 3; ++a)

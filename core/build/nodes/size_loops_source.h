@@ -1,5 +1,4 @@
-// Included by one source per level of vector instructions. No inline function of another header is used here: see
-// system/cpu.h.
+// Included by one source per level of system/cpu.h. No inline function of another header is used: see there.
 #pragma once
 
 #include "pcm/build/nodes/size_loops.h"
@@ -7,8 +6,6 @@
 #include <cstdint>
 
 namespace pcm {
-
-extern const SizeLoops size_loops_avx2, size_loops_avx512;
 
 namespace {
 
