@@ -1,5 +1,6 @@
 #include "pcm/bpc/column_codec.h"
 
+#include "pcm/bpc/column_loops.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -23,20 +24,19 @@ int bit_length(std::uint64_t v) { return v ? 64 - __builtin_clzll(v) : 0; }
 std::uint64_t low_mask(int bits) { return bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1; }
 
 template <class Word>
-Word zigzag(Word d)
-{
-    using Signed = std::make_signed_t<Word>;
-    return static_cast<Word>(d << 1) ^ static_cast<Word>(static_cast<Signed>(d) >> (sizeof(Word) * 8 - 1));
-}
-template <class Word>
 Word unzigzag(Word z)
 {
     return static_cast<Word>(z >> 1) ^ static_cast<Word>(Word(0) - (z & 1));
 }
+// Of the process's level: columns are packed in many places.
 template <class Word>
-Word shift_down(Word d, int shift)  // arithmetic: a difference keeps its sign
+const ColumnLoops<Word>& loops()
 {
-    return static_cast<Word>(static_cast<std::make_signed_t<Word>>(d) >> shift);
+    static const AllColumnLoops& all = column_loops();
+    if constexpr (sizeof(Word) == 4)
+        return all.narrow;
+    else
+        return all.wide;
 }
 
 struct BlockShape {
@@ -48,11 +48,9 @@ struct BlockShape {
 template <class Word>
 BlockShape shape_of_reference(const Word* v, std::size_t n)
 {
-    Word low = v[0], any = 0;
-    for (std::size_t i = 1; i < n; ++i) low = std::min(low, v[i]);
-    for (std::size_t i = 0; i < n; ++i) any |= static_cast<Word>(v[i] - low);
+    Word any = 0;
     BlockShape shape;
-    shape.base = low;
+    shape.base = loops<Word>().reference(v, n, any);
     if (any) {
         shape.shift = static_cast<std::uint8_t>(__builtin_ctzll(any));
         shape.width = static_cast<std::uint8_t>(bit_length(any >> shape.shift));
@@ -65,11 +63,7 @@ BlockShape shape_of_delta(const Word* v, std::size_t n)
 {
     // zigzag(d >> s) has as many bits as zigzag(d) >> s, so one pass finds width and shift.
     Word any = 0, any_zigzag = 0;
-    for (std::size_t i = 1; i < n; ++i) {
-        const Word d = static_cast<Word>(v[i] - v[i - 1]);
-        any |= d;
-        any_zigzag |= zigzag(d);
-    }
+    loops<Word>().differences(v, n, any, any_zigzag);
     BlockShape shape;
     shape.base = v[0];
     if (any) {
@@ -259,14 +253,10 @@ void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
         if (shape.width == 0) continue;
         const Word* v = values + b * codec_block;
         const std::size_t n = std::min(codec_block, count - b * codec_block);
-        if (use_delta) {
-            block[0] = 0;
-            for (std::size_t i = 1; i < n; ++i)
-                block[i] = zigzag(shift_down(static_cast<Word>(v[i] - v[i - 1]), shape.shift));
-        } else {
-            for (std::size_t i = 0; i < n; ++i)
-                block[i] = static_cast<Word>(static_cast<Word>(v[i] - static_cast<Word>(shape.base)) >> shape.shift);
-        }
+        if (use_delta)
+            loops<Word>().put_differences(v, n, shape.shift, block.data());
+        else
+            loops<Word>().put_reference(v, n, static_cast<Word>(shape.base), shape.shift, block.data());
         std::fill(block.begin() + static_cast<std::ptrdiff_t>(n), block.end(), Word(0));
         block_coders<Word>.pack[shape.width](block.data(), to);
         to += shape.width * (codec_block / 8);

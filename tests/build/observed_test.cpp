@@ -19,7 +19,17 @@ TEST(Observed, MergedPartsAreTheWhole)
             for (Vec3i& p : points)
                 for (std::int64_t& c : p) c = static_cast<std::int64_t>(random()) % (reach + 1);
             std::vector<Observed> parts(4);
-            Observed whole, merged;
+            Observed whole, merged, as_columns;
+            std::array<std::vector<std::int64_t>, 3> columns;
+            for (std::size_t from = 0; from < points.size();) {  // batches, some empty
+                const std::size_t to = from + random() % (points.size() - from + 1);
+                for (std::size_t a = 0; a < 3; ++a) {
+                    columns[a].clear();
+                    for (std::size_t i = from; i < to; ++i) columns[a].push_back(points[i][a]);
+                }
+                as_columns.see(columns, to - from);
+                from = to;
+            }
             for (const Vec3i& p : points) {
                 Observed& part = parts[random() % 3];  // one sees nothing
                 for (Observed* each : {&whole, &part}) {
@@ -33,6 +43,8 @@ TEST(Observed, MergedPartsAreTheWhole)
             ASSERT_EQ(merged.hash, whole.hash);
             ASSERT_EQ(merged.position_error, whole.position_error);
             ASSERT_EQ(merged.extremes, whole.extremes);
+            ASSERT_EQ(as_columns.points, points.size());
+            ASSERT_EQ(as_columns.extremes, whole.extremes);
             if (points.empty()) continue;
             // The extremes, and of equal ones the smallest point.
             for (std::size_t k = 0; k < 6; ++k) {

@@ -16,9 +16,8 @@ LIST_BEGINS = "```arrows"
 LONG_FILES: dict[str, str] = {}
 LONG_FUNCTIONS: dict[str, str] = {
     "core/io/text/text_rows.cpp:template <bool Blanks>": "most of the time of reading text: one loop, its parts inlined",
-    "core/build/bins/row_packing.cpp:template <class RowAt>": "hot loop of a build's scratch files, all of it in registers",
     "core/build/bins/row_packing.cpp:const std::byte* RowPacking::unpack_block(const std::byte* data, const std::byte* end, "
-    "std::byte* rows,": "its counterpart",
+    "std::byte* rows,": "the shapes of all words, then their bits",
     "core/build/levels/morton_sort.cpp:template <class Coord>": "the sort's passes share their counters",
     "core/build/levels/poisson_pass.cpp:template <class Coord>": "the sampler's inner loop, vectorised as one",
     "tests/build/node_builder_test.cpp:template <class Coord>": "one walk over the nodes, with all their invariants",
@@ -33,6 +32,8 @@ PACKAGES = {
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
     r"<pcl/": {"bench"},
+    r"<flann/": {"knn", "bench"},
+    r"<nanoflann": {"tests", "bench"},
 }
 
 

@@ -63,6 +63,18 @@ private:
     std::optional<Coord> value_;
 };
 
+// Where to cut `count` coordinates from `low` to `high`, see choose_cut().
+template <class Coord>
+std::optional<Coord> choose_cut_of(const Coord* coordinates, std::size_t count, Coord low, Coord high)
+{
+    if (low == high) return std::nullopt;
+    CutSearch<Coord> search(count, low, high);
+    do
+        for (std::size_t i = 0; i < count; ++i) search.add(coordinates[i]);
+    while (!search.finish_round());
+    return search.value();
+}
+
 // `coordinate(i, axis)` gives the coordinates of `count` points. Depends on the set alone, not on its order. Absent
 // when all points coincide. Both sides get at least one point; unless many points share one coordinate each gets at
 // least a third.

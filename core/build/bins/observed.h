@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace pcm {
@@ -26,6 +27,28 @@ struct Observed {
                 extremes[2 * a + 1] = p;
         }
         ++points;
+    }
+    // The same for many points, given as columns: few of a batch are extremes.
+    template <class Columns>
+    void see(const Columns& xyz, std::size_t count)
+    {
+        if (count == 0) return;
+        const auto point = [&](std::size_t i) { return Vec3i{xyz[0][i], xyz[1][i], xyz[2][i]}; };
+        if (points == 0) extremes.fill(point(0));
+        for (std::size_t a = 0; a < 3; ++a) {
+            const auto* column = xyz[a].data();
+            auto low = column[0], high = low;
+            for (std::size_t i = 1; i < count; ++i) {
+                low = std::min(low, column[i]);
+                high = std::max(high, column[i]);
+            }
+            Vec3i &least = extremes[2 * a], &most = extremes[2 * a + 1];
+            for (std::size_t i = 0; i < count && low <= least[a]; ++i)
+                if (column[i] == low && (low < least[a] || point(i) < least)) least = point(i);
+            for (std::size_t i = 0; i < count && high >= most[a]; ++i)
+                if (column[i] == high && (high > most[a] || point(i) < most)) most = point(i);
+        }
+        points += count;
     }
     void merge(const Observed& other)
     {

@@ -49,14 +49,10 @@ private:
         put_attributes(batch, layout, rows.data());
         for (std::size_t i = 0; i < batch.size; ++i) {
             std::array<std::uint32_t, 3> c;
-            Vec3i p;
-            for (std::size_t a = 0; a < 3; ++a) {
-                p[a] = batch.grid_xyz[a][i];
-                c[a] = to_coordinate<std::uint32_t>(p[a]);
-            }
+            for (std::size_t a = 0; a < 3; ++a) c[a] = to_coordinate<std::uint32_t>(batch.grid_xyz[a][i]);
             std::memcpy(rows.data() + i * layout.bytes, c.data(), sizeof c);
-            observed.see(p);
         }
+        observed.see(batch.grid_xyz, batch.size);
         observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
     }
 

@@ -37,4 +37,19 @@ inline void copy_row(std::byte* to, const std::byte* from, std::size_t bytes)
     std::memcpy(to + bytes - 16, from + bytes - 16, 16);
 }
 
+// Copies the rows numbered `order`, which may be far apart in memory, one after the other to `to`.
+inline void gather_rows(const std::byte* rows, const std::uint32_t* order, std::size_t count, std::size_t row_bytes,
+                        std::byte* to)
+{
+    constexpr std::size_t ahead = 16;  // rows on their way to the cache
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i + ahead < count) {
+            const std::byte* coming = rows + order[i + ahead] * row_bytes;
+            __builtin_prefetch(coming);
+            __builtin_prefetch(coming + row_bytes - 1);
+        }
+        copy_row(to + i * row_bytes, rows + order[i] * row_bytes, row_bytes);
+    }
+}
+
 }  // namespace pcm

@@ -103,7 +103,7 @@ void with_bytes(std::size_t bytes, F&& f)
 }  // namespace
 
 RowPacking::RowPacking(const RowLayout& layout, const Schema& schema, bool coordinates, bool signed_coordinates)
-    : row_bytes_(layout.bytes)
+    : row_bytes_(layout.bytes), loops_(&packing_loops())
 {
     if (coordinates)
         for (std::size_t a = 0; a < 3; ++a)
@@ -146,23 +146,16 @@ void RowPacking::pack_block(const RowAt& row_at, std::size_t count, std::vector<
         with_bytes(word.bytes,
                    [&](auto bytes) { load_word<decltype(bytes)::value>(row_at, count, word.offset, values); });
         const std::uint64_t first = values[0];
-        std::uint64_t varies = 0;
-        for (std::size_t i = 0; i < count; ++i) varies |= values[i] ^ first;
+        std::uint64_t varies = loops_->differing(values.data(), count, first);
         std::uint64_t base = first ^ word.sign;
         if (varies) {
-            for (std::size_t i = 0; i < count; ++i) values[i] ^= word.sign;
             for (const Field& field : word.fields) {
                 const std::uint64_t mask = low_mask(field.bits);
                 if (!(varies >> field.shift & mask)) continue;
-                std::uint64_t low = mask;
-                for (std::size_t i = 0; i < count; ++i) low = std::min(low, values[i] >> field.shift & mask);
+                const std::uint64_t low = loops_->least(values.data(), count, word.sign, field.shift, mask);
                 base = (base & ~(mask << field.shift)) | low << field.shift;
             }
-            varies = 0;
-            for (std::size_t i = 0; i < count; ++i) {
-                values[i] -= base;  // no field borrows from the next
-                varies |= values[i];
-            }
+            varies = loops_->subtract(values.data(), count, word.sign, base);  // no field borrows from the next
         }
         std::memcpy(header, &base, 8);
         header += 8;
@@ -184,9 +177,8 @@ void RowPacking::pack_block(const RowAt& row_at, std::size_t count, std::vector<
         }
         if (group_bits == 0) group.fill(0);
         for (std::size_t p = 0; p < used; ++p) {
-            const int from = parts[p].from, place = group_bits + parts[p].to;
-            const std::uint64_t mask = low_mask(parts[p].length);
-            for (std::size_t i = 0; i < count; ++i) group[i] |= (values[i] >> from & mask) << place;
+            loops_->move_bits(values.data(), count, parts[p].from, low_mask(parts[p].length), group_bits + parts[p].to,
+                              group.data());
         }
         group_bits += bits;
     }
@@ -209,8 +201,7 @@ void RowPacking::pack(const std::byte* rows, const std::uint32_t* order, std::si
     std::vector<std::byte> block(block_rows * row_bytes_);
     for (std::size_t from = 0; from < count; from += block_rows) {
         const std::size_t n = std::min(block_rows, count - from);
-        for (std::size_t i = 0; i < n; ++i)
-            copy_row(block.data() + i * row_bytes_, rows + order[from + i] * row_bytes_, row_bytes_);
+        gather_rows(rows, order + from, n, row_bytes_, block.data());
         pack_block([&](std::size_t i) { return block.data() + i * row_bytes_; }, n, out);
     }
 }
@@ -265,11 +256,10 @@ const std::byte* RowPacking::unpack_block(const std::byte* data, const std::byte
             } else {
                 values.fill(0);
                 for (std::size_t p = shape.first_part; p < shape.first_part + shape.parts; ++p) {
-                    const std::uint64_t mask = low_mask(parts[p].length);
-                    const int from = place + parts[p].to, to = parts[p].from;
-                    for (std::size_t i = 0; i < count; ++i) values[i] |= (group[i] >> from & mask) << to;
+                    loops_->move_bits(group.data(), count, place + parts[p].to, low_mask(parts[p].length),
+                                      parts[p].from, values.data());
                 }
-                for (std::size_t i = 0; i < count; ++i) values[i] = (values[i] + shape.base) ^ word.sign;
+                loops_->add(values.data(), count, shape.base, word.sign);
                 place += shape.bits;
             }
             with_bytes(word.bytes, [&](auto bytes) {

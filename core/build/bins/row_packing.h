@@ -9,6 +9,7 @@
 // (how many bits from there are stored); then per group of words the rows' bits, padded to 8 bytes.
 #pragma once
 
+#include "pcm/build/bins/packing_loops.h"
 #include "pcm/build/bins/row.h"
 #include "pcm/cloud/attribute.h"
 
@@ -59,6 +60,7 @@ private:
                                   const std::filesystem::path& path) const;
 
     std::size_t row_bytes_ = 0;
+    const PackingLoops* loops_ = nullptr;
     std::size_t header_bytes_ = 0;
     std::vector<Word> words_;
 };

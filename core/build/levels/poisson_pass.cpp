@@ -27,10 +27,18 @@ Four four_at(const float* from)
 
 bool any(FourFlags flags)
 {
+#if defined(__SSE2__)
+    Four bits;
+    std::memcpy(&bits, &flags, sizeof bits);
+    return __builtin_ia32_movmskps(bits) != 0;
+#else
     std::array<std::uint64_t, 2> halves;
     std::memcpy(halves.data(), &flags, sizeof halves);
     return (halves[0] | halves[1]) != 0;
+#endif
 }
+
+Four larger(Four a, Four b) { return a < b ? b : a; }
 
 // Like ==, which would call memcmp.
 template <class Coord>
@@ -263,17 +271,15 @@ bool PoissonPass<Coord>::covered(const Point<Coord>& p, Range near)
 {
     const float px = relative(p[0], 0), py = relative(p[1], 1), pz = relative(p[2], 2);
     const Four x{px, px, px, px}, y{py, py, py, py}, z{pz, pz, pz, pz};
-    const Four outside{surely_outside, surely_outside, surely_outside, surely_outside};
     const auto four_cover = [&](std::size_t n) {
         const Four dx = four_at(&near_.x[n]) - x, dy = four_at(&near_.y[n]) - y, dz = four_at(&near_.z[n]) - z;
         const Four squared = dx * dx + dy * dy + dz * dz;
-        if (!any(squared < outside)) return false;
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (squared[k] < surely_inside) return true;
+        if (any(squared < surely_inside)) return true;
+        if (!any(squared < surely_outside)) return false;
+        for (std::size_t k = 0; k < 4; ++k)
             if (squared[k] < surely_outside &&
                 squared_distance(p, chosen_[near_.chosen[n + k]].point, squared_scale_) < squared_spacing_)
                 return true;
-        }
         return false;
     };
     if (hint_ >= near.from && hint_ < near.to && four_cover(hint_)) return true;
@@ -320,21 +326,23 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
     }
     const std::size_t kept = near_.size;
     near_.make_room(near.to - near.from);
-    for (std::size_t n = near.from; n < near.to; ++n) {
-        const std::array<float, 3> at{near_.x[n], near_.y[n], near_.z[n]};
-        float nearest = 0, farthest = 0;
+    for (std::size_t n = near.from; n < near.to; n += 4) {  // what fills the last four is far away
+        const std::array<Four, 3> at{four_at(&near_.x[n]), four_at(&near_.y[n]), four_at(&near_.z[n])};
+        Four nearest{}, farthest{};
         for (std::size_t a = 0; a < 3; ++a) {
-            const float below = low[a] - at[a], above = at[a] - high[a];
-            const float gap = std::max(0.0f, std::max(below, above));
-            const float reach = std::max(std::fabs(below), std::fabs(above));
+            const Four below = low[a] - at[a], above = at[a] - high[a];
+            const Four gap = larger(Four{}, larger(below, above));
+            const Four reach = larger(larger(below, -below), larger(above, -above));
             nearest += gap * gap;
             farthest += reach * reach;
         }
-        if (farthest < surely_inside) {
+        if (any(farthest < surely_inside)) {
             near_.size = kept;
             return end;
         }
-        if (nearest < surely_outside) near_.add(at[0], at[1], at[2], near_.chosen[n]);
+        if (!any(nearest < surely_outside)) continue;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (nearest[k] < surely_outside) near_.add(at[0][k], at[1][k], at[2][k], near_.chosen[n + k]);
     }
     const Range left{kept, near_.size};
     near_.fill_four();

@@ -4,6 +4,7 @@
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace pcm {
@@ -60,7 +61,15 @@ void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows,
                             const std::vector<std::uint32_t>& order)
 {
     std::vector<std::byte> packed;
-    if (layout_.bytes > 3 * sizeof(Coord)) packing_.pack(rows.data(), order.data(), order.size(), packed);
+    std::vector<Point<Coord>> positions(order.size());
+    std::vector<std::byte> block(RowPacking::block_rows * layout_.bytes);
+    for (std::size_t from = 0; from < order.size(); from += RowPacking::block_rows) {
+        const std::size_t count = std::min(RowPacking::block_rows, order.size() - from);
+        gather_rows(rows.data(), order.data() + from, count, layout_.bytes, block.data());
+        if (layout_.bytes > 3 * sizeof(Coord)) packing_.pack(block.data(), count, packed);
+        for (std::size_t i = 0; i < count; ++i)
+            positions[from + i] = coordinates_of<Coord>(block.data() + i * layout_.bytes);
+    }
     Attributes& to = attributes_[bin];
     to.bytes = packed.size();
     to.checksum = checksum(packed.data(), packed.size());
@@ -68,10 +77,6 @@ void SortedBins<Coord>::put(std::size_t bin, const std::vector<std::byte>& rows,
     file_.take(to.bytes);
     file_.write_at(packed.data(), packed.size(), to.offset);
     packed = {};
-
-    std::vector<Point<Coord>> positions(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        positions[i] = coordinates_of<Coord>(rows.data() + order[i] * layout_.bytes);
     space_.take(points_.put(bin, positions));
 }
 

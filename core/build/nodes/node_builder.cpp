@@ -121,11 +121,49 @@ auto NodeBuilder<Coord>::join(Region left, Region right) -> Region
     return region;
 }
 
+// Cuts the points at `indices` in two: keeps there those on the left, and returns the others.
+template <class Coord>
+auto NodeBuilder<Coord>::cut(const LeveledRows& points, Indices& indices) const -> Indices
+{
+    const std::size_t row_bytes = options_.layout.bytes;
+    const std::byte* rows = points.rows.data();
+    Point<Coord> low = coordinates_of<Coord>(rows + indices[0] * row_bytes), last = low;
+    for (const std::uint32_t i : indices) {
+        const Point<Coord> p = coordinates_of<Coord>(rows + i * row_bytes);
+        for (std::size_t a = 0; a < 3; ++a) {
+            low[a] = std::min(low[a], p[a]);
+            last[a] = std::max(last[a], p[a]);
+        }
+    }
+    const std::size_t axis = longest_axis(low, last, options_.lattice.finer);
+    std::vector<Coord> along(indices.size());
+    for (std::size_t n = 0; n < along.size(); ++n)
+        std::memcpy(&along[n], rows + indices[n] * row_bytes + axis * sizeof(Coord), sizeof(Coord));
+    const std::optional<Coord> value = choose_cut_of(along.data(), along.size(), low[axis], last[axis]);
+    if (!value) {  // all points are in one place
+        const auto half = indices.begin() + static_cast<std::ptrdiff_t>(indices.size() / 2);
+        Indices high(half, indices.end());
+        indices.erase(half, indices.end());
+        return high;
+    }
+    Indices high(indices.size());
+    std::size_t below = 0, above = 0;
+    for (std::size_t n = 0; n < along.size(); ++n) {
+        const std::uint32_t i = indices[n];
+        const bool left = along[n] < *value;
+        indices[below] = high[above] = i;
+        below += left;
+        above += !left;
+    }
+    indices.resize(below);
+    high.resize(above);
+    return high;
+}
+
 template <class Coord>
 Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indices, std::size_t first,
                                        const NodePath& path, Output& output)
 {
-    const std::size_t row_bytes = options_.layout.bytes;
     Draft* draft = drafts_.add(path);
     if (indices.size() <= options_.chunk_points || path.depth >= NodePath::max_depth) {
         emit(points, indices, *draft, output);
@@ -135,30 +173,24 @@ Draft* NodeBuilder<Coord>::build_range(const LeveledRows& points, Indices& indic
     for (const std::uint32_t i : indices) ++histogram[points.levels[i]];
     const LevelRange own = levels_that_fit(histogram, first, options_.chunk_points);
 
-    Indices mine, rest;
-    for (const std::uint32_t i : indices) (points.levels[i] < own.last ? mine : rest).push_back(i);
-    const auto point = [&](std::uint32_t i) { return coordinates_of<Coord>(points.rows.data() + i * row_bytes); };
+    // Each index is written to both lists, and kept in one of them: which one cannot be predicted.
+    Indices mine(indices.size()), rest(indices.size());
+    std::size_t taken = 0, left = 0;
+    for (const std::uint32_t i : indices) {
+        const bool is_own = points.levels[i] < own.last;
+        mine[taken] = i;
+        rest[left] = i;
+        taken += is_own;
+        left += !is_own;
+    }
+    mine.resize(taken);
+    mine.shrink_to_fit();
+    rest.resize(left);
     if (rest.size() <= options_.chunk_points) {
         draft->children[0] = build_range(points, rest, own.last, path.child(0), output);
     } else {
-        const auto cut = choose_cut<Coord>(rest.size(), options_.lattice.finer,
-                                           [&](std::size_t i, std::size_t axis) { return point(rest[i])[axis]; });
         Indices().swap(indices);
-        Indices high;
-        if (cut) {
-            std::size_t kept = 0;
-            for (const std::uint32_t i : rest) {
-                if (point(i)[cut->axis] < cut->value)
-                    rest[kept++] = i;
-                else
-                    high.push_back(i);
-            }
-            rest.resize(kept);
-        } else {  // all points are in one place
-            const std::size_t half = rest.size() / 2;
-            high.assign(rest.begin() + static_cast<std::ptrdiff_t>(half), rest.end());
-            rest.resize(half);
-        }
+        Indices high = cut(points, rest);
         draft->children[0] = build_range(points, rest, own.last, path.child(0), output);
         draft->children[1] = build_range(points, high, own.last, path.child(1), output);
     }

@@ -78,6 +78,7 @@ public:
 private:
     using Indices = std::vector<std::uint32_t>;
     Region divide(const LeveledRows& points, const std::vector<LevelRange>& above, Indices* own) const;
+    Indices cut(const LeveledRows& points, Indices& indices) const;
     Draft* build_range(const LeveledRows& points, Indices& indices, std::size_t first, const NodePath& path,
                        Output& output);
     double spacing_after(const LevelRange& own) const;

@@ -1,6 +1,7 @@
 #include "pcm/build/nodes/point_sizes.h"
 
 #include "pcm/build/bins/row.h"
+#include "pcm/build/nodes/size_codes.h"
 #include "pcm/build/nodes/size_loops.h"
 #include "pcm/tree/point_size.h"
 
@@ -42,7 +43,7 @@ void find_distances(const SizeLoops& loops, const std::vector<double>& groups, s
 template <class Real, class Place>
 std::vector<float> distances(std::size_t points, const Place& place)
 {
-    const SizeLoops& loops = size_loops(simd_level());
+    const SizeLoops& loops = size_loops();
     const std::size_t groups = (points + size_group - 1) / size_group;
     std::vector<Real> values(groups * 3 * size_group, std::numeric_limits<Real>::infinity());
     for (std::size_t g = 0; g < groups; ++g) {
@@ -102,7 +103,9 @@ std::vector<std::uint8_t> find_sizes(const std::byte* rows, std::size_t points, 
     const std::vector<float> distance = steps < (1u << 24) ? distances_as(float()) : distances_as(double());
     const double least = least_point_size(grid) / unit;
     std::vector<std::uint8_t> codes(places.size());
-    for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = size_code(static_cast<double>(distance[i]), least);
+    const auto [nearest, farthest] = std::minmax_element(distance.begin(), distance.end());
+    const SizeCodes code_of(*nearest, *farthest, least);
+    for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = code_of(distance[i]);
     std::vector<std::uint8_t> sizes(points);
     for (std::size_t i = 0; i < points; ++i) sizes[i] = codes[of[i]];
     return sizes;

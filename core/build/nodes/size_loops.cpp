@@ -1,19 +1,20 @@
 #include "pcm/build/nodes/size_loops.h"
 
-#include "pcm/build/nodes/size_loops_source.h"
+#include "pcm/system/cpu.h"
 
 namespace pcm {
 
-const SizeLoops& size_loops(SimdLevel level)
+const SizeLoops& size_loops()
 {
-    static constexpr SizeLoops baseline{find_distances<float>, find_distances<double>, find_middles};
-    switch (level) {
+    switch (simd_level()) {
+#if defined(PCM_HAVE_AVX)
         case SimdLevel::avx512:
-            return size_loops_avx512;
+            return avx512_size_loops();
         case SimdLevel::avx2:
-            return size_loops_avx2;
+            return avx2_size_loops();
+#endif
         default:
-            return baseline;
+            return baseline_size_loops();
     }
 }
 

@@ -1,7 +1,5 @@
-// The hot loops of point_sizes.cpp, compiled once per level of vector instructions. All levels give the same bits.
+// The hot loops of point_sizes.cpp, compiled once per level of system/cpu.h. All levels give the same bits.
 #pragma once
-
-#include "pcm/system/cpu.h"
 
 #include <cstddef>
 
@@ -20,6 +18,11 @@ struct SizeLoops {
     void (*middles)(const float* distances, std::size_t count, float* to);
 };
 
-const SizeLoops& size_loops(SimdLevel level);
+// Those of simd_level(); throws what that throws.
+const SizeLoops& size_loops();
+
+const SizeLoops& baseline_size_loops();
+const SizeLoops& avx2_size_loops();
+const SizeLoops& avx512_size_loops();
 
 }  // namespace pcm

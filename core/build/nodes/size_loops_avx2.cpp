@@ -2,6 +2,10 @@
 
 namespace pcm {
 
-const SizeLoops size_loops_avx2{find_distances<float>, find_distances<double>, find_middles};
+const SizeLoops& avx2_size_loops()
+{
+    static constexpr SizeLoops all{find_distances<float>, find_distances<double>, find_middles};
+    return all;
+}
 
 }  // namespace pcm

@@ -1,5 +1,4 @@
-// Included by one source per level of vector instructions. No inline function of another header is used here: see
-// system/cpu.h.
+// Included by one source per level of system/cpu.h. No inline function of another header is used: see there.
 #pragma once
 
 #include "pcm/build/nodes/size_loops.h"
@@ -7,8 +6,6 @@
 #include <cstdint>
 
 namespace pcm {
-
-extern const SizeLoops size_loops_avx2, size_loops_avx512;
 
 namespace {
 
@@ -114,13 +111,14 @@ void find_distances(const Real* groups, std::size_t count, float* to)
     }
 }
 
-// Groups are sorted side by side, by Batcher's odd-even merging.
+// Groups are sorted side by side, one per lane, by Batcher's odd-even merging.
 void find_middles(const float* distances, std::size_t count, float* to)
 {
-    constexpr std::size_t beside = 16;
-    for (std::size_t g = 0; g < count; g += beside) {
-        float values[size_group][beside];
-        for (std::size_t l = 0; l < beside; ++l) {
+    using Lanes = LanesOf<float>::Type;
+    constexpr std::size_t width = vector_bytes / sizeof(float);
+    for (std::size_t g = 0; g < count; g += width) {
+        Lanes values[size_group];
+        for (std::size_t l = 0; l < width; ++l) {
             const float* group = distances + (g + l < count ? g + l : g) * size_group;
             for (std::size_t k = 0; k < size_group; ++k) values[k][l] = group[k];
         }
@@ -129,14 +127,11 @@ void find_middles(const float* distances, std::size_t count, float* to)
                 for (std::size_t first = step % sorted; first + step < size_group; first += 2 * step)
                     for (std::size_t i = first; i < first + step && i + step < size_group; ++i) {
                         if (i / (2 * sorted) != (i + step) / (2 * sorted)) continue;
-                        float *low = values[i], *high = values[i + step];
-                        for (std::size_t l = 0; l < beside; ++l) {
-                            const float a = low[l], b = high[l];
-                            low[l] = b < a ? b : a;
-                            high[l] = b < a ? a : b;
-                        }
+                        const Lanes low = values[i], high = values[i + step];
+                        values[i] = high < low ? high : low;
+                        values[i + step] = low < high ? high : low;
                     }
-        for (std::size_t l = 0; l < beside && g + l < count; ++l) to[g + l] = values[size_group / 2][l];
+        for (std::size_t l = 0; l < width && g + l < count; ++l) to[g + l] = values[size_group / 2][l];
     }
 }
 

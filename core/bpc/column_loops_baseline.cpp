@@ -1,0 +1,11 @@
+#include "pcm/bpc/column_loops_source.h"
+
+namespace pcm {
+
+const AllColumnLoops& baseline_column_loops()
+{
+    static constexpr AllColumnLoops all{loops<std::uint32_t>, loops<std::uint64_t>};
+    return all;
+}
+
+}  // namespace pcm
