@@ -73,10 +73,7 @@ public:
 
     void end(const NeighbourhoodUnit& unit) override
     {
-        if (propagation_) {
-            for (std::size_t n = 0; n < unit.source.size(); ++n) normal_[n] = normal_[unit.source[n]];
-            propagation_->add_unit(unit, normal_, border_);
-        }
+        if (propagation_) propagation_->add_unit(unit, normal_, border_);
         for (const NeighbourhoodUnit::Part& part : unit.parts) {
             L2Cache::Edit edit = cache_.edit(part.node, written_);
             const auto put = [&](const std::optional<std::size_t>& place, const auto& values) {

@@ -7,10 +7,10 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t joined_neighbours = 10;
+constexpr std::size_t joined_neighbours = 6;
 // Classes of |ni . nj|, those of the most parallel normals first.
 constexpr std::array<float, 8> least_parallel{0.999F, 0.99F, 0.97F, 0.9F, 0.8F, 0.6F, 0.3F, 0.0F};
-constexpr float most_parallel = 2;  // of rounded unit vectors
+constexpr std::uint8_t no_class = 255;
 
 float dot_of(const std::array<float, 3>& a, const std::array<float, 3>& b)
 {
@@ -24,6 +24,23 @@ Vec3d position_of(const SearchPositions& positions, std::size_t i)
         p[a] = static_cast<double>(positions.is_wide() ? positions.wide[a][i] : positions.narrow[a][i]) *
                positions.scale[a];
     return p;
+}
+
+// Of each neighbour of each point.
+std::vector<std::uint8_t> classes_of(const std::vector<std::uint32_t>& neighbours,
+                                     const std::vector<std::array<float, 3>>& normals)
+{
+    std::vector<std::uint8_t> classes(neighbours.size(), no_class);
+    for (std::size_t e = 0; e < neighbours.size(); ++e) {
+        const std::array<float, 3> none{};
+        const std::size_t i = e / joined_neighbours;
+        if (neighbours[e] == no_piece || normals[i] == none || normals[neighbours[e]] == none) continue;
+        const float parallel = std::fabs(dot_of(normals[i], normals[neighbours[e]]));
+        classes[e] = static_cast<std::uint8_t>(
+            std::find_if(least_parallel.begin(), least_parallel.end(), [&](float least) { return parallel >= least; }) -
+            least_parallel.begin());
+    }
+    return classes;
 }
 
 // Each point's neighbours, joined_neighbours numbers a point; no_piece where there are fewer.
@@ -114,20 +131,14 @@ UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
     SidedSets sets(points);
     {
         const std::vector<std::uint32_t> neighbours = neighbours_of(positions);
-        float below = most_parallel;
-        for (const float least : least_parallel) {
-            for (std::size_t i = 0; i < points; ++i) {
-                if (!is_defined(i)) continue;
-                for (std::size_t j = i * joined_neighbours; j < (i + 1) * joined_neighbours; ++j) {
-                    if (neighbours[j] == no_piece) break;
-                    if (!is_defined(neighbours[j])) continue;
-                    const float cosine = dot_of(normals[i], normals[neighbours[j]]), parallel = std::fabs(cosine);
-                    if (parallel < below && parallel >= least)
-                        sets.join(static_cast<std::uint32_t>(i), neighbours[j], cosine < 0 ? -1 : 1);
-                }
+        const std::vector<std::uint8_t> classes = classes_of(neighbours, normals);
+        for (std::uint8_t c = 0; c < least_parallel.size(); ++c)
+            for (std::size_t e = 0; e < classes.size(); ++e) {
+                if (classes[e] != c) continue;
+                const std::size_t i = e / joined_neighbours;
+                const bool turned = dot_of(normals[i], normals[neighbours[e]]) < 0;
+                sets.join(static_cast<std::uint32_t>(i), neighbours[e], turned ? -1 : 1);
             }
-            below = least;
-        }
     }
     UnitPieces pieces;
     pieces.piece.assign(points, no_piece);

@@ -14,10 +14,10 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t voting_neighbours = 8;
-constexpr std::size_t most_border_points = 20000;  // of a unit
-constexpr std::size_t points_of_a_run = 512;       // border points that one thread takes at a time
+constexpr std::size_t most_border_points = 8000;  // of a unit
+constexpr std::size_t points_of_a_run = 512;      // border points that one thread takes at a time
 // In case that a unit meets others inside of its box, some points of its inside look around, too.
-constexpr std::uint32_t inside_step = 256;
+constexpr std::uint32_t inside_step = 4096;
 
 Vec3i middle_of(const Box3i& box)
 {
@@ -93,15 +93,47 @@ OrientationPropagation::OrientationPropagation(const Tree& tree)
 {
 }
 
+// At a level the computed points are joined, and the others go with those that they take their values from.
+UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals) const
+{
+    UnitPositions positions = positions_of(unit, grid_);
+    Vec3d origin;
+    for (std::size_t a = 0; a < 3; ++a)
+        origin[a] = static_cast<double>(positions.origin[a] - origin_[a]) * grid_.scale[a];
+    if (unit.source.empty()) return join_pieces(positions.steps, origin, normals);
+    std::vector<std::uint32_t> place(unit.points, 0);  // among the computed points
+    std::vector<std::array<float, 3>> computed;
+    for (std::uint32_t n = 0; n < unit.points; ++n) {
+        if (unit.source[n] != n) continue;
+        place[n] = static_cast<std::uint32_t>(computed.size());
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (positions.steps.is_wide())
+                positions.steps.wide[a][computed.size()] = positions.steps.wide[a][n];
+            else
+                positions.steps.narrow[a][computed.size()] = positions.steps.narrow[a][n];
+        }
+        computed.push_back(normals[n]);
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+        if (positions.steps.is_wide())
+            positions.steps.wide[a].resize(computed.size());
+        else
+            positions.steps.narrow[a].resize(computed.size());
+    }
+    const UnitPieces of_computed = join_pieces(positions.steps, origin, computed);
+    UnitPieces pieces{std::vector<std::uint32_t>(unit.points), of_computed.sums};
+    for (std::uint32_t n = 0; n < unit.points; ++n) {
+        pieces.piece[n] = of_computed.piece[place[unit.source[n]]];
+        normals[n] = computed[place[unit.source[n]]];
+    }
+    return pieces;
+}
+
 void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
                                       const std::vector<std::uint32_t>& border)
 {
     if (unit.points == 0) return;
-    const UnitPositions positions = positions_of(unit, grid_);
-    Vec3d origin;
-    for (std::size_t a = 0; a < 3; ++a)
-        origin[a] = static_cast<double>(positions.origin[a] - origin_[a]) * grid_.scale[a];
-    const UnitPieces pieces = join_pieces(positions.steps, origin, normals);
+    const UnitPieces pieces = join(unit, normals);
     const auto place_of = [&](std::uint32_t number) { return Place{unit.part_of(number).node, unit.index_of(number)}; };
     std::vector<Piece> added(pieces.sums.size());
     for (std::size_t i = 0; i < added.size(); ++i) added[i] = {pieces.sums[i], {no_node, 0}};

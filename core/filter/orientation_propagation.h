@@ -35,8 +35,9 @@ public:
     // Throws what making the scratch file throws.
     explicit OrientationPropagation(const Tree& tree);
 
-    // A unit whose normals are computed; makes them consistent. `border`: points, by number, with neighbours outside of
-    // the unit. Any number of threads may call.
+    // A unit whose normals are computed; makes them consistent, and at a level sets those of points that take the
+    // values of others. `border`: points, by number, with neighbours outside of the unit. Any number of threads may
+    // call.
     void add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
                   const std::vector<std::uint32_t>& border);
 
@@ -61,6 +62,7 @@ private:
     };
     class Voter;
 
+    UnitPieces join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals) const;
     // One vote for each pair of pieces.
     static void add_up(std::vector<Vote>& votes);
     std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin,
