@@ -125,6 +125,20 @@ TEST_F(Orientation, AFoldedSheetKeepsOneSide)
     }
 }
 
+TEST_F(Orientation, PiecesThatAreTurnedCountTurned)
+{
+    // An almost closed tube: its units point up by themselves, half of them into it.
+    for (const double turn : {0.0, 1.0, 2.5, 4.0}) {
+        const auto tube = cloud_of(12000, 58, [&](double u, double v, double) {
+            const double a = turn + 1.9 * pi * u;
+            return Vec3d{5 * std::cos(a), 4 * v, 5 * std::sin(a)};
+        });
+        std::size_t inward = 0;
+        for (const auto& [p, n] : normals(tube, little)) inward += dot(n, {p[0], 0, p[2]}) < 0;
+        EXPECT_EQ(inward, 0u) << turn;
+    }
+}
+
 TEST_F(Orientation, GroundPointsUpAndWallsAgree)
 {
     const auto scene = cloud_of(20000, 53, [](double u, double v, double w) {
