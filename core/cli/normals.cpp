@@ -47,7 +47,7 @@ Run add_normals(Options& options)
     options.off_flag("--no-confidence", arguments->confidence,
                      "Leave out the attribute normal_confidence (0 good, 1 neighbours on a line, 2 no plane, 3 too few "
                      "neighbours)");
-    const char* const group = "Side that normals point to (default: up)";
+    const char* const group = "Side that normals point to (default: the same along each surface, outward or up)";
     const auto viewpoint =
         options.option("--viewpoint", arguments->viewpoint, "Towards the scanner's position X Y Z, source coordinates")
             .values(3)

@@ -17,11 +17,12 @@ struct Counts {
 class PassVisitor final : public NeighbourhoodVisitor {
 public:
     PassVisitor(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
-                std::mutex& mutex, NeighbourAttributeReport& report)
+                OrientationPropagation* propagation, std::mutex& mutex, NeighbourAttributeReport& report)
         : cache_(cache),
           wanted_(options.wanted),
           orientation_(options.orientation),
           places_(places),
+          propagation_(propagation),
           schema_(cache.tree().info().schema),
           grid_(cache.tree().info().grid),
           mutex_(mutex),
@@ -49,6 +50,7 @@ public:
         if (wanted_.needs_shape()) confidence_.resize(unit.points);
         if (places_.mean_distance) mean_distance_.resize(unit.points);
         part_ = unit.parts.data();
+        if (propagation_) find_box(unit);
     }
 
     void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
@@ -65,11 +67,13 @@ public:
             if (places_.curvature) curvature_[number] = static_cast<float>(values.curvature);
             if (wanted_.needs_shape()) confidence_[number] = static_cast<std::uint8_t>(values.confidence);
             if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
+            if (propagation_ && looks_outside(unit, some, i)) border_.push_back(number);
         }
     }
 
     void end(const NeighbourhoodUnit& unit) override
     {
+        if (propagation_) propagation_->add_unit(unit, normal_, border_);
         for (const NeighbourhoodUnit::Part& part : unit.parts) {
             L2Cache::Edit edit = cache_.edit(part.node, written_);
             const auto put = [&](const std::optional<std::size_t>& place, const auto& values) {
@@ -98,9 +102,39 @@ private:
         return unit.source.empty() ? number : unit.source[number];
     }
 
-    Vec3d known_normal(const NeighbourhoodUnit& unit, std::uint32_t number)
+    // Sets part_ to the part that has a number.
+    void find_part(const NeighbourhoodUnit& unit, std::uint32_t number)
     {
         if (number < part_->first || number - part_->first >= part_->indices.size()) part_ = &unit.part_of(number);
+    }
+
+    void find_box(const NeighbourhoodUnit& unit)
+    {
+        border_.clear();
+        box_ = Box3i();
+        for (const NeighbourhoodUnit::Part& part : unit.parts)
+            for (const std::uint32_t i : part.indices) box_.extend(part.chunk->positions->grid(i));
+    }
+
+    // Whether a point has neighbours outside of the box of the unit's points.
+    bool looks_outside(const NeighbourhoodUnit& unit, const Neighbourhoods& some, std::size_t i)
+    {
+        find_part(unit, some.number(i));
+        const Vec3i q = part_->chunk->positions->grid(part_->indices[some.number(i) - part_->first]);
+        const std::array<const double*, 3> offsets{some.dx(i), some.dy(i), some.dz(i)};
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double step = grid_.scale[a];
+            const double low = (static_cast<double>(box_.min[a] - q[a]) - 0.5) * step;
+            const double high = (static_cast<double>(box_.max[a] - q[a]) + 0.5) * step;
+            for (std::size_t j = 0; j < some.count(i); ++j)
+                if (offsets[a][j] < low || offsets[a][j] > high) return true;
+        }
+        return false;
+    }
+
+    Vec3d known_normal(const NeighbourhoodUnit& unit, std::uint32_t number)
+    {
+        find_part(unit, number);
         const std::size_t place = *places_.known_normal;
         return known_normal_of(*part_->chunk->attributes[place], schema_[place], part_->indices[number - part_->first]);
     }
@@ -109,9 +143,9 @@ private:
     {
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
             const std::uint32_t index = part.indices[i];
-            std::array<float, 3> n = normal_[source(unit, part, i)];
+            std::array<float, 3> n = normal_[propagation_ ? part.first + i : source(unit, part, i)];
             const Vec3d p = grid_.to_source(part.chunk->positions->grid(index));
-            if (is_to_flip(orientation_, {n[0], n[1], n[2]}, p)) {
+            if (!propagation_ && is_to_flip(orientation_, {n[0], n[1], n[2]}, p)) {
                 for (float& component : n) component = -component;
                 ++counts_.flipped;
             }
@@ -130,16 +164,19 @@ private:
     const WantedValues wanted_;
     const NormalOrientation orientation_;
     const AttributePlaces places_;
+    OrientationPropagation* const propagation_;
     const Schema& schema_;
     const Grid& grid_;
     std::mutex& mutex_;  // of the report
     NeighbourAttributeReport& report_;
     ColumnSet written_;
-    const NeighbourhoodUnit::Part* part_ = nullptr;  // of the last known normal
+    const NeighbourhoodUnit::Part* part_ = nullptr;  // of the last point that was looked at
+    Box3i box_;                                      // of the unit's points
     // By number in the unit.
     std::vector<float> radius_, curvature_, mean_distance_;
     std::vector<std::array<float, 3>> normal_;
     std::vector<std::uint8_t> confidence_;
+    std::vector<std::uint32_t> border_;  // numbers
     Counts counts_;
 };
 
@@ -160,7 +197,9 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     search.max_distance = options.max_distance;
     search.level = options.level;
     if (places.known_normal) search.columns.attributes.set(*places.known_normal);
-    search.memory_bytes = options.memory_bytes / 2;
+    // Joining points to pieces takes memory, too.
+    const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
+    search.memory_bytes = options.memory_bytes / (joins ? 3 : 2);
     search.threads = options.threads;
     search.backend = options.backend;
     search.progress = options.progress;
@@ -169,13 +208,15 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
 }
 
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
-                                       const AttributePlaces& places, double end, NeighbourAttributeReport& report)
+                                       const AttributePlaces& places, OrientationPropagation* propagation, double end,
+                                       NeighbourAttributeReport& report)
 {
     NeighbourhoodOptions search = search_options(options, places);
     search.end = end;
     std::mutex mutex;
-    return for_each_neighbourhood(cache, search,
-                                  [&] { return std::make_unique<PassVisitor>(cache, options, places, mutex, report); });
+    return for_each_neighbourhood(cache, search, [&] {
+        return std::make_unique<PassVisitor>(cache, options, places, propagation, mutex, report);
+    });
 }
 
 }  // namespace pcm

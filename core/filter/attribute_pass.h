@@ -4,6 +4,7 @@
 #include "pcm/bpc/chunk.h"
 #include "pcm/cache/l2_cache.h"
 #include "pcm/filter/neighbour_attributes.h"
+#include "pcm/filter/orientation_propagation.h"
 #include "pcm/knn/neighbourhoods.h"
 
 #include <cstdint>
@@ -21,9 +22,11 @@ struct AttributePlaces {
 Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::size_t point);
 
 // Computes the attributes of all points, at options.level, into edits of the cache; nothing is flushed. Adds to the
-// report's counts. Progress goes from 0 to `end`. Throws what for_each_neighbourhood() throws.
+// report's counts. Where normals are to be consistent, they are given to `propagation`, which is null otherwise.
+// Progress goes from 0 to `end`. Throws what for_each_neighbourhood() throws.
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
-                                       const AttributePlaces& places, double end, NeighbourAttributeReport& report);
+                                       const AttributePlaces& places, OrientationPropagation* propagation, double end,
+                                       NeighbourAttributeReport& report);
 
 // How the pass searches neighbours.
 NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places);

@@ -14,8 +14,8 @@
 namespace pcm {
 namespace {
 
-// Of the progress: the pass ends, the result is checked, the index is written.
-constexpr double end_of_pass = 0.93, end_of_check = 0.95;
+// Of the progress: the pass ends (before normals are made consistent), the result is checked, the index is written.
+constexpr double end_of_joining_pass = 0.8, end_of_pass = 0.93, end_of_check = 0.95;
 
 void check(const NeighbourAttributeOptions& options, const std::filesystem::path& path)
 {
@@ -60,6 +60,19 @@ AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted)
     return places;
 }
 
+// Computes all attributes, and makes normals consistent. Returns how many points were computed.
+std::uint64_t run_pass(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
+                       Watch& watch, NeighbourAttributeReport& report)
+{
+    if (!options.wanted.normal || options.orientation.rule != NormalOrientation::Rule::consistent)
+        return run_attribute_pass(cache, options, places, nullptr, end_of_pass, report).outcome.points_out;
+    OrientationPropagation propagation(cache.tree());
+    const auto pass = run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report);
+    report.flipped +=
+        propagation.finish(cache, *places.normal, options.threads, watch, end_of_joining_pass, end_of_pass);
+    return pass.outcome.points_out;
+}
+
 }  // namespace
 
 NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::path& path,
@@ -80,8 +93,7 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
             options.level = choose_level(cache, options, places, watch, report.notes);
         if (options.level && *options.level + 1 >= info.levels) options.level.reset();  // all points
         report.level = options.level;
-        const NeighbourhoodReport pass = run_attribute_pass(cache, options, places, end_of_pass, report);
-        report.points_computed = pass.outcome.points_out;
+        report.points_computed = run_pass(cache, options, places, watch, report);
         report.used_known_normals = places.known_normal.has_value();
         if (options.level) {
             watch.report("Checking", end_of_pass);

@@ -9,14 +9,16 @@ namespace pcm {
 
 struct NormalOrientation {
     enum class Rule : std::uint8_t {
-        direction,  // to the half space of a vector: n . vector >= 0
-        viewpoint,  // towards a point, where the scanner stood
+        consistent,  // the same side along each surface: see orientation_propagation.h
+        direction,   // to the half space of a vector: n . vector >= 0
+        viewpoint,   // towards a point, where the scanner stood
     };
-    Rule rule = Rule::direction;
+    Rule rule = Rule::consistent;
     Vec3d vector{0, 0, 1};  // of a direction: not 0; of a viewpoint: source coordinates
 };
 
-// Whether the normal of the point `p` has to be turned around. Normals at a right angle to the rule stay.
+// Whether the normal of the point `p` has to be turned around, by a direction or a viewpoint. Normals at a right angle
+// to the rule stay.
 inline bool is_to_flip(const NormalOrientation& orientation, const Vec3d& normal, const Vec3d& p)
 {
     const bool to_point = orientation.rule == NormalOrientation::Rule::viewpoint;

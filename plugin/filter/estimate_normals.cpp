@@ -27,9 +27,11 @@ void add_parameters(RichParameterList& parameters)
                                    "Normals point towards this place, where the scanner stood: x y z, three numbers "
                                    "separated by blanks, in source coordinates and units. Empty, the default: not "
                                    "known."));
-    parameters.addParam(RichString("Direction", "", "Direction",
-                                   "Without a scanner position: normals point to the half space of this direction, x y "
-                                   "z, three numbers separated by blanks. Empty, the default: up, 0 0 1."));
+    parameters.addParam(
+        RichString("Direction", "", "Direction",
+                   "Without a scanner position: normals point to the half space of this direction, x y "
+                   "z, three numbers separated by blanks, such as 0 0 1. Empty, the default: neighbours agree "
+                   "along each surface, which points outward or up."));
     add_precision_parameters(parameters);
     add_target_parameters(parameters);
     add_work_parameters(parameters);

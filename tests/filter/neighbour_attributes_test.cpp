@@ -251,7 +251,9 @@ TEST_F(NeighbourAttributes, NormalsPointWhereTheyAreToldTo)
         }
         EXPECT_LT(angle, 8);
     };
-    expect([](const Vec3d& n, const Vec3d&) { return n[2]; });  // the default: up
+    expect([&](const Vec3d& n, const Vec3d& p) { return dot(n, p - centre); });  // the default: outward
+    options.orientation.rule = NormalOrientation::Rule::direction;
+    expect([](const Vec3d& n, const Vec3d&) { return n[2]; });
     options.orientation = {NormalOrientation::Rule::direction, {-3, 0, 0}};
     expect([](const Vec3d& n, const Vec3d&) { return -n[0]; });
     options.orientation = {NormalOrientation::Rule::viewpoint, centre};
@@ -321,7 +323,7 @@ TEST_F(NeighbourAttributes, OptionsOutOfRangeAreRefused)
     EXPECT_TRUE(refused([](auto& options) { options.time_limit = 0; }));
     EXPECT_TRUE(refused([](auto& options) { options.error_target_percent = -1; }));
     EXPECT_TRUE(refused([](auto& options) { options.level = 1, options.time_limit = 9; }));
-    EXPECT_TRUE(refused([](auto& options) { options.orientation.vector = {0, 0, 0}; }));
+    EXPECT_TRUE(refused([](auto& options) { options.orientation = {NormalOrientation::Rule::direction, {0, 0, 0}}; }));
     EXPECT_TRUE(refused([](auto& options) { options.orientation.vector = {0, 0, HUGE_VAL}; }));
     EXPECT_FALSE(refused([](auto&) {}));
 }

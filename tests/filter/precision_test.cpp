@@ -62,6 +62,19 @@ TEST_F(Precision, PointsOfTheLevelAreExactAndTheErrorOfOthersIsReported)
         errors[{p.node, p.index}] = 100 * std::fabs(oracle.value(p, "radius") - exact[i]) / exact[i];
         if (p.level <= *options.level) EXPECT_LT((errors[{p.node, p.index}]), 1e-4);
     }
+    // The others have the value of their nearest point of the level, or of one that is as near.
+    for (std::size_t i = 0; i < exact.size(); i += 5) {
+        if (oracle.points[i].level <= *options.level) continue;
+        double least = HUGE_VAL;
+        std::vector<double> values;
+        for (std::size_t j = 0; j < exact.size(); ++j) {
+            if (oracle.points[j].level > *options.level) continue;
+            const Vec3d d = oracle.offset(oracle.points[i], oracle.points[j]);
+            if (dot(d, d) < least) values.clear();
+            if (dot(d, d) <= least) least = dot(d, d), values.push_back(oracle.value(oracle.points[j], "radius"));
+        }
+        EXPECT_TRUE(std::count(values.begin(), values.end(), oracle.value(oracle.points[i], "radius"))) << i;
+    }
     ASSERT_EQ(report.level, options.level);
     ASSERT_EQ(report.points_checked, 1000u);
     ASSERT_EQ(report.errors.size(), 1u);
@@ -150,6 +163,24 @@ TEST_F(Precision, AnErrorTargetChoosesTheCoarsestLevelThatKeepsIt)
     options.error_target_percent = 1e-9;
     EXPECT_FALSE(choose_level(cache, options, {}, watch, notes));
     EXPECT_TRUE(notes.empty());
+}
+
+TEST_F(Precision, AnErrorTargetOfNormalsIsAHundredthOfARadian)
+{
+    NeighbourAttributeOptions options = options_of(false, true);
+    options.level = static_cast<std::uint16_t>(Tree::open(tree_)->info().levels - 2);
+    const double p95 = compute_neighbour_attributes(tree_, options).errors.at(0).p95;  // degrees
+    const std::uint16_t level = *options.level;
+    options.level.reset();
+    L2Cache cache(Tree::open(tree_));
+    Watch watch(options.progress);
+    std::vector<std::string> notes;
+    options.error_target_percent = 1.2 * p95;  // in degrees it would be kept
+    EXPECT_FALSE(choose_level(cache, options, {}, watch, notes));
+    options.error_target_percent = 2.3 * p95;
+    const auto chosen = choose_level(cache, options, {}, watch, notes);
+    ASSERT_TRUE(chosen);
+    EXPECT_LE(*chosen, level);
 }
 
 TEST_F(Precision, ATimeLimitChoosesALevel)

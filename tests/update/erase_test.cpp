@@ -86,6 +86,57 @@ TEST_P(Erase, BoxesAndConditionsAgainstAPlainList)
     }
 }
 
+// Every third point of the nodes with an even number.
+class EveryThird final : public ChunkTest {
+public:
+    ColumnSet columns() const override
+    {
+        ColumnSet columns;
+        columns.attributes.set(3);
+        return columns;
+    }
+    bool touches(const Node& node) const override { return node.depth < 3; }
+    std::vector<std::uint32_t> chosen(NodeId node, const Chunk& chunk) const override
+    {
+        EXPECT_TRUE(chunk.positions && chunk.attributes[3]);
+        std::vector<std::uint32_t> chosen;
+        for (std::uint32_t i = 0; i < chunk.points && node % 2 == 0; i += 3) chosen.push_back(i);
+        return chosen;
+    }
+};
+
+TEST_P(Erase, PointsChosenByATestOfEachChunk)
+{
+    const MakeChunkTest make = [&](const std::shared_ptr<const Tree>& tree) {
+        EXPECT_EQ(tree->info().points, rows_.size());
+        return std::make_unique<EveryThird>();
+    };
+    std::vector<Row> kept;
+    const auto before = Tree::open(path_);
+    for (NodeId id = 0; id < before->nodes().size(); ++id) {
+        const Chunk chunk = before->read_chunk(id, ColumnSet::all(before->info().schema));
+        for (std::uint32_t i = 0; i < chunk.points; ++i) {
+            if (before->node(id).depth < 3 && id % 2 == 0 && i % 3 == 0) continue;
+            Row row{chunk.positions->grid(i), {}};
+            for (const auto& column : chunk.attributes) row.attributes += bytes_of(*column, i);
+            kept.push_back(std::move(row));
+        }
+    }
+    std::sort(kept.begin(), kept.end());
+    ASSERT_LT(kept.size(), rows_.size());
+    EraseOptions options = two_threads();
+    options.count_only = true;
+    EXPECT_EQ(erase_points(path_, make, options).points_deleted, rows_.size() - kept.size());
+    options.count_only = false;
+    std::vector<double> fractions;
+    options.begin = 0.5;
+    options.progress = [&](const ProgressUpdate& update) { return fractions.push_back(update.fraction), true; };
+    EXPECT_EQ(erase_points(path_, make, options).points_deleted, rows_.size() - kept.size());
+    expect_tree(path_, kept, "every third");
+    ASSERT_FALSE(fractions.empty());
+    EXPECT_GE(fractions.front(), 0.5);
+}
+
 TEST_P(Erase, NodesOutsideStayWhereTheyAre)
 {
     const auto before = Tree::open(path_);

@@ -1,0 +1,59 @@
+// Points whose normals are joined to point to the same side of a surface.
+#pragma once
+
+#include "pcm/cloud/vector.h"
+#include "pcm/knn/unit_search.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// Sets of numbers that are joined two by two, each with a side: +1, or -1 where it is turned around relative to its
+// set.
+class SidedSets {
+public:
+    explicit SidedSets(std::size_t count);
+    struct Found {
+        std::uint32_t set;  // one of its numbers
+        int side;           // of the number, relative to that one
+    };
+    Found find(std::uint32_t number);
+    // Joins the sets of two numbers, so that `side` is that of one number relative to the other. Returns whether they
+    // were in different sets; what is joined stays as it is.
+    bool join(std::uint32_t a, std::uint32_t b, int side);
+
+private:
+    std::vector<std::uint32_t> parent_, size_;
+    std::vector<std::int8_t> side_;  // relative to the parent
+};
+
+// What decides the side of a whole piece: sums over its points, whose positions p are relative to one origin.
+struct PieceSums {
+    double count = 0, squares = 0, flux = 0;  // 1, p . p, n . p
+    Vec3d positions{}, normals{};
+    void add(const Vec3d& p, const Vec3d& n);
+    void join(const PieceSums& other, int side);
+    // Positive where the normals point outward or up, negative where they point inward or down: the clearer one of the
+    // mean height of the normals and the mean of n . (p - centre) over the distance from the centre. Where neither says
+    // anything, the sign of the first coordinate of the sum of normals that is not 0.
+    double outward_or_up() const;
+};
+
+inline constexpr std::uint32_t no_piece = 0xffffffffu;
+
+struct UnitPieces {
+    std::vector<std::uint32_t> piece;  // of each point; no_piece where its normal is 0
+    std::vector<PieceSums> sums;       // of each piece
+};
+
+// Joins the points of a unit with their nearest neighbours in the unit, those with the most parallel normals first (a
+// spanning tree of 1 - |ni . nj|, Hoppe et al. 1992, by classes of that weight), and turns normals around so that each
+// piece is consistent, and points outward or up by itself. `origin`: of the sums, in source units relative to that of
+// `positions`.
+UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
+                       std::vector<std::array<float, 3>>& normals);
+
+}  // namespace pcm

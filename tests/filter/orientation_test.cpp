@@ -1,0 +1,188 @@
+#include "pcm/filter/orientation_pieces.h"
+
+#include "pcm/filter/neighbour_attributes.h"
+#include "tests/filter/oracle.h"
+
+#include <random>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+TEST(SidedSets, KeepTheSidesOfASimpleModel)
+{
+    std::mt19937_64 random(1);
+    const std::uint32_t count = 300;
+    std::vector<std::uint32_t> set(count);
+    std::vector<int> side(count, 1);
+    for (std::uint32_t i = 0; i < count; ++i) set[i] = i;
+    SidedSets sets(count);
+    for (int turn = 0; turn < 500; ++turn) {
+        const auto a = static_cast<std::uint32_t>(random() % count), b = static_cast<std::uint32_t>(random() % count);
+        const int relative = random() % 2 ? 1 : -1;
+        ASSERT_EQ(sets.join(a, b, relative), set[a] != set[b]);
+        if (set[a] != set[b]) {
+            const std::uint32_t from = set[b];
+            const int turned = side[a] * side[b] * relative;
+            for (std::uint32_t i = 0; i < count; ++i)
+                if (set[i] == from) set[i] = set[a], side[i] *= turned;
+        }
+        for (int look = 0; look < 20; ++look) {
+            const auto i = static_cast<std::uint32_t>(random() % count),
+                       j = static_cast<std::uint32_t>(random() % count);
+            const auto x = sets.find(i), y = sets.find(j);
+            ASSERT_EQ(x.set == y.set, set[i] == set[j]);
+            if (set[i] == set[j]) ASSERT_EQ(x.side * y.side, side[i] * side[j]);
+        }
+    }
+}
+
+TEST(PieceSums, PreferTheClearerOfOutwardAndUp)
+{
+    PieceSums ball, ground, wall;
+    std::mt19937_64 random(2);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d n = normalised({normal(random), normal(random), normal(random)});
+        ball.add(Vec3d{1000, 2000, 30} + 5.0 * n, n);
+        ground.add({double(i % 40), double(i / 40), 0}, {0, 0, -1});
+        wall.add({double(i % 40), 0, double(i / 40)}, {0, -1, 0});
+    }
+    EXPECT_NEAR(ball.outward_or_up(), 1, 0.01);
+    EXPECT_EQ(ground.outward_or_up(), -1);
+    EXPECT_LT(wall.outward_or_up(), 0);
+    PieceSums turned;
+    turned.join(ball, -1);
+    EXPECT_NEAR(turned.outward_or_up(), -1, 0.01);
+}
+
+class Orientation : public testing::Test {
+protected:
+    // Estimates normals and returns those of all points, with their positions.
+    std::vector<std::pair<Vec3d, Vec3d>> normals(const MemoryCloud& cloud, std::uint64_t memory = 64 << 20,
+                                                 unsigned threads = 2)
+    {
+        fs::remove_all(tree_);
+        build_small(cloud, tree_);
+        NeighbourAttributeOptions options;
+        options.wanted.normal = true;
+        options.neighbours = 10;
+        options.threads = threads;
+        options.memory_bytes = memory;
+        options.level = level_;
+        report_ = compute_neighbour_attributes(tree_, options);
+        const Oracle oracle(tree_);
+        std::vector<std::pair<Vec3d, Vec3d>> all;
+        for (const OraclePoint& p : oracle.points) all.emplace_back(oracle.position(p), oracle.normal(p));
+        return all;
+    }
+
+    const TemporaryFolder folder_;
+    const fs::path tree_ = folder_ / "cloud.pct";
+    std::optional<std::uint16_t> level_;
+    NeighbourAttributeReport report_;
+};
+
+Vec3d on_sphere(double u, double v)
+{
+    const double z = 2 * u - 1, r = std::sqrt(1 - z * z), a = 2 * pi * v;
+    return {r * std::cos(a), r * std::sin(a), z};
+}
+
+// So little memory that there are many units.
+constexpr std::uint64_t little = 1 << 20;
+
+TEST_F(Orientation, ClosedSurfacesPointOutwardAcrossUnits)
+{
+    const Vec3d one{500000, 4800000, 100}, other{500003, 4800000, 100};
+    const auto spheres =
+        cloud_of(20000, 51, [&](double u, double v, double w) { return (w < 0.5 ? one : other) + on_sphere(u, v); });
+    for (const std::uint64_t memory : {little, std::uint64_t(64) << 20}) {
+        std::size_t wrong = 0;
+        for (const auto& [p, n] : normals(spheres, memory)) {
+            const Vec3d& centre = p[0] < 500001.5 ? one : other;
+            if (dot(n, p - centre) <= 0) ++wrong;
+        }
+        EXPECT_EQ(wrong, 0u) << memory;
+    }
+}
+
+TEST_F(Orientation, AFoldedSheetKeepsOneSide)
+{
+    // A sheet that winds through more than a full turn: its normals point everywhere, but its side is one.
+    const auto turn_of = [](double u) { return 1.2 * pi * u; };
+    const auto sheet = cloud_of(20000, 52, [&](double u, double v, double) {
+        const double a = turn_of(u);
+        return Vec3d{5 * std::sin(a), 4 * v, 5 - 5 * std::cos(a)};
+    });
+    for (const std::uint64_t memory : {little, std::uint64_t(64) << 20}) {
+        std::size_t inward = 0, outward = 0;
+        for (const auto& [p, n] : normals(sheet, memory)) ++(dot(n, {p[0], 0, p[2] - 5}) > 0 ? outward : inward);
+        EXPECT_EQ(std::min(inward, outward), 0u) << memory;
+        EXPECT_EQ(inward, 0u) << memory;  // more of it looks outward from its middle than up
+    }
+}
+
+TEST_F(Orientation, PiecesThatAreTurnedCountTurned)
+{
+    // An almost closed tube: its units point up by themselves, half of them into it.
+    for (const double turn : {0.0, 1.0, 2.5, 4.0}) {
+        const auto tube = cloud_of(12000, 58, [&](double u, double v, double) {
+            const double a = turn + 1.9 * pi * u;
+            return Vec3d{5 * std::cos(a), 4 * v, 5 * std::sin(a)};
+        });
+        std::size_t inward = 0;
+        for (const auto& [p, n] : normals(tube, little)) inward += dot(n, {p[0], 0, p[2]}) < 0;
+        EXPECT_EQ(inward, 0u) << turn;
+    }
+}
+
+TEST_F(Orientation, GroundPointsUpAndWallsAgree)
+{
+    const auto scene = cloud_of(20000, 53, [](double u, double v, double w) {
+        if (w < 0.6) return Vec3d{20 * u, 20 * v, 0.5 * std::sin(2 * u)};
+        return Vec3d{20 * u, 40, 3 + 10 * v};  // far from the ground
+    });
+    std::size_t down = 0, one = 0, other = 0;
+    for (const auto& [p, n] : normals(scene, little)) {
+        if (p[1] < 30)
+            down += n[2] <= 0;
+        else
+            ++(n[1] > 0 ? one : other);
+    }
+    EXPECT_EQ(down, 0u);
+    EXPECT_EQ(std::min(one, other), 0u);
+}
+
+TEST_F(Orientation, AtALevelPointsGoWithThoseThatTheyTakeTheirValuesFrom)
+{
+    const auto sphere = cloud_of(20000, 57, [](double u, double v, double) { return on_sphere(u, v); });
+    level_ = 1;
+    for (const auto& [p, n] : normals(sphere, little)) EXPECT_GT(dot(n, p), 0.5);
+    EXPECT_EQ(report_.level, level_);
+    EXPECT_LT(report_.points_computed, 10000u);
+}
+
+TEST_F(Orientation, DoesNotDependOnTheThreads)
+{
+    const auto scene = cloud_of(15000, 54, [](double u, double v, double w) {
+        return w < 0.9 ? Vec3d{9 * u, 9 * v, std::sin(3 * u)} : Vec3d{9 * u, 9 * v, 9 * w};
+    });
+    normals(scene, little, 1);
+    const auto hash = Tree::open(tree_)->info().content_hash;
+    normals(scene, little, 4);
+    EXPECT_EQ(Tree::open(tree_)->info().content_hash, hash);
+}
+
+TEST_F(Orientation, OfPointsWithoutNormals)
+{
+    for (const auto& [p, n] : normals(cloud_of(50, 55, [](double, double, double) { return Vec3d{1, 2, 3}; })))
+        EXPECT_EQ(n, (Vec3d{0, 0, 0}));
+    EXPECT_EQ(normals(cloud_of(1, 55, [](double, double, double) { return Vec3d{1, 2, 3}; })).size(), 1u);
+    for (const auto& [p, n] : normals(cloud_of(40, 56, [](double u, double, double) { return Vec3d{u, 2, 3}; })))
+        EXPECT_GT(n[2], 0.99);  // a line: up
+}
+
+}  // namespace
