@@ -14,7 +14,10 @@ void TargetOptions::add_to(Options& options)
 
 void NeighbourOptions::add_to(Options& options)
 {
-    options.option("-k,--neighbours", neighbours, "Number of nearest neighbours (default 16)").between(1, 1024);
+    options
+        .option("-k,--neighbours", neighbours,
+                "Number of nearest neighbours (default " + std::to_string(neighbours) + ")")
+        .between(1, 1024);
     options.option("--max-distance", max_distance, "Farthest neighbour, source units (default: none)").positive();
     const char* const group = "Precision (default: exact)";
     options.option("--level", level, "Compute the points up to this level; the others take their nearest one's values")

@@ -93,6 +93,7 @@ int build(Arguments& arguments)
     if (arguments.normals) {
         WantedValues wanted;
         wanted.normal = wanted.radius = wanted.confidence = true;
+        wanted.radius_neighbours = 6;
         const NeighbourAttributeReport computed = compute_normals(arguments, output, wanted);
         put_attribute_report(json["normals"], wanted, computed);
         if (!arguments.common.json) print_attribute_report(output, wanted, computed);

@@ -10,6 +10,7 @@ struct Arguments {
     std::string tree;
     TargetOptions target;
     NeighbourOptions neighbours;
+    std::uint32_t radius_neighbours = 6;
     bool radii = false, curvature = false, mean_distance = false, confidence = true;
     std::vector<double> viewpoint, direction;
 };
@@ -19,6 +20,7 @@ int run(const Arguments& arguments)
     NeighbourAttributeOptions options;
     options.wanted.normal = true;
     options.wanted.radius = arguments.radii;
+    options.wanted.radius_neighbours = arguments.radius_neighbours;
     options.wanted.curvature = arguments.curvature;
     options.wanted.confidence = arguments.confidence;
     options.wanted.mean_distance = arguments.mean_distance;
@@ -41,6 +43,10 @@ Run add_normals(Options& options)
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->target.add_to(options);
     options.flag("--radii", arguments->radii, "Also write radii, measured across the normals, in the same pass");
+    options
+        .option("--radius-neighbours", arguments->radius_neighbours,
+                "How many of the nearest neighbours a radius covers (default 6; at most -k)")
+        .between(1, 1024);
     options.flag("--curvature", arguments->curvature, "Also write the attribute curvature, 0 (plane) to 1/3");
     options.flag("--mean-distance", arguments->mean_distance,
                  "Also write the attribute mean_distance: to the neighbours, source units");

@@ -91,9 +91,11 @@ PointValues values_of(const OnePointsNeighbours& neighbours, const WantedValues&
     PointValues values;
     if (wanted.needs_shape()) find_shape(neighbours, values);
     if (wanted.radius && neighbours.count > 0) {
+        OnePointsNeighbours covered = neighbours;
+        if (wanted.radius_neighbours) covered.count = std::min(covered.count, wanted.radius_neighbours);
         const Vec3d* normal = wanted.normal ? &values.normal : known_normal;
-        values.radius = normal && *normal != Vec3d{0, 0, 0} ? radius_across(neighbours, *normal)
-                                                            : std::sqrt(neighbours.squared[neighbours.count - 1]);
+        values.radius = normal && *normal != Vec3d{0, 0, 0} ? radius_across(covered, *normal)
+                                                            : std::sqrt(covered.squared[covered.count - 1]);
     }
     if (wanted.mean_distance) values.mean_distance = mean_distance_of(neighbours.squared, neighbours.count);
     return values;

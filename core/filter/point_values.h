@@ -24,13 +24,14 @@ struct WantedValues {
     bool curvature = false;
     bool confidence = false;
     bool mean_distance = false;
+    std::size_t radius_neighbours = 0;  // how many of the nearest a radius covers; 0: all
     bool any() const { return radius || normal || curvature || confidence || mean_distance; }
     bool needs_shape() const { return normal || curvature || confidence; }
 };
 
 struct PointValues {
-    // Source units. With a normal n: the largest |d - n (n . d)| of the neighbours' offsets d, so that discs of these
-    // radii close the surface; without: the largest |d|. 0 without neighbours.
+    // Source units. With a normal n: the largest |d - n (n . d)| of the offsets d of the neighbours that it covers;
+    // without: the largest |d|. Discs of these radii close a surface from about 6 neighbours on. 0 without neighbours.
     double radius = 0;
     Vec3d normal{};        // unit, of either sign; (0, 0, 0) where it is undefined
     double curvature = 0;  // l0 / (l0 + l1 + l2), 0 for a plane to 1/3; 0 where the normal is undefined

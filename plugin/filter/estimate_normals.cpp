@@ -12,10 +12,13 @@ namespace {
 void add_parameters(RichParameterList& parameters)
 {
     add_tree_parameter(parameters);
-    add_neighbours_parameter(parameters, "to which a plane is fitted");
+    add_neighbours_parameter(parameters, 16, "to which a plane is fitted");
     parameters.addParam(RichBool("Radii", true, "Radii too",
                                  "Also compute the radii of the splats, across the normals, in the same pass. Default "
                                  "on."));
+    parameters.addParam(RichInt("RadiusNeighbours", 6, "Neighbours of a radius",
+                                "How many of the nearest neighbours a radius covers, from 1 to Neighbours. More make "
+                                "larger discs, fewer leave gaps. Default 6."));
     parameters.addParam(RichBool("Curvature", false, "Curvature too",
                                  "Also write the attribute curvature: the share of the smallest of the three variances "
                                  "of the neighbours, from 0 (a plane) to 1/3. Default off."));
@@ -46,6 +49,9 @@ void run(const FilterRun& run)
     options.wanted.curvature = parameters.getBool("Curvature");
     options.wanted.confidence = parameters.getBool("Confidence");
     options.neighbours = neighbours_of(parameters);
+    if (options.wanted.radius)
+        options.wanted.radius_neighbours = static_cast<std::size_t>(in_range(
+            parameters, "RadiusNeighbours", "Neighbours of a radius", 1, static_cast<int>(options.neighbours)));
     const auto viewpoint = three_numbers_of(parameters, "Viewpoint", "Scanner position");
     const auto direction = three_numbers_of(parameters, "Direction", "Direction");
     if (viewpoint && direction)

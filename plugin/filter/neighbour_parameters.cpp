@@ -31,12 +31,12 @@ void show_as_discs(const FilterRun& run, const std::filesystem::path& folder)
 
 }  // namespace
 
-void add_neighbours_parameter(RichParameterList& parameters, const QString& meaning)
+void add_neighbours_parameter(RichParameterList& parameters, int usual, const QString& meaning)
 {
     parameters.addParam(
-        RichInt("Neighbours", 16, "Neighbours",
+        RichInt("Neighbours", usual, "Neighbours",
                 "Number of nearest neighbours " + meaning +
-                    QString(", from 1 to %1, without the point itself. Default 16.").arg(most_neighbours)));
+                    QString(", from 1 to %1, without the point itself. Default %2.").arg(most_neighbours).arg(usual)));
 }
 
 std::size_t neighbours_of(const RichParameterList& parameters)

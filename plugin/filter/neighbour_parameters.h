@@ -7,7 +7,7 @@
 namespace pcm::host {
 
 // "Neighbours".
-void add_neighbours_parameter(RichParameterList& parameters, const QString& meaning);
+void add_neighbours_parameter(RichParameterList& parameters, int usual, const QString& meaning);
 std::size_t neighbours_of(const RichParameterList& parameters);
 
 // "MaxDistance", "Level", "TimeLimit", "ErrorTarget".

@@ -22,7 +22,7 @@ void add_parameters(RichParameterList& parameters)
         "factor "
         "x deviation of all points. Robust: above median + factor x 1.4826 x MAD, also where outliers are very far or "
         "very many. By radius: they have fewer neighbours than given within the radius. Default statistical."));
-    add_neighbours_parameter(parameters, "that are looked at");
+    add_neighbours_parameter(parameters, 16, "that are looked at");
     parameters.addParam(
         RichFloat("Factor", 3, "Factor",
                   "Factor of the deviation, for the first two methods; the larger, the fewer points are "

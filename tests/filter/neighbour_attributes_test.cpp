@@ -199,6 +199,30 @@ TEST_F(NeighbourAttributes, RadiiAreMeasuredAcrossKnownNormals)
     EXPECT_GE(without, 10u);
 }
 
+TEST_F(NeighbourAttributes, ARadiusMayCoverFewerNeighboursThanANormal)
+{
+    for (const bool normals : {true, false}) {
+        fs::remove_all(tree_);
+        build_small(cloud_of(600, 14, bumpy), tree_);
+        WantedValues wanted;
+        wanted.normal = normals;
+        wanted.radius = true;
+        wanted.radius_neighbours = 4;
+        compute(wanting(wanted, 9));
+        const Oracle oracle(tree_);
+        for (std::size_t i = 0; i < oracle.points.size(); ++i) {
+            const OracleNeighbours n = oracle.neighbours(i, 4);
+            const Vec3d normal = normals ? oracle.normal(oracle.points[i]) : Vec3d{0, 0, 0};
+            double radius = 0;
+            for (std::size_t j = 0; j < n.count(); ++j) {
+                const Vec3d d{n.x[j], n.y[j], n.z[j]};
+                radius = std::max(radius, length(d - dot(normal, d) * normal));
+            }
+            ASSERT_NEAR(oracle.value(oracle.points[i], "radius"), radius, 1e-5 * radius);
+        }
+    }
+}
+
 TEST_F(NeighbourAttributes, ReplaceValuesOfTheirTypeAndRefuseOthers)
 {
     build_small(cloud_of(1200, 12, bumpy), tree_);
