@@ -7,11 +7,17 @@ Filter build_tree();
 Filter append();
 Filter delete_points();
 Filter compact();
+Filter voxel_grid_filter();
+Filter subsample_filter();
+Filter merge();
+Filter transform();
 Filter tree_information();
 
 const std::vector<Filter>& filters()
 {
-    static const std::vector<Filter> table{build_tree(), append(), delete_points(), compact(), tree_information()};
+    static const std::vector<Filter> table{build_tree(),        append(),           delete_points(), compact(),
+                                           voxel_grid_filter(), subsample_filter(), merge(),         transform(),
+                                           tree_information()};
     return table;
 }
 
