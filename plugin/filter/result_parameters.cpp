@@ -56,7 +56,7 @@ ResultOptions result_options_of(const RichParameterList& parameters)
 
 double decimal_of(const RichParameterList& parameters, const char* name)
 {
-    // Nine digits tell all floats apart; the fewest that do are what was typed.
+    // The fewest digits that read back as the float are what was typed; nine always do.
     const float value = parameters.getFloat(name);
     for (int digits = 1; digits < 9; ++digits)
         if (const QString text = QString::number(static_cast<double>(value), 'g', digits); text.toFloat() == value)
