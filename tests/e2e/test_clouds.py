@@ -105,7 +105,11 @@ class Clouds(MeshLabTest):
             trigger Transform: Translate, Center, set Origin
             set X Axis = 50
             press Apply
+            wait-log is the layer's matrix again
             press Close
+            wait-notice none
+            wait-status complete
+            print-layers
             trigger Transform Point Cloud Tree
             set Output folder = {moved}
             press Apply
@@ -113,6 +117,7 @@ class Clouds(MeshLabTest):
             press Close
             wait-layers 2
             print-layers
+            screen {self.result("moved.png")}
             trigger Merge Point Cloud Trees
             set Output folder = {both}
             set Overwrite = on
@@ -131,6 +136,7 @@ class Clouds(MeshLabTest):
             quit
             """, tree)
         self.assertDriven(run)
+        self.assertEqual([layer["matrix"][3] for layer in run.layers()], [50, 50, 0])
         self.assertAlmostEqual(pcmlab("info", moved)["bounds"]["min"][0], before["bounds"]["min"][0] + 50, 3)
         expected = pcmlab("voxel", moved, "-s", 0.5, "-o", self.folder / "other.pct")["points"]
         # The layer's matrix and the transformed tree put the points at the same places.
