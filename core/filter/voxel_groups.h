@@ -4,14 +4,13 @@
 #include "pcm/filter/column_groups.h"
 #include "pcm/filter/voxel_lattice.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace pcm {
 
-using Positions = std::array<std::vector<double>, 3>;  // source units; all three equally long, finite
+using Positions = std::vector<Vec3d>;  // source units, finite
 
 // Scratch memory, to be used again.
 struct VoxelSort {
