@@ -45,7 +45,7 @@ void of_positions(double size, const std::string& path, const std::string& resul
     PointGroups groups;
     const VoxelLattice lattice{size, {0, 0, 0}};
     group_by_voxel(points, lattice, scratch, groups);
-    const Positions found = centroids(points, lattice, groups);
+    const Positions found = centroids(points, groups);
     watch.print();
     write_doubles(result, interleaved(found));
 }

@@ -115,14 +115,7 @@ void group_by_voxel(const Positions& points, const VoxelLattice& lattice, VoxelS
     groups.begins.push_back(static_cast<std::uint32_t>(groups.order.size()));
 }
 
-double kept_in_voxel(double mean, double inside, const VoxelLattice& lattice, std::size_t axis)
-{
-    const std::int64_t number = lattice.index(inside, axis);
-    while (lattice.index(mean, axis) != number) mean = std::nextafter(mean, inside);
-    return mean;
-}
-
-Positions centroids(const Positions& points, const VoxelLattice& lattice, const PointGroups& groups)
+Positions centroids(const Positions& points, const PointGroups& groups)
 {
     // Neighbours in a voxel are anywhere in memory.
     constexpr std::size_t look_ahead = 16;
@@ -143,8 +136,7 @@ Positions centroids(const Positions& points, const VoxelLattice& lattice, const 
             const Vec3d& p = points[order[i]];
             for (std::size_t a = 0; a < 3; ++a) sums[a].add(p[a] - first[a]);
         }
-        for (std::size_t a = 0; a < 3; ++a)
-            result[g][a] = kept_in_voxel(first[a] + sums[a].value() / static_cast<double>(count), first[a], lattice, a);
+        for (std::size_t a = 0; a < 3; ++a) result[g][a] = first[a] + sums[a].value() / static_cast<double>(count);
     }
     return result;
 }

@@ -96,7 +96,7 @@ private:
         const std::size_t before = result_.points.size, count = groups.size();
         result_.points_in += loaded.size();
         result_.points.resize(before + count);
-        const Positions means = centroids(loaded.positions, plan_.options.voxels, groups);
+        const Positions means = centroids(loaded.positions, groups);
         if (plan_.options.point == VoxelPoint::nearest) {
             const std::vector<std::uint32_t> chosen = nearest_to(means, loaded.positions, groups);
             for (std::size_t g = 0; g < count; ++g) put_position(loaded, chosen[g], before + g);
@@ -169,9 +169,7 @@ private:
         });
         if (count == 0) return;
         Vec3d mean;
-        for (std::size_t a = 0; a < 3; ++a)
-            mean[a] = kept_in_voxel(first[a] + sums[a].value() / static_cast<double>(count), first[a],
-                                    plan_.options.voxels, a);
+        for (std::size_t a = 0; a < 3; ++a) mean[a] = first[a] + sums[a].value() / static_cast<double>(count);
         const std::size_t at = result_.points.size;
         result_.points_in += count;
         result_.points.resize(at + 1);
