@@ -13,9 +13,9 @@ constexpr std::array categorical_names = {
     "classification", "return_number", "number_of_returns", "scan_direction_flag", "edge_of_flight_line", "synthetic",
     "key_point", "withheld", "overlap", "scanner_channel", "user_data", "point_source_id", "wave_packet_descriptor",
     "wave_packet_offset", "wave_packet_size", "extra_bytes",
-    // E57 and PTX
-    "scan", "rowIndex", "columnIndex", "returnIndex", "isIntensityInvalid", "isColorInvalid", "isTimeStampInvalid",
-    "row", "column",
+    // E57
+    "scan", "row_index", "column_index", "return_index", "is_intensity_invalid", "is_color_invalid",
+    "is_time_stamp_invalid", "cartesian_invalid_state", "spherical_invalid_state", "row", "column",
     // Others
     "label", "object", "segment", "instance", "class", "ring", "outlier", "normal_confidence", "source_id", "source"};
 

@@ -85,15 +85,13 @@ void PointsInBoxes::visit(const Box3i& box, const ColumnSet& columns,
     }
 }
 
-void PointsInBoxes::append(const PointsInBox& points, std::array<std::vector<double>, 3>& to) const
+void PointsInBoxes::append(const PointsInBox& points, std::vector<Vec3d>& to) const
 {
     const ChunkPositions& at = *points.chunk.positions;
-    const std::size_t before = to[0].size(), count = points.size();
-    for (std::size_t a = 0; a < 3; ++a) {
-        to[a].resize(before + count);
-        double* const out = to[a].data() + before;
-        for (std::size_t i = 0; i < count; ++i) out[i] = source(at.grid(points.index(i), a), a);
-    }
+    const std::size_t before = to.size(), count = points.size();
+    to.resize(before + count);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t a = 0; a < 3; ++a) to[before + i][a] = source(at.grid(points.index(i), a), a);
 }
 
 }  // namespace pcm

@@ -43,7 +43,7 @@ public:
         return rounding_(tree_->info().grid.to_source(q, axis), axis);
     }
     // Adds the source coordinates of the points.
-    void append(const PointsInBox& points, std::array<std::vector<double>, 3>& to) const;
+    void append(const PointsInBox& points, std::vector<Vec3d>& to) const;
 
 private:
     const std::shared_ptr<const Tree> tree_;

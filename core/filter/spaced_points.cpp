@@ -176,12 +176,11 @@ private:
         part_ = job.points.get();
         read_ahead();
         while (unit_ < job.unit) end_unit();
-        for (auto& axis : positions_) axis.clear();
+        positions_.clear();
         if (part_.size() > 0) cloud_.append(part_, positions_);
         for (std::size_t i = 0; i < part_.size(); ++i) {
-            const Vec3d p{positions_[0][i], positions_[1][i], positions_[2][i]};
-            if (kept_->has_near(p)) continue;
-            kept_->add(p);
+            if (kept_->has_near(positions_[i])) continue;
+            kept_->add(positions_[i]);
             kept_here_.push_back(static_cast<std::uint32_t>(part_.index(i)));
         }
         points_in_ += part_.size();
@@ -200,7 +199,7 @@ private:
     std::optional<KeptPoints> kept_;
     std::size_t from_others_ = 0;  // so many of them are points of other units
     PointsInBox part_;
-    std::array<std::vector<double>, 3> positions_;
+    std::vector<Vec3d> positions_;
     std::vector<std::uint32_t> kept_here_;  // of part_
     std::size_t next_kept_ = 0;
     std::uint64_t points_in_ = 0, points_out_ = 0;

@@ -1,5 +1,6 @@
 #include "pcm/filter/voxel_groups.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/filter/compensated_sum.h"
 
 #include <algorithm>
@@ -22,16 +23,17 @@ unsigned bits_of(std::uint64_t number)
 
 // Numbers of voxels, counted from the box of the points.
 struct VoxelBox {
-    Vec3d least{0, 0, 0};
+    Vec3i least{0, 0, 0};
     std::array<unsigned, 3> bits{0, 0, 0};
     unsigned all_bits = 0;
 
     VoxelBox(const Positions& points, const VoxelLattice& lattice)
     {
+        Box3d box;
+        for (const Vec3d& p : points) box.extend(p);
         for (std::size_t a = 0; a < 3; ++a) {
-            const auto [low, high] = std::minmax_element(points[a].begin(), points[a].end());
-            least[a] = lattice.number(*low, a);
-            bits[a] = bits_of(static_cast<std::uint64_t>(lattice.number(*high, a) - least[a]));
+            least[a] = lattice.index(box.min[a], a);
+            bits[a] = bits_of(static_cast<std::uint64_t>(lattice.index(box.max[a], a) - least[a]));
             all_bits += bits[a];
         }
     }
@@ -60,13 +62,12 @@ void radix_sort(VoxelSort& scratch, unsigned low, unsigned bits)
 void group_by_keys(const Positions& points, const VoxelLattice& lattice, const VoxelBox& box, unsigned index_bits,
                    VoxelSort& scratch, PointGroups& groups)
 {
-    const std::size_t count = points[0].size();
+    const std::size_t count = points.size();
     scratch.keys.resize(count);
     const unsigned y_at = index_bits + box.bits[0], z_at = y_at + box.bits[1];
     for (std::size_t i = 0; i < count; ++i) {
         const auto number = [&](std::size_t a) {
-            return static_cast<std::uint64_t>(
-                static_cast<std::int64_t>(lattice.number(points[a][i], a) - box.least[a]));
+            return static_cast<std::uint64_t>(lattice.index(points[i][a], a) - box.least[a]);
         };
         // A shift by 64 is only ever one of 0.
         scratch.keys[i] = i | number(0) << index_bits | number(1) << (y_at & 63) | number(2) << (z_at & 63);
@@ -85,12 +86,12 @@ void group_by_keys(const Positions& points, const VoxelLattice& lattice, const V
 
 void group_by_comparisons(const Positions& points, const VoxelLattice& lattice, PointGroups& groups)
 {
-    groups.order.resize(points[0].size());
+    groups.order.resize(points.size());
     std::iota(groups.order.begin(), groups.order.end(), 0u);
-    std::array<std::vector<double>, 3> numbers;
-    for (std::size_t a = 0; a < 3; ++a)
-        for (const double x : points[a]) numbers[a].push_back(lattice.number(x, a));
-    const auto voxel = [&](std::uint32_t i) { return std::array{numbers[2][i], numbers[1][i], numbers[0][i]}; };
+    std::vector<Vec3i> voxels;
+    for (const Vec3d& p : points)
+        voxels.push_back({lattice.index(p[2], 2), lattice.index(p[1], 1), lattice.index(p[0], 0)});
+    const auto voxel = [&](std::uint32_t i) -> const Vec3i& { return voxels[i]; };
     std::stable_sort(groups.order.begin(), groups.order.end(),
                      [&](std::uint32_t i, std::uint32_t j) { return voxel(i) < voxel(j); });
     for (std::size_t i = 0; i < groups.order.size(); ++i)
@@ -104,9 +105,9 @@ void group_by_voxel(const Positions& points, const VoxelLattice& lattice, VoxelS
 {
     groups.order.clear();
     groups.begins.clear();
-    if (points[0].empty()) return;
+    if (points.empty()) return;
     const VoxelBox box(points, lattice);
-    const unsigned index_bits = bits_of(points[0].size() - 1);
+    const unsigned index_bits = bits_of(points.size() - 1);
     if (box.all_bits + index_bits <= 64)
         group_by_keys(points, lattice, box, index_bits, scratch, groups);
     else
@@ -114,31 +115,28 @@ void group_by_voxel(const Positions& points, const VoxelLattice& lattice, VoxelS
     groups.begins.push_back(static_cast<std::uint32_t>(groups.order.size()));
 }
 
-double kept_in_voxel(double mean, double inside, const VoxelLattice& lattice, std::size_t axis)
+Positions centroids(const Positions& points, const PointGroups& groups)
 {
-    const double number = lattice.number(inside, axis);
-    while (lattice.number(mean, axis) != number) mean = std::nextafter(mean, inside);
-    return mean;
-}
-
-Positions centroids(const Positions& points, const VoxelLattice& lattice, const PointGroups& groups)
-{
-    Positions result;
-    for (std::vector<double>& axis : result) axis.resize(groups.size());
+    // Neighbours in a voxel are anywhere in memory.
+    constexpr std::size_t look_ahead = 16;
+    const std::uint32_t* const ahead = groups.order.size() > look_ahead
+                                           ? groups.order.data() + (groups.order.size() - look_ahead)
+                                           : groups.order.data();
+    Positions result(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const std::uint32_t* const order = groups.order.data() + groups.begins[g];
         const std::size_t count = groups.points_of(g);
-        Vec3d first;
-        for (std::size_t a = 0; a < 3; ++a) first[a] = points[a][order[0]];
-        if (count == 1) {
-            for (std::size_t a = 0; a < 3; ++a) result[a][g] = first[a];
-            continue;
-        }
+        if (order < ahead) __builtin_prefetch(&points[order[look_ahead]]);
+        const Vec3d first = points[order[0]];
+        result[g] = first;
+        if (count == 1) continue;
         std::array<CompensatedSum, 3> sums;
-        for (std::size_t i = 1; i < count; ++i)
-            for (std::size_t a = 0; a < 3; ++a) sums[a].add(points[a][order[i]] - first[a]);
-        for (std::size_t a = 0; a < 3; ++a)
-            result[a][g] = kept_in_voxel(first[a] + sums[a].value() / static_cast<double>(count), first[a], lattice, a);
+        for (std::size_t i = 1; i < count; ++i) {
+            if (order + i < ahead) __builtin_prefetch(&points[order[i + look_ahead]]);
+            const Vec3d& p = points[order[i]];
+            for (std::size_t a = 0; a < 3; ++a) sums[a].add(p[a] - first[a]);
+        }
+        for (std::size_t a = 0; a < 3; ++a) result[g][a] = first[a] + sums[a].value() / static_cast<double>(count);
     }
     return result;
 }
@@ -150,11 +148,7 @@ std::vector<std::uint32_t> nearest_to(const Positions& centroids, const Position
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t i = groups.begins[g]; i < groups.begins[g + 1]; ++i) {
             const std::uint32_t point = groups.order[i];
-            double square = 0;
-            for (std::size_t a = 0; a < 3; ++a) {
-                const double d = points[a][point] - centroids[a][g];
-                square += d * d;
-            }
+            const double square = squared_distance(points[point], centroids[g]);
             if (square < least || i == groups.begins[g]) {
                 least = square;
                 result[g] = point;

@@ -4,14 +4,13 @@
 #include "pcm/filter/column_groups.h"
 #include "pcm/filter/voxel_lattice.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace pcm {
 
-using Positions = std::array<std::vector<double>, 3>;  // source units; all three equally long, finite
+using Positions = std::vector<Vec3d>;  // source units, finite
 
 // Scratch memory, to be used again.
 struct VoxelSort {
@@ -26,13 +25,11 @@ void group_by_voxel(const Positions& points, const VoxelLattice& lattice, VoxelS
 
 // The centroid of each group: of each axis the mean offset from the group's first point, summed with compensation, plus
 // that point's coordinate. So it is off by about half a last bit of the coordinate, however many points and however
-// far from 0. It lies in the voxel of the points: where rounding would lift it to the border, it is the double below.
-Positions centroids(const Positions& points, const VoxelLattice& lattice, const PointGroups& groups);
+// far from 0, and it lies between the points: the first of them keeps the mean further from the others' coordinates
+// than rounding could bring it back.
+Positions centroids(const Positions& points, const PointGroups& groups);
 
 // Of each group the point nearest to its centroid, the first of several.
 std::vector<std::uint32_t> nearest_to(const Positions& centroids, const Positions& points, const PointGroups& groups);
-
-// A coordinate between `inside` and `mean` that has the voxel number of `inside`: the nearest to `mean`.
-double kept_in_voxel(double mean, double inside, const VoxelLattice& lattice, std::size_t axis);
 
 }  // namespace pcm

@@ -4,6 +4,7 @@
 #include "pcm/system/text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace pcm {

@@ -1,5 +1,6 @@
 #include "pcm/filter/voxel_unit_points.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/filter/compensated_sum.h"
 #include "pcm/filter/copy_points.h"
 #include "pcm/system/error.h"
@@ -26,7 +27,7 @@ struct Loaded {
     std::array<std::vector<std::int32_t>, 3> grid;  // where the result is gridded
     std::vector<Column> attributes;
 
-    std::size_t size() const { return positions[0].size(); }
+    std::size_t size() const { return positions.size(); }
 };
 
 class UnitCombiner {
@@ -95,7 +96,7 @@ private:
         const std::size_t before = result_.points.size, count = groups.size();
         result_.points_in += loaded.size();
         result_.points.resize(before + count);
-        const Positions means = centroids(loaded.positions, plan_.options.voxels, groups);
+        const Positions means = centroids(loaded.positions, groups);
         if (plan_.options.point == VoxelPoint::nearest) {
             const std::vector<std::uint32_t> chosen = nearest_to(means, loaded.positions, groups);
             for (std::size_t g = 0; g < count; ++g) put_position(loaded, chosen[g], before + g);
@@ -105,8 +106,7 @@ private:
             }
         } else {
             for (std::size_t a = 0; a < 3; ++a)
-                std::copy(means[a].begin(), means[a].end(),
-                          result_.points.xyz[a].begin() + static_cast<std::ptrdiff_t>(before));
+                for (std::size_t g = 0; g < count; ++g) result_.points.xyz[a][before + g] = means[g][a];
             for (std::size_t k = 0; k < from_.size(); ++k) {
                 const auto combiner = make_combiner(from_[k], plan_.combinations[k], count);
                 combiner->add(loaded.attributes[k], groups);
@@ -123,7 +123,7 @@ private:
             if (plan_.gridded)
                 result_.points.grid_xyz[a][to] = loaded.grid[a][point];
             else
-                result_.points.xyz[a][to] = loaded.positions[a][point];
+                result_.points.xyz[a][to] = loaded.positions[point][a];
         }
     }
 
@@ -156,10 +156,9 @@ private:
             check_stopped();
             Positions some;
             plan_.cloud.append(part, some);
-            for (std::size_t a = 0; a < 3; ++a) {
-                if (count == 0) first[a] = some[a][0];
-                for (const double x : some[a]) sums[a].add(x - first[a]);
-            }
+            if (count == 0) first = some[0];
+            for (const Vec3d& p : some)
+                for (std::size_t a = 0; a < 3; ++a) sums[a].add(p[a] - first[a]);
             count += part.size();
             PointGroups groups;
             for (std::size_t i = 0; centroid && i < part.size(); ++i)
@@ -170,9 +169,7 @@ private:
         });
         if (count == 0) return;
         Vec3d mean;
-        for (std::size_t a = 0; a < 3; ++a)
-            mean[a] = kept_in_voxel(first[a] + sums[a].value() / static_cast<double>(count), first[a],
-                                    plan_.options.voxels, a);
+        for (std::size_t a = 0; a < 3; ++a) mean[a] = first[a] + sums[a].value() / static_cast<double>(count);
         const std::size_t at = result_.points.size;
         result_.points_in += count;
         result_.points.resize(at + 1);
@@ -187,16 +184,13 @@ private:
     // The point in `box` that is nearest to `mean`.
     void put_nearest(const Box3i& box, const Vec3d& mean, std::size_t at)
     {
-        Positions centre;
-        for (std::size_t a = 0; a < 3; ++a) centre[a] = {mean[a]};
         double least = std::numeric_limits<double>::infinity();
         plan_.cloud.visit(box, ColumnSet::all(from_), [&](PointsInBox& part) {
             check_stopped();
             Positions some;
             plan_.cloud.append(part, some);
             for (std::size_t i = 0; i < part.size(); ++i) {
-                double square = 0;
-                for (std::size_t a = 0; a < 3; ++a) square += (some[a][i] - mean[a]) * (some[a][i] - mean[a]);
+                const double square = squared_distance(some[i], mean);
                 if (square >= least) continue;
                 least = square;
                 const auto point = static_cast<std::uint32_t>(part.index(i));
@@ -205,7 +199,7 @@ private:
                         result_.points.grid_xyz[a][at] =
                             static_cast<std::int32_t>(part.chunk.positions->grid(point, a));
                     else
-                        result_.points.xyz[a][at] = some[a][i];
+                        result_.points.xyz[a][at] = some[i][a];
                 }
                 for (std::size_t k = 0; k < from_.size(); ++k) {
                     Column& to = result_.points.attributes[k];

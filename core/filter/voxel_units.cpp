@@ -174,17 +174,19 @@ Box3i grid_box_of(const PointsInBoxes& cloud, const VoxelLattice& lattice, const
 }
 
 std::pair<VoxelUnit, VoxelUnit> divide_unit(const VoxelUnit& unit, const VoxelLattice& lattice,
-                                            const std::array<std::vector<double>, 3>& points)
+                                            const std::vector<Vec3d>& points)
 {
+    Box3d box;
+    for (const Vec3d& p : points) box.extend(p);
     Box3i around;
     for (std::size_t a = 0; a < 3; ++a) {
-        const auto [low, high] = std::minmax_element(points[a].begin(), points[a].end());
-        around.min[a] = lattice.index(*low, a);
-        around.max[a] = lattice.index(*high, a);
+        around.min[a] = lattice.index(box.min[a], a);
+        around.max[a] = lattice.index(box.max[a], a);
     }
     if (around.min == around.max) return cut_beside(unit, around.min);
     const std::size_t axis = widest_axis(around);
-    std::vector<double> coordinates = points[axis];
+    std::vector<double> coordinates;
+    for (const Vec3d& p : points) coordinates.push_back(p[axis]);
     const auto middle = coordinates.begin() + static_cast<std::ptrdiff_t>(coordinates.size() / 2);
     std::nth_element(coordinates.begin(), middle, coordinates.end());
     return cut_unit(unit, axis, std::max(lattice.index(*middle, axis), around.min[axis] + 1));

@@ -26,6 +26,6 @@ Box3i grid_box_of(const PointsInBoxes& cloud, const VoxelLattice& lattice, const
 // Divides a unit in two, between voxels, so that the points given are divided evenly, or where they are all in one
 // voxel, so that this voxel comes nearer to having a unit of its own. The unit has more than one voxel.
 std::pair<VoxelUnit, VoxelUnit> divide_unit(const VoxelUnit& unit, const VoxelLattice& lattice,
-                                            const std::array<std::vector<double>, 3>& points);
+                                            const std::vector<Vec3d>& points);
 
 }  // namespace pcm

@@ -7,6 +7,10 @@ Filter build_tree();
 Filter append();
 Filter delete_points();
 Filter compact();
+Filter voxel_grid_filter();
+Filter subsample_filter();
+Filter merge();
+Filter transform();
 Filter tree_information();
 Filter estimate_radii();
 Filter estimate_normals();
@@ -14,8 +18,9 @@ Filter remove_outliers();
 
 const std::vector<Filter>& filters()
 {
-    static const std::vector<Filter> table{build_tree(),       append(),         delete_points(),    compact(),
-                                           tree_information(), estimate_radii(), estimate_normals(), remove_outliers()};
+    static const std::vector<Filter> table{
+        build_tree(), append(),    delete_points(),  compact(),          voxel_grid_filter(), subsample_filter(),
+        merge(),      transform(), estimate_radii(), estimate_normals(), remove_outliers(),   tree_information()};
     return table;
 }
 

@@ -258,7 +258,7 @@ TEST_F(VoxelGrid, PointsOnBordersBelongToTheVoxelAbove)
     expect_grid(points_of(tree), found, {1, {0, 0, 0}});
 }
 
-// A mean that rounds to the border of its voxel stays in the voxel.
+// Points at the border of their voxel: the mean does not round to the next one.
 TEST_F(VoxelGrid, CentroidsStayInTheirVoxels)
 {
     MemoryCloud cloud = random_cloud({}, std::nullopt, 3, 1);

@@ -2,11 +2,8 @@
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
-
-#include <common/interfaces.h>
-
-#include <QPluginLoader>
 
 #include <fstream>
 #include <memory>
@@ -14,61 +11,6 @@
 
 namespace pcm::host {
 namespace {
-
-MeshFilterInterface& plugin()
-{
-    static MeshFilterInterface* const loaded = [] {
-        QPluginLoader loader(QCoreApplication::applicationDirPath() + "/../plugins/libpcm_filter.so");
-        auto* filters = qobject_cast<MeshFilterInterface*>(loader.instance());
-        if (!filters) throw std::runtime_error(loader.errorString().toStdString());
-        return filters;
-    }();
-    return *loaded;
-}
-
-QAction* action_of(const QString& name)
-{
-    for (QAction* action : plugin().actions())
-        if (action->text() == name) return action;
-    throw std::runtime_error("no filter " + name.toStdString());
-}
-
-// A filter with the default values of its parameters, some of which a test changes.
-class FilterCall {
-public:
-    explicit FilterCall(const QString& name) : action_(action_of(name))
-    {
-        plugin().initParameterSet(action_, document, parameters_);
-    }
-    FilterCall& set(const char* name, const Value& value)
-    {
-        parameters_.setValue(name, value);
-        return *this;
-    }
-    FilterCall& set(const char* name, int value) { return set(name, IntValue(value)); }
-    FilterCall& set(const char* name, bool value) { return set(name, BoolValue(value)); }
-    FilterCall& set(const char* name, const fs::path& value)
-    {
-        return set(name, StringValue(QString::fromStdString(value.string())));
-    }
-    bool apply()
-    {
-        plugin().setLog(&document.Log);
-        return plugin().applyFilter(action_, document, parameters_, nullptr);
-    }
-    std::string log() const
-    {
-        std::string text;
-        for (const auto& line : document.Log.logStringList()) text += line.second.toStdString() + "\n";
-        return text;
-    }
-
-    MeshDocument document;
-
-private:
-    QAction* action_;
-    RichParameterList parameters_;
-};
 
 const char* const build_name = "Build Point Cloud Tree";
 
@@ -89,8 +31,9 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
     // Scripts call filters by name.
     for (const char* name :
          {build_name, "Append to Point Cloud Tree", "Delete Points of Point Cloud Tree", "Compact Point Cloud Tree",
-          "Point Cloud Tree Information", "Estimate Radii of Point Cloud Tree", "Estimate Normals of Point Cloud Tree",
-          "Remove Outliers of Point Cloud Tree"})
+          "Point Cloud Tree Information", "Voxel Grid of Point Cloud Tree", "Subsample Point Cloud Tree",
+          "Merge Point Cloud Trees", "Transform Point Cloud Tree", "Estimate Radii of Point Cloud Tree",
+          "Estimate Normals of Point Cloud Tree", "Remove Outliers of Point Cloud Tree"})
         EXPECT_TRUE(names.count(name)) << name;
 }
 
