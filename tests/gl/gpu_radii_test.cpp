@@ -245,6 +245,60 @@ TEST(GpuRadii, OfWidePositions)
     compute_and_check(tree, 8);
 }
 
+// Distances from the middle that differ by less than float can say: the wrong neighbours have another radius.
+TEST(GpuRadii, NeighboursAreThoseThatDoublesGive)
+{
+    PCM_REQUIRE_COMPUTE
+    for (const double radius : {1e9, 2e9}) {
+        SCOPED_TRACE(radius);
+        const TemporaryFolder folder;
+        std::mt19937_64 random(8);
+        std::normal_distribution<double> normal;
+        std::vector<LasRecord> points = records(Shape::coincident, 1, 1);
+        for (int i = 0; i < 300; ++i) {
+            Vec3d p{normal(random), normal(random), normal(random)};
+            p = (radius + 3 * i) / length(p) * p;
+            LasRecord record = points[0];
+            record.x += static_cast<std::int32_t>(p[0]);
+            record.y += static_cast<std::int32_t>(p[1]);
+            record.z += static_cast<std::int32_t>(p[2]);
+            points.push_back(record);
+        }
+        std::shuffle(points.begin(), points.end(), random);
+        write_las(folder / "cloud.las", points, grid);
+        const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
+        add_normals(tree);
+        compute(tree, 8);
+        check(read(tree), 8);
+    }
+}
+
+// A point in the middle of a shell, of which no box can be left out: a search through a whole chunk.
+TEST(GpuRadii, OfAPointThatIsAsFarFromAllOthers)
+{
+    PCM_REQUIRE_COMPUTE
+    const TemporaryFolder folder;
+    std::mt19937_64 random(8);
+    std::normal_distribution<double> normal;
+    std::vector<LasPoint> points(80001);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        Vec3d p{normal(random), normal(random), normal(random)};
+        p = (1e6 + 0.1 * static_cast<double>(i)) / length(p) * p;
+        points[i].x = static_cast<std::int32_t>(p[0]);
+        points[i].y = static_cast<std::int32_t>(p[1]);
+        points[i].z = static_cast<std::int32_t>(p[2]);
+    }
+    std::shuffle(points.begin(), points.end(), random);
+    make_cloud(folder, "cloud", {{0.001, 0.001, 0.001}, {0, 0, 0}}, points, 100000);
+    const auto tree = folder / "cloud.pct";
+    ASSERT_EQ(Tree::open(tree)->nodes().size(), 1u);
+    compute(tree, 8);
+    const Points all = read(tree);
+    const auto middle = std::find(all.steps.begin(), all.steps.end(), Vec3i{0, 0, 0}) - all.steps.begin();
+    const double expected = exact_radius(all, static_cast<std::size_t>(middle), 8).first;
+    EXPECT_NEAR(static_cast<double>(all.radii[static_cast<std::size_t>(middle)]), expected, 1e-6 * expected);
+}
+
 TEST(GpuRadii, OfACloudLargerThanBothCaches)
 {
     PCM_REQUIRE_COMPUTE
