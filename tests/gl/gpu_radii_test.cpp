@@ -269,7 +269,10 @@ TEST(GpuRadii, NeighboursAreThoseThatDoublesGive)
         const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
         add_normals(tree);
         compute(tree, 8);
-        check(read(tree), 8);
+        const Points all = read(tree);
+        const auto middle = std::find(all.steps.begin(), all.steps.end(), Vec3i{1, 2, 3}) - all.steps.begin();
+        ASSERT_GT(length(all.normals[static_cast<std::size_t>(middle)]), 0);
+        check(all, 8);
     }
 }
 
@@ -292,11 +295,35 @@ TEST(GpuRadii, OfAPointThatIsAsFarFromAllOthers)
     make_cloud(folder, "cloud", {{0.001, 0.001, 0.001}, {0, 0, 0}}, points, 100000);
     const auto tree = folder / "cloud.pct";
     ASSERT_EQ(Tree::open(tree)->nodes().size(), 1u);
-    compute(tree, 8);
+    compute(tree, 64);
     const Points all = read(tree);
     const auto middle = std::find(all.steps.begin(), all.steps.end(), Vec3i{0, 0, 0}) - all.steps.begin();
-    const double expected = exact_radius(all, static_cast<std::size_t>(middle), 8).first;
+    const double expected = exact_radius(all, static_cast<std::size_t>(middle), 64).first;
     EXPECT_NEAR(static_cast<double>(all.radii[static_cast<std::size_t>(middle)]), expected, 1e-6 * expected);
+}
+
+// Neighbours lie nearly along the normal: their distance across it is a thousandth of their distance.
+TEST(GpuRadii, AcrossNormalsAlongALine)
+{
+    PCM_REQUIRE_COMPUTE
+    const TemporaryFolder folder;
+    write_las(folder / "cloud.las", records(Shape::line, 2000, 5), grid);
+    const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
+    {
+        const auto cloud = PointCloud::open(tree, {}, Access::write);
+        cloud->add_attribute({"normal", ScalarType::f32, 3});
+        Query query;
+        query.attributes = {"normal"};
+        auto cursor = cloud->edit(query);
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                view.set(i, 0, 1000 + double(i % 7), 0);
+                view.set(i, 0, 1, 1);
+            }
+        cloud->close();
+    }
+    compute(tree, 8);
+    check(read(tree), 8);
 }
 
 TEST(GpuRadii, OfACloudLargerThanBothCaches)
