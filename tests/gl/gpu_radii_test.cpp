@@ -265,7 +265,7 @@ TEST(GpuRadii, NeighboursAreThoseThatDoublesGive)
             points.push_back(record);
         }
         std::shuffle(points.begin(), points.end(), random);
-        write_las(folder / "cloud.las", points, grid);
+        write_las(folder / "cloud.las", points, {{0.001, 0.001, 0.001}, {500000, 5000000, 100}});
         const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
         add_normals(tree);
         compute(tree, 8);
