@@ -89,7 +89,7 @@ void add_normal(std::vector<double>& normals, const Column& column, const Attrib
 {
     Vec3d n;
     for (std::uint32_t c = 0; c < 3; ++c) n[c] = column.value(point, c) * attribute.scale + attribute.offset;
-    n = is_finite(n) && largest_magnitude(n) > 0 ? normalised(n / largest_magnitude(n)) : Vec3d{};
+    n = is_finite(n) && largest_magnitude(n) > 0 ? normalised(n) : Vec3d{};
     normals.insert(normals.end(), n.begin(), n.end());
 }
 
