@@ -123,7 +123,7 @@ bool has_tie(pcm::PointCloud& cloud, pcm::NodeId node, std::uint32_t index, std:
         squares.push_back((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
     }
     std::sort(squares.begin(), squares.end());  // the first is the point itself
-    return squares.size() > k + 1 && squares[k] == squares[k + 1];
+    return squares.size() > k + 1 && squares[k + 1] <= squares[k] * (1 + 1e-14);
 }
 
 struct Differences {
