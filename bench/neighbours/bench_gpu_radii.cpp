@@ -106,8 +106,8 @@ double on_device(const std::shared_ptr<pcm::PointCloud>& cloud, const Arguments&
     return seconds;
 }
 
-// Whether the point's neighbour number k and the one after it are equally far. Then either may be taken, and radii
-// across normals depend on which one is.
+// Whether the point's neighbour number k and the one after it are equally far, but for the rounding of doubles. Then
+// either may be taken, and radii across normals depend on which one is.
 bool has_tie(pcm::PointCloud& cloud, pcm::NodeId node, std::uint32_t index, std::size_t k)
 {
     const auto place = [&](pcm::NodeId id, std::uint32_t i) {
