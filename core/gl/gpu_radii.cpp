@@ -89,7 +89,7 @@ void add_normal(std::vector<double>& normals, const Column& column, const Attrib
 {
     Vec3d n;
     for (std::uint32_t c = 0; c < 3; ++c) n[c] = column.value(point, c) * attribute.scale + attribute.offset;
-    n = is_finite(n) && largest_magnitude(n) > 0 ? normalised(n / largest_magnitude(n)) : Vec3d{};
+    n = is_finite(n) && largest_magnitude(n) > 0 ? normalised(n) : Vec3d{};
     normals.insert(normals.end(), n.begin(), n.end());
 }
 
@@ -141,6 +141,7 @@ private:
     void compute(const QueryBlocks& blocks);
     void compute_batch(QueryBlocks batch);
     void begin(QueryBlocks& batch);
+    std::vector<GpuPiece> pieces_of(const GpuView& view) const;  // for comparisons: positions alone
     void compare_with_own(NodeId id, const QueryBlocks& batch);
     void compare_with_others(QueryBlocks& batch);
     void collect(NodeId id, const QueryBlocks& batch, const std::vector<std::uint32_t>& near,
@@ -291,6 +292,23 @@ void RadiiPass::begin(QueryBlocks& batch)
     search_.begin(positions, normals);
 }
 
+std::vector<GpuPiece> RadiiPass::pieces_of(const GpuView& view) const
+{
+    const std::uint32_t most = search_.most_piece_points();
+    std::vector<GpuPiece> pieces;
+    for (const GpuPiece& whole : view.pieces())
+        for (std::uint32_t first = 0; first < whole.count; first += most) {
+            GpuPiece piece = whole;
+            piece.first += first;
+            piece.count = std::min(most, whole.count - first);
+            const std::uint64_t bytes = whole.positions.bytes / whole.count;  // of a point
+            piece.positions.offset += first * bytes;
+            piece.positions.bytes = piece.count * bytes;
+            pieces.push_back(std::move(piece));
+        }
+    return pieces;
+}
+
 // `choose` returns whether a block is to be compared with the piece.
 template <class Choose>
 void RadiiPass::compare(NodeId id, const GpuView& view, const GpuPiece& piece, const QueryBlocks& batch,
@@ -315,8 +333,9 @@ void RadiiPass::compare(NodeId id, const GpuView& view, const GpuPiece& piece, c
 void RadiiPass::compare_with_own(NodeId id, const QueryBlocks& batch)
 {
     const GpuView view = cursor_.get(id);
+    const std::vector<GpuPiece> pieces = pieces_of(view);
     for (const bool inside : {true, false})
-        for (const GpuPiece& piece : view.pieces())
+        for (const GpuPiece& piece : pieces)
             compare(id, view, piece, batch, [&, inside](const QueryBlock& block) {
                 return block.node == id && block.begins_in(piece) == inside;
             });
@@ -358,7 +377,7 @@ void RadiiPass::compare_with_others(QueryBlocks& batch)
         };
         if (std::none_of(batch.begin(), batch.end(), is_near)) continue;
         const GpuView view = cursor_.get(id);
-        for (const GpuPiece& piece : view.pieces()) compare(id, view, piece, batch, is_near);
+        for (const GpuPiece& piece : pieces_of(view)) compare(id, view, piece, batch, is_near);
         ++compared;
         if (compared == 1 || compared == 2 || compared % 4 == 0) set_limits(batch);  // it waits for the device
     }

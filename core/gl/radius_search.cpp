@@ -27,6 +27,18 @@ std::vector<std::string> defines_of(const RadiusSearch::Options& options, bool f
     return defines;
 }
 
+// Mesa's gallivm, of llvmpipe and softpipe, counts the iterations of all loops of an invocation together, with those
+// that run beside it, and ends the loops after LP_MAX_TGSI_LOOP_ITERATIONS, 65535. Each point may take an iteration of
+// search() and as many of take() as the heap has levels; half is left for the boxes and for loops that are not
+// unrolled.
+std::uint32_t piece_points(std::size_t neighbours)
+{
+    if (!gl_is_software()) return std::numeric_limits<std::int32_t>::max() / 256 * 256;
+    std::uint32_t levels = 0;
+    while (neighbours >> levels) ++levels;
+    return 32768 / (1 + levels) / 256 * 256;
+}
+
 void require_storage()
 {
     require_compute_shaders();
@@ -52,6 +64,7 @@ RadiusSearch::RadiusSearch(const Options& options) : options_(options)
     const std::size_t key_bytes = options.normals ? sizeof(double) : sizeof(float);
     most_points_ =
         std::max<std::size_t>(1, heap_bytes / (options.neighbours * key_bytes) / group_points) * group_points;
+    most_piece_points_ = piece_points(options.neighbours);
     search_ = ShaderProgram::compute("radii.comp", defines_of(options, false));
     finish_ = ShaderProgram::compute("radii.comp", defines_of(options, true));
     glGenBuffers(static_cast<GLsizei>(buffers_.size()), buffers_.data());

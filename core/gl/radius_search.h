@@ -33,6 +33,8 @@ public:
 
     // Points of a batch, for some 40 MB of video memory at most.
     std::size_t most_points() const { return most_points_; }
+    // Points of a piece: a multiple of 256. Software renderers end a shader's loops silently after some iterations.
+    std::uint32_t most_piece_points() const { return most_piece_points_; }
     // Starts a batch. Three coordinates per point: grid steps from one origin, of one 32-bit word, or, wide, of two
     // (low word first). With normals: three numbers per point, of length 1 or 0. Throws Error(no_space).
     void begin(const std::vector<std::uint32_t>& positions, const std::vector<double>& normals);
@@ -68,6 +70,7 @@ private:
     Options options_;
     double unit_ = 1;  // the source units of the shaders' lengths
     std::size_t most_points_ = 0;
+    std::uint32_t most_piece_points_ = 0;
     std::size_t points_ = 0, stride_ = 0;
     ShaderProgram search_, finish_;
     std::array<std::uint32_t, 7> buffers_{};  // GL names

@@ -245,6 +245,89 @@ TEST(GpuRadii, OfWidePositions)
     compute_and_check(tree, 8);
 }
 
+// Distances from the middle that differ by less than float can say: the wrong neighbours have another radius.
+TEST(GpuRadii, NeighboursAreThoseThatDoublesGive)
+{
+    PCM_REQUIRE_COMPUTE
+    for (const double radius : {1e9, 2e9}) {
+        SCOPED_TRACE(radius);
+        const TemporaryFolder folder;
+        std::mt19937_64 random(8);
+        std::normal_distribution<double> normal;
+        std::vector<LasRecord> points = records(Shape::coincident, 1, 1);
+        for (int i = 0; i < 300; ++i) {
+            Vec3d p{normal(random), normal(random), normal(random)};
+            p = (radius + 3 * i) / length(p) * p;
+            LasRecord record = points[0];
+            record.x += static_cast<std::int32_t>(p[0]);
+            record.y += static_cast<std::int32_t>(p[1]);
+            record.z += static_cast<std::int32_t>(p[2]);
+            points.push_back(record);
+        }
+        std::shuffle(points.begin(), points.end(), random);
+        write_las(folder / "cloud.las", points, {{0.001, 0.001, 0.001}, {500000, 5000000, 100}});
+        const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
+        add_normals(tree);
+        for (const std::size_t k : {1u, 8u}) {
+            compute(tree, k);
+            const Points all = read(tree);
+            const auto middle = std::find(all.steps.begin(), all.steps.end(), Vec3i{1, 2, 3}) - all.steps.begin();
+            ASSERT_GT(length(all.normals[static_cast<std::size_t>(middle)]), 0);
+            check(all, k);
+        }
+    }
+}
+
+// A point in the middle of a shell, of which no box can be left out: a search through a whole chunk.
+TEST(GpuRadii, OfAPointThatIsAsFarFromAllOthers)
+{
+    PCM_REQUIRE_COMPUTE
+    const TemporaryFolder folder;
+    std::mt19937_64 random(8);
+    std::normal_distribution<double> normal;
+    std::vector<LasPoint> points(80001);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        Vec3d p{normal(random), normal(random), normal(random)};
+        p = (1e6 + 0.1 * static_cast<double>(i)) / length(p) * p;
+        points[i].x = static_cast<std::int32_t>(p[0]);
+        points[i].y = static_cast<std::int32_t>(p[1]);
+        points[i].z = static_cast<std::int32_t>(p[2]);
+    }
+    std::shuffle(points.begin(), points.end(), random);
+    make_cloud(folder, "cloud", {{0.001, 0.001, 0.001}, {0, 0, 0}}, points, 100000);
+    const auto tree = folder / "cloud.pct";
+    ASSERT_EQ(Tree::open(tree)->nodes().size(), 1u);
+    compute(tree, 64);
+    const Points all = read(tree);
+    const auto middle = std::find(all.steps.begin(), all.steps.end(), Vec3i{0, 0, 0}) - all.steps.begin();
+    const double expected = exact_radius(all, static_cast<std::size_t>(middle), 64).first;
+    EXPECT_NEAR(static_cast<double>(all.radii[static_cast<std::size_t>(middle)]), expected, 1e-6 * expected);
+}
+
+// Neighbours lie nearly along the normal: their distance across it is a thousandth of their distance.
+TEST(GpuRadii, AcrossNormalsAlongALine)
+{
+    PCM_REQUIRE_COMPUTE
+    const TemporaryFolder folder;
+    write_las(folder / "cloud.las", records(Shape::line, 2000, 5), grid);
+    const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
+    {
+        const auto cloud = PointCloud::open(tree, {}, Access::write);
+        cloud->add_attribute({"normal", ScalarType::f32, 3});
+        Query query;
+        query.attributes = {"normal"};
+        auto cursor = cloud->edit(query);
+        for (EditView view; cursor.getNextData(view); view.mark_written())
+            for (std::size_t i = 0; i < view.size(); ++i) {
+                view.set(i, 0, 1000 + double(i % 7), 0);
+                view.set(i, 0, 1, 1);
+            }
+        cloud->close();
+    }
+    compute(tree, 8);
+    check(read(tree), 8);
+}
+
 TEST(GpuRadii, OfACloudLargerThanBothCaches)
 {
     PCM_REQUIRE_COMPUTE
