@@ -23,7 +23,7 @@ set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
   cache/load_times.h cloud/matrix.h cloud/nearest_float.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h io/text/text_layout.h system/file.h system/page_allocator.h
   system/tree_folder.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
-set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/l1_cache.h)
+set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/gpu_radii.h gl/l1_cache.h)
 set(reachable_gl_headers gl/colour_modes.h gl/l1_table.h gl/splat_modes.h gl/vertex_format.h gl/vertex_groups.h view/colour_ramps.h
   view/point_colours.h view/value_range.h)
 set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)

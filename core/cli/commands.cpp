@@ -10,13 +10,17 @@ Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
+Run add_merge(Options& options);
 Run add_normals(Options& options);
+Run add_outliers(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
 Run add_set(Options& options);
+Run add_subsample(Options& options);
 Run add_transform(Options& options);
 Run add_verify(Options& options);
+Run add_voxel(Options& options);
 void start_render(char** arguments);
 
 const std::vector<Command>& commands()
@@ -36,7 +40,12 @@ const std::vector<Command>& commands()
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
          add_normals},
+        {"outliers", "Remove or label points that stand apart from the others", add_outliers},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
+        {"merge", "Merge trees into a new tree", add_merge},
+        {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
+         add_voxel},
+        {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

@@ -1,16 +1,18 @@
-// Starts pcmlab-render, a program of its own, so that pcmlab itself needs no OpenGL.
+#include "pcm/cli/render.h"
+
 #include "pcm/system/error.h"
 
 #include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
-#include <string>
 #include <system_error>
+#include <vector>
 
 namespace pcm::cli {
+namespace {
 
-void start_render(char** arguments)
+[[noreturn]] void start(char** arguments)
 {
     std::error_code error;
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -19,9 +21,34 @@ void start_render(char** arguments)
     ::execv(program.c_str(), arguments);
     const int error_number = errno;
     if (error_number == ENOENT)
-        throw Error(ErrorCode::not_found, program, "this program, which renders for pcmlab, is missing",
+        throw Error(ErrorCode::not_found, program, "this program, which uses OpenGL for pcmlab, is missing",
                     "it is built where OpenGL, GLEW, EGL and libpng are available, and installed next to pcmlab");
     throw Error::from_errno(error_number, program, "starting the program");
+}
+
+}  // namespace
+
+void start_render(char** arguments) { start(arguments); }
+
+void start_gpu_radii(const GpuRadii& radii)
+{
+    std::vector<std::string> words{"radii",
+                                   "--neighbours",
+                                   std::to_string(radii.neighbours),
+                                   "--memory",
+                                   std::to_string(radii.memory),
+                                   "--video-memory",
+                                   std::to_string(radii.video_memory)};
+    if (!radii.target.copy.empty()) words.push_back("--output=" + radii.target.copy.string());
+    if (radii.target.in_place) words.emplace_back("--in-place");
+    if (radii.json) words.emplace_back("--json");
+    if (radii.quiet) words.emplace_back("--quiet");
+    words.emplace_back("--");
+    words.push_back(radii.tree);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    start(arguments.data());
 }
 
 }  // namespace pcm::cli

@@ -62,6 +62,25 @@ GLuint compile(GLenum stage, std::string_view file, const std::vector<std::strin
     return shader;
 }
 
+// Deletes the shaders.
+GLuint link(const std::vector<GLuint>& shaders, const std::string& files, const std::vector<std::string>& defines)
+{
+    const GLuint program = glCreateProgram();
+    for (const GLuint shader : shaders) glAttachShader(program, shader);
+    glLinkProgram(program);
+    for (const GLuint shader : shaders) {
+        glDetachShader(program, shader);
+        glDeleteShader(shader);
+    }
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked) return program;
+    const std::string log = log_of(program, true);
+    glDeleteProgram(program);
+    throw Error(ErrorCode::unsupported, files,
+                "the driver cannot link the program" + permutation(defines) + ": " + log);
+}
+
 }  // namespace
 
 ShaderProgram::ShaderProgram(std::string_view vertex_file, std::string_view fragment_file,
@@ -75,23 +94,14 @@ ShaderProgram::ShaderProgram(std::string_view vertex_file, std::string_view frag
         glDeleteShader(vertex);
         throw;
     }
-    const GLuint program = glCreateProgram();
-    glAttachShader(program, vertex);
-    glAttachShader(program, fragment);
-    glLinkProgram(program);
-    glDetachShader(program, vertex);
-    glDetachShader(program, fragment);
-    glDeleteShader(vertex);
-    glDeleteShader(fragment);
-    GLint linked = GL_FALSE;
-    glGetProgramiv(program, GL_LINK_STATUS, &linked);
-    if (!linked) {
-        const std::string log = log_of(program, true);
-        glDeleteProgram(program);
-        throw Error(ErrorCode::unsupported, std::string(vertex_file) + "+" + std::string(fragment_file),
-                    "the driver cannot link the program" + permutation(defines) + ": " + log);
-    }
-    program_ = program;
+    program_ = link({vertex, fragment}, std::string(vertex_file) + "+" + std::string(fragment_file), defines);
+}
+
+ShaderProgram ShaderProgram::compute(std::string_view file, const std::vector<std::string>& defines)
+{
+    ShaderProgram program;
+    program.program_ = link({compile(GL_COMPUTE_SHADER, file, defines)}, std::string(file), defines);
+    return program;
 }
 
 ShaderProgram::ShaderProgram(ShaderProgram&& other) noexcept : program_(std::exchange(other.program_, 0u)) {}

@@ -24,6 +24,8 @@ public:
     // for a file that is not embedded.
     ShaderProgram(std::string_view vertex_file, std::string_view fragment_file,
                   const std::vector<std::string>& defines = {});
+    // Of a compute shader; the context runs them (require_compute_shaders()). The same errors.
+    static ShaderProgram compute(std::string_view file, const std::vector<std::string>& defines = {});
     ShaderProgram(ShaderProgram&& other) noexcept;
     ShaderProgram& operator=(ShaderProgram&& other) noexcept;
     // Makes no OpenGL call, as no context may be current; release() frees the program.

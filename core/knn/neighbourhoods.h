@@ -34,9 +34,9 @@ inline constexpr std::size_t most_neighbours = 1024;
 struct NeighbourhoodOptions {
     std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
     double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
-    // The precision: only points of levels 0..level are computed, from neighbours of the whole cloud. Each other point
-    // of a unit is paired with the nearest computed point of the unit (NeighbourhoodUnit::source). All points are
-    // computed when absent.
+    // The precision: only points of levels 0..level are computed, from neighbours of the whole cloud (in a unit that
+    // has none of them, those of the coarsest level that it has). Each other point of a unit is paired with the nearest
+    // computed point of the unit (NeighbourhoodUnit::source). All points are computed when absent.
     std::optional<std::uint16_t> level;
     ColumnSet columns = ColumnSet::only_positions();        // that the units' chunks are to have
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // for the units of all threads, beside the cache

@@ -13,6 +13,8 @@
 
 namespace pcm {
 
+enum class NeighbourBackend : std::uint8_t;  // neighbourhoods.h
+
 // Positions as grid steps relative to one origin: in `narrow` where 31 bits and the sign hold all of them, else in
 // `wide`; the other is empty. scale: source units per step, of each axis; positive.
 struct SearchPositions {
@@ -39,8 +41,9 @@ struct UnitSearchOptions {
 };
 
 // The result is that of comparing all pairs with squared distances (dx * dx + dy * dy) + dz * dz in double, where dx is
-// the exact difference in steps times the scale, both rounded once; of points at equal distance any may be chosen. So
-// it is for any extent, any number of points at one place, and more neighbours than there are points.
+// the exact difference in steps times the scale, both rounded once; of points at equal distance any may be chosen, even
+// if their squares differ by that rounding. So it is for any extent, any number of points at one place, and more
+// neighbours than there are points. The instructions used (system/cpu.h) make no difference.
 class UnitSearch {
 public:
     virtual ~UnitSearch() = default;
@@ -50,10 +53,15 @@ public:
                         const std::function<void(const FoundNeighbours&)>& found) const = 0;
 };
 
-// The positions are needed during the construction only. One thread makes it; then any number of threads may search.
+// At most 2^32 - 64 positions, which are needed during the construction only. One thread makes it; then any number of
+// threads may search. Throws Error(invalid_argument) for a wrong PCM_SIMD (system/cpu.h).
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
 
-// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it is its own nearest).
+// The same by the chosen backend. FLANN is not exact: see flann_search.h, also for its errors.
+std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions, NeighbourBackend backend);
+
+// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it, or another at its
+// place, is its nearest). `among` is not empty if `points` is not.
 std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
                                       const std::vector<std::uint32_t>& among);
 

@@ -27,6 +27,16 @@ double rounding_of(const TreeInfo& info)
     return 1e-14 * std::max(largest_magnitude(bounds.min), largest_magnitude(bounds.max));
 }
 
+std::size_t level_of(const Node& node, std::uint32_t index)
+{
+    std::size_t level = node.first_level;
+    while (node.points_to_level(level) <= index) ++level;
+    return level;
+}
+
+// A search of its own takes a point about as long as it takes this many points to be sorted for searching together.
+constexpr std::uint32_t points_per_single_search = 200;
+
 // Neighbours at almost the same distance are ordered by the exact one: some more are searched for.
 constexpr std::size_t spare = 4;
 
@@ -53,14 +63,10 @@ void UnitWorker::run(const Box3i& box)
     visitor_.begin(unit_);
     distances_.clear();
     unresolved_.clear();
-    search(chosen_ ? &*chosen_ : nullptr);
-    for (int round = 0; round < 3 && widen(); ++round) {
-        std::vector<std::uint32_t> again;
-        for (const auto& [margin, number] : unresolved_) again.push_back(number);
-        std::sort(again.begin(), again.end());
-        unresolved_.clear();
-        search(&again);
-    }
+    if (chosen_ && chosen_->size() * points_per_single_search < unit_.points)
+        for (const std::uint32_t number : *chosen_) unresolved_.emplace_back(infinity, number);
+    else
+        search_together();
     for (const auto& [margin, number] : unresolved_) search_alone(number);
     hand_over();
     computed_ += chosen_ ? chosen_->size() : unit_.points;
@@ -69,17 +75,36 @@ void UnitWorker::run(const Box3i& box)
     visitor_.end(unit_);
 }
 
+// Where the unit has no point of the level, those of the coarsest level that it has are computed instead.
 void UnitWorker::choose_points()
 {
     chosen_.reset();
     if (!options_.level) return;
+    const Tree& tree = cache_.tree();
+    std::size_t level = *options_.level;
+    if (std::none_of(unit_.parts.begin(), unit_.parts.end(),
+                     [&](const auto& part) { return part.indices[0] < tree.node(part.node).points_to_level(level); })) {
+        level = tree.info().levels;
+        for (const auto& part : unit_.parts) level = std::min(level, level_of(tree.node(part.node), part.indices[0]));
+    }
     chosen_.emplace();
     for (const auto& part : unit_.parts) {
-        const std::uint32_t end = cache_.tree().node(part.node).points_to_level(*options_.level);
+        const std::uint32_t end = tree.node(part.node).points_to_level(level);
         for (std::uint32_t i = 0; i < part.indices.size() && part.indices[i] < end; ++i)
             chosen_->push_back(part.first + i);
     }
-    if (chosen_->empty()) chosen_.reset();
+}
+
+void UnitWorker::search_together()
+{
+    search(chosen_ ? &*chosen_ : nullptr);
+    for (int round = 0; round < 3 && widen(); ++round) {
+        std::vector<std::uint32_t> again;
+        for (const auto& [margin, number] : unresolved_) again.push_back(number);
+        std::sort(again.begin(), again.end());
+        unresolved_.clear();
+        search(&again);
+    }
 }
 
 void UnitWorker::search(const std::vector<std::uint32_t>* points)
@@ -90,7 +115,7 @@ void UnitWorker::search(const std::vector<std::uint32_t>* points)
         for (std::uint32_t i = 0; i < unit_.points; ++i) all[i] = i;
         points = &all;
     }
-    const auto search = make_unit_search(points_.positions);
+    const auto search = make_unit_search(points_.positions, options_.backend);
     UnitSearchOptions options;
     options.neighbours = options_.neighbours;
     options.max_distance = options_.max_distance;

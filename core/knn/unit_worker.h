@@ -29,6 +29,7 @@ public:
 
 private:
     void choose_points();
+    void search_together();
     void search(const std::vector<std::uint32_t>* points);
     void take(const FoundNeighbours& found);
     double needed(const FoundNeighbours& found, std::size_t i) const;

@@ -22,6 +22,41 @@
 namespace pcm {
 namespace {
 
+// The points of a selection.
+class SelectionTest final : public ChunkTest {
+public:
+    SelectionTest(const Selection& selection, const TreeInfo& info)
+        : selector_(selection, info.schema), rounding_(info), grid_(info.grid)
+    {
+        for (const std::size_t k : selector_.tested()) tested_.attributes.set(k);
+    }
+
+    ColumnSet columns() const override { return tested_; }
+
+    bool touches(const Node& node) const override
+    {
+        return selector_.relation(source_box(grid_, node.box, rounding_)) != BoxRelation::outside;
+    }
+
+    std::vector<std::uint32_t> chosen(NodeId, const Chunk& chunk) const override
+    {
+        std::vector<std::uint32_t> numbers(chunk.points);
+        std::iota(numbers.begin(), numbers.end(), 0u);
+        std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
+        for (const std::size_t k : selector_.tested()) columns[k] = chunk.attributes[k].get();
+        // The positions that readers of the tree get.
+        selector_.narrow(
+            columns, [&](std::size_t i) { return rounding_(grid_.to_source(chunk.positions->grid(i))); }, numbers);
+        return numbers;
+    }
+
+private:
+    const Selector selector_;
+    const SourceRounding rounding_;
+    const Grid grid_;
+    ColumnSet tested_;
+};
+
 // A node after the deletion.
 struct Examined {
     PartNode node;  // complete but for the extent of its chunk
@@ -36,15 +71,15 @@ struct Examined {
 // Finds the points to delete in one node at a time. Any number of threads may call.
 class Eraser {
 public:
-    Eraser(const Tree& tree, const Selection& selection, std::uint32_t generation, bool count_only)
+    Eraser(const Tree& tree, const ChunkTest& test, std::uint32_t generation, bool count_only)
         : tree_(tree),
           info_(tree.info()),
-          selector_(selection, info_.schema),
-          rounding_(info_),
+          test_(test),
           generation_(generation),
-          count_only_(count_only)
+          count_only_(count_only),
+          tested_(test.columns())
     {
-        for (const std::size_t k : selector_.tested()) tested_.attributes.set(k);
+        tested_.positions = true;
         others_ = ColumnSet::whole(info_.schema);
         others_.positions = false;
         others_.attributes &= ~tested_.attributes;
@@ -58,12 +93,6 @@ public:
         examined.bytes = encode_chunk(examined.rest, info_.schema, info_.grid, identity_of(examined.node, generation_));
     }
 
-    // Whether the node's subtree may have points to delete.
-    bool touches(const Node& node) const
-    {
-        return selector_.relation(source_box(info_.grid, node.box, rounding_)) != BoxRelation::outside;
-    }
-
     Examined examine(const PartNode& node) const
     {
         Examined examined;
@@ -71,7 +100,7 @@ public:
         examined.node.box = Box3i();
         if (node.points == 0) return examined;
         Chunk chunk = tree_.read_chunk(node.id, tested_);
-        const std::vector<std::uint32_t> deleted = selected(chunk);
+        const std::vector<std::uint32_t> deleted = test_.chosen(node.id, chunk);
         examined.deleted = deleted.size();
         if (deleted.empty()) {
             examined.node.box = box_of(*chunk.positions);
@@ -90,18 +119,6 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> selected(const Chunk& chunk) const
-    {
-        std::vector<std::uint32_t> numbers(chunk.points);
-        std::iota(numbers.begin(), numbers.end(), 0u);
-        std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
-        for (const std::size_t k : selector_.tested()) columns[k] = chunk.attributes[k].get();
-        // The positions that readers of the tree get.
-        selector_.narrow(
-            columns, [&](std::size_t i) { return rounding_(info_.grid.to_source(chunk.positions->grid(i))); }, numbers);
-        return numbers;
-    }
-
     // The chunk without the deleted points; the others keep their order.
     void keep(const Chunk& chunk, const std::vector<std::uint32_t>& deleted, Examined& examined) const
     {
@@ -137,8 +154,7 @@ private:
 
     const Tree& tree_;
     const TreeInfo& info_;
-    const Selector selector_;
-    const SourceRounding rounding_;
+    const ChunkTest& test_;
     const std::uint32_t generation_;
     const bool count_only_;
     ColumnSet tested_, others_;
@@ -146,18 +162,16 @@ private:
 
 class Erasure {
 public:
-    Erasure(const std::filesystem::path& path, const Selection& selection, const EraseOptions& options)
+    Erasure(const std::filesystem::path& path, const MakeChunkTest& make_test, const EraseOptions& options)
         : options_(options), threads_(thread_count(options.threads)), watch_(options.progress)
     {
-        if (!selection.chooses_points())
-            throw Error(ErrorCode::invalid_argument, path, "nothing says which points are to be deleted",
-                        "give a box or a condition");
         if (options.count_only)
             tree_ = Tree::open(path);
         else
             update_.emplace(path);
         if (update_) tree_ = update_->tree();
-        eraser_.emplace(*tree_, selection, update_ ? update_->generation() : 0, options.count_only);
+        test_ = make_test(tree_);
+        eraser_.emplace(*tree_, *test_, update_ ? update_->generation() : 0, options.count_only);
     }
 
     EraseReport run()
@@ -167,7 +181,7 @@ public:
         std::vector<bool> touched(tree_->nodes().size(), false);
         for (NodeId id = 0; id < touched.size(); ++id) {
             const Node& node = tree_->node(id);
-            touched[id] = (node.parent == no_node || touched[node.parent]) && eraser_->touches(node);
+            touched[id] = (node.parent == no_node || touched[node.parent]) && test_->touches(node);
         }
         std::vector<std::size_t> to_examine;  // children before their parents
         for (std::size_t n = nodes_.size(); n-- > 0;)
@@ -178,9 +192,9 @@ public:
             to_examine.size(), threads_, [&](std::size_t i) { return eraser_->examine(nodes_[to_examine[i]]); },
             [&](std::size_t i, Examined&& examined) { take(nodes_[to_examine[i]], std::move(examined)); },
             [&](std::size_t done) {
-                watch_.report("Finding points to delete",
-                              0.95 * static_cast<double>(done) /
-                                  static_cast<double>(std::max<std::size_t>(1, to_examine.size())));
+                report_progress("Finding points to delete",
+                                0.95 * static_cast<double>(done) /
+                                    static_cast<double>(std::max<std::size_t>(1, to_examine.size())));
             });
         report_.outcome.points_out = report_.outcome.points_in - report_.points_deleted;
         if (update_ && report_.points_deleted) commit();
@@ -189,6 +203,11 @@ public:
     }
 
 private:
+    void report_progress(std::string_view stage, double fraction)
+    {
+        watch_.report(stage, options_.begin + (1 - options_.begin) * fraction);
+    }
+
     void take(PartNode& node, Examined&& examined)
     {
         report_.points_deleted += examined.deleted;
@@ -215,7 +234,7 @@ private:
 
     void commit()
     {
-        watch_.report("Writing the index", 0.96);
+        report_progress("Writing the index", 0.96);
         TreeInfo info = tree_->info();
         NodeVector joined = join_parts(nodes_, info.spacings, info.grid.scale);
         info.points = report_.outcome.points_out;
@@ -243,6 +262,7 @@ private:
     Watch watch_;
     std::optional<TreeUpdate> update_;
     std::shared_ptr<const Tree> tree_;
+    std::unique_ptr<ChunkTest> test_;
     std::optional<Eraser> eraser_;
     std::vector<PartNode> nodes_;
     std::vector<bool> alive_;  // nodes with points in their subtree
@@ -256,7 +276,20 @@ private:
 
 EraseReport erase_points(const std::filesystem::path& tree, const Selection& selection, const EraseOptions& options)
 {
-    return Erasure(tree, selection, options).run();
+    if (!selection.chooses_points())
+        throw Error(ErrorCode::invalid_argument, tree, "nothing says which points are to be deleted",
+                    "give a box or a condition");
+    return erase_points(
+        tree,
+        [&](const std::shared_ptr<const Tree>& opened) {
+            return std::make_unique<SelectionTest>(selection, opened->info());
+        },
+        options);
+}
+
+EraseReport erase_points(const std::filesystem::path& tree, const MakeChunkTest& make_test, const EraseOptions& options)
+{
+    return Erasure(tree, make_test, options).run();
 }
 
 }  // namespace pcm

@@ -1,18 +1,39 @@
 // Deletes points from a tree.
 #pragma once
 
+#include "pcm/bpc/chunk.h"
 #include "pcm/cloud/selection.h"
 #include "pcm/system/progress.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
 
 namespace pcm {
+
+// Which points of a tree are to be deleted, decided chunk by chunk. Any number of threads may call.
+class ChunkTest {
+public:
+    virtual ~ChunkTest() = default;
+    // What chosen() reads of a chunk; the positions are always among them.
+    virtual ColumnSet columns() const { return ColumnSet::only_positions(); }
+    // Whether the node's subtree may have points to delete; the chunks of others are not read.
+    virtual bool touches(const Node&) const { return true; }
+    // The points of a node's chunk that are to be deleted, by index, ascending.
+    virtual std::vector<std::uint32_t> chosen(NodeId node, const Chunk& chunk) const = 0;
+};
+
+// Makes the test for the tree, as it is opened by erase_points().
+using MakeChunkTest = std::function<std::unique_ptr<ChunkTest>(const std::shared_ptr<const Tree>& tree)>;
 
 struct EraseOptions {
     unsigned threads = 0;     // 0: one per processor
     bool count_only = false;  // changes nothing; the report describes what would be deleted
     ProgressFunction progress;
+    double begin = 0;  // of the progress
 };
 
 struct EraseReport {
@@ -31,6 +52,11 @@ struct EraseReport {
 // lacks, Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an
 // error the tree is the old one; what fails after the points are deleted is a warning of the outcome.
 EraseReport erase_points(const std::filesystem::path& tree, const Selection& selection,
+                         const EraseOptions& options = {});
+
+// The same for points chosen by a test of each chunk. `make_test` is called when the tree is locked against other
+// writers, unless points are only counted; what it throws is thrown.
+EraseReport erase_points(const std::filesystem::path& tree, const MakeChunkTest& make_test,
                          const EraseOptions& options = {});
 
 }  // namespace pcm

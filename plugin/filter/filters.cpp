@@ -8,10 +8,14 @@ Filter append();
 Filter delete_points();
 Filter compact();
 Filter tree_information();
+Filter estimate_radii();
+Filter estimate_normals();
+Filter remove_outliers();
 
 const std::vector<Filter>& filters()
 {
-    static const std::vector<Filter> table{build_tree(), append(), delete_points(), compact(), tree_information()};
+    static const std::vector<Filter> table{build_tree(),       append(),         delete_points(),    compact(),
+                                           tree_information(), estimate_radii(), estimate_normals(), remove_outliers()};
     return table;
 }
 

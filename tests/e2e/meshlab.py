@@ -160,13 +160,14 @@ class MeshLabTest(unittest.TestCase):
         return self.run_program([launcher, self.prefix / "bin" / "meshlab", *arguments], timeout)
 
     def server(self, filters, *arguments, timeout=240, started_by=()):
-        """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})]. `started_by` is a command that
-        starts it, such as env."""
+        """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})], or
+        (type, value, further attributes) of a parameter. `started_by` is a command that starts it, such as env."""
         lines = ["<!DOCTYPE FilterScript>", "<FilterScript>"]
         for name, parameters in filters:
             lines.append(f" <filter name={quoteattr(name)}>")
-            for key, (kind, value) in parameters.items():
-                lines.append(f"  <Param type={quoteattr(kind)} value={quoteattr(str(value))} name={quoteattr(key)}/>")
+            for key, (kind, value, *more) in parameters.items():
+                attributes = "".join(f" {name}={quoteattr(str(text))}" for name, text in (more[0] if more else {}).items())
+                lines.append(f"  <Param type={quoteattr(kind)} value={quoteattr(str(value))} name={quoteattr(key)}{attributes}/>")
             lines.append(" </filter>")
         lines.append("</FilterScript>")
         script = self.folder / "script.mlx"

@@ -101,6 +101,9 @@ protected:
 INSTANTIATE_TEST_SUITE_P(
     Commands, FilterFaults,
     testing::Values(FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, true},
+                    FaultCase{"outliers", {"outliers", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
+                    FaultCase{"outliers_of_a_copy", {"outliers", "-a", "1", "-k", "3", "-t", "1"}, false},
+                    FaultCase{"labels", {"outliers", "--label", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
                     FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, false}),
     [](const auto& info) { return info.param.name; });
 

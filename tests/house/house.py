@@ -32,6 +32,8 @@ PACKAGES = {
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
     r"<pcl/": {"bench"},
+    r"<flann/": {"knn", "bench"},
+    r"<nanoflann": {"tests", "bench"},
 }
 
 

@@ -300,22 +300,22 @@ TEST_F(NeighbourhoodsOf, ATreeOfSeveralParts)
 // Every point takes the values of a computed point, and no computed point of its unit is nearer.
 class SourceCheck final : public NeighbourhoodVisitor {
 public:
-    SourceCheck(const Tree& tree, std::uint16_t level, std::atomic<std::uint64_t>& points)
-        : tree_(tree), level_(level), points_(points)
+    SourceCheck(const Tree& tree, std::atomic<std::uint64_t>& points) : tree_(tree), points_(points) {}
+    void begin(const NeighbourhoodUnit&) override { computed_.clear(); }
+    void visit(const NeighbourhoodUnit&, const Neighbourhoods& some) override
     {
+        computed_.insert(computed_.end(), some.numbers.begin(), some.numbers.end());
     }
-    void visit(const NeighbourhoodUnit&, const Neighbourhoods&) override {}
     void end(const NeighbourhoodUnit& unit) override
     {
         ASSERT_EQ(unit.source.size(), unit.points);
-        std::vector<std::uint32_t> computed;
-        for (std::uint32_t n = 0; n < unit.points; ++n)
-            if (unit.index_of(n) < tree_.node(unit.part_of(n).node).points_to_level(level_)) computed.push_back(n);
+        ASSERT_FALSE(computed_.empty());
         for (std::uint32_t n = 0; n < unit.points; n += 97) {
             double best = infinity;
-            for (const std::uint32_t c : computed) best = std::min(best, between(unit, n, c));
-            ASSERT_EQ(between(unit, n, unit.source[n]), computed.empty() ? 0 : best);
+            for (const std::uint32_t c : computed_) best = std::min(best, between(unit, n, c));
+            ASSERT_DOUBLE_EQ(between(unit, n, unit.source[n]), best);
         }
+        for (const std::uint32_t c : computed_) ASSERT_EQ(unit.source[c], c);
         points_ += unit.points;
     }
 
@@ -327,8 +327,8 @@ private:
         return square_between(tree_.info().grid, from.grid(unit.index_of(a)), to.grid(unit.index_of(b)));
     }
     const Tree& tree_;
-    const std::uint16_t level_;
     std::atomic<std::uint64_t>& points_;
+    std::vector<std::uint32_t> computed_;
 };
 
 TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
@@ -337,17 +337,19 @@ TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
         return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};
     }));
     L2Cache cache(opened);
-    NeighbourhoodOptions options;
-    options.memory_bytes = 1;
-    options.level = std::uint16_t(opened->info().levels - 3);
-    const All all = all_of(cache, options);
-    EXPECT_LT(all.size(), opened->info().points / 2);
-    EXPECT_EQ(all.size(), opened->points_to_level(*options.level));
-    expect_right(*opened, all, options);  // their neighbours are those of the whole cloud
-    std::atomic<std::uint64_t> points{0};
-    for_each_neighbourhood(cache, options,
-                           [&] { return std::make_unique<SourceCheck>(*opened, *options.level, points); });
-    EXPECT_EQ(points, opened->info().points);
+    for (std::uint16_t level = 0; level < opened->info().levels; ++level) {
+        NeighbourhoodOptions options;
+        options.memory_bytes = 1;
+        options.level = level;
+        const All all = all_of(cache, options, &report_);
+        // Where a unit has none of the level, others are computed.
+        EXPECT_GE(all.size(), std::max(opened->points_to_level(level), report_.units));
+        EXPECT_LE(all.size(), opened->points_to_level(level) + 5 * report_.units);
+        expect_right(*opened, all, options);  // their neighbours are those of the whole cloud
+        std::atomic<std::uint64_t> points{0};
+        for_each_neighbourhood(cache, options, [&] { return std::make_unique<SourceCheck>(*opened, points); });
+        EXPECT_EQ(points, opened->info().points);
+    }
 }
 
 TEST_F(NeighbourhoodsOf, CancelsAndRefuses)

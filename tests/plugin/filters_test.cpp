@@ -87,8 +87,10 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
                 << action->text().toStdString() << ": " << parameter.name().toStdString();
     }
     // Scripts call filters by name.
-    for (const char* name : {build_name, "Append to Point Cloud Tree", "Delete Points of Point Cloud Tree",
-                             "Compact Point Cloud Tree", "Point Cloud Tree Information"})
+    for (const char* name :
+         {build_name, "Append to Point Cloud Tree", "Delete Points of Point Cloud Tree", "Compact Point Cloud Tree",
+          "Point Cloud Tree Information", "Estimate Radii of Point Cloud Tree", "Estimate Normals of Point Cloud Tree",
+          "Remove Outliers of Point Cloud Tree"})
         EXPECT_TRUE(names.count(name)) << name;
 }
 

@@ -1,6 +1,7 @@
 // pcmlab render: draws trees to PNG without a window. `pcmlab` starts it; exit codes are those of `pcmlab`.
 #include "pcm/cli/render/arguments.h"
 #include "pcm/cli/render/draw_legend.h"
+#include "pcm/cli/render/radii.h"
 #include "pcm/io/crs/height_unit.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
@@ -279,6 +280,9 @@ Run add_render(Options& options)
 int main(int argc, char** argv)
 {
     using namespace pcm::cli;
+    // pcmlab gives the command's name; under any other this program renders.
+    if (argc > 0 && std::string(argv[0]) == "radii")
+        return run_program({"pcmlab radii", "Radii of a tree's points by compute shaders", add_gpu_radii}, argc, argv);
     return run_program(
         {"pcmlab render", "Render trees to PNG, from a camera or along a camera path, without a window", add_render},
         argc, argv);

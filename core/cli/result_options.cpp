@@ -1,0 +1,118 @@
+#include "pcm/cli/result_options.h"
+
+#include "pcm/convert/open_cloud.h"
+#include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
+
+#include <algorithm>
+#include <system_error>
+
+namespace pcm::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The part of the progress from `begin` to `end`, for an operation that reports 0 to 1.
+ProgressFunction part_of(const ProgressFunction& progress, double begin, double end)
+{
+    return [&progress, begin, end](ProgressUpdate update) {
+        update.fraction = begin + (end - begin) * update.fraction;
+        update.seconds_left = -1;
+        return progress(update);
+    };
+}
+
+// Removes what an interrupted command has left: a folder with files of a tree and nothing else.
+void remove_remains(const fs::path& folder)
+{
+    if (!fs::is_directory(folder)) return;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (!is_name_in_tree(entry.path().filename().string())) return;
+    fs::remove_all(folder);
+}
+
+}  // namespace
+
+void ResultArguments::add_to(Options& options)
+{
+    const char* const group = "Output";
+    const Option to =
+        options.option("-o,--output", output, "The new tree's folder, by convention NAME.pct").group(group);
+    options.flag("--in-place", in_place, "Replace the tree by the result, atomically").excludes(to).group(group);
+    options.flag("--overwrite", overwrite, "Replace an existing tree of the output's name").group(group);
+    options.option("--chunk-points", chunk_points, "Maximum number of points per chunk (default 25000)").group(group);
+    options.option("-m,--memory", memory, "Memory limit, e.g. 512M or 2G (default 1G)").bytes();
+    options.option("-t,--threads", threads, "Threads (default: one per processor)");
+}
+
+void ResultArguments::check() const
+{
+    if (output.empty() && !in_place) throw UsageError("an output is needed: give -o, or --in-place");
+}
+
+Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& arguments,
+                 const ReadingOptions& reading, Sampling sampling, const ProgressFunction& progress)
+    : arguments_(arguments), progress_(progress)
+{
+    if (inputs.size() == 1 && (is_tree(inputs[0]) || is_tree_folder(tree_folder_of(inputs[0])))) {
+        path_ = inputs[0];
+        return;
+    }
+    if (arguments.in_place) throw UsageError("--in-place: only a single tree can be replaced by the result");
+    output_tree(arguments.output);  // refuses what cannot be the output's name before the files are read
+    if (fs::exists(arguments.output) && !arguments.overwrite)
+        throw Error(ErrorCode::exists, arguments.output, "the output exists already",
+                    "choose another name, or overwrite it");
+    path_ = arguments.output;
+    if (path_.filename().empty()) path_ = path_.parent_path();
+    path_ += ".input";
+    CloudOptions options;
+    options.read = reading.get(arguments.threads);
+    CloudSources sources({inputs.begin(), inputs.end()}, options);
+    const auto cloud = sources.open();
+    BuildOptions build;
+    build.memory_bytes = arguments.memory;
+    build.threads = arguments.threads;
+    build.sampling = sampling;
+    remove_remains(path_);
+    build.progress = part_of(progress, 0, 0.5);
+    const BuildReport report = build_tree(*cloud, sources.names(), path_, build);
+    temporary_ = true;
+    notes_ = report.notes;
+}
+
+Sources::~Sources()
+{
+    std::error_code ignored;
+    if (temporary_) fs::remove_all(path_, ignored);
+}
+
+ResultOptions Sources::result_options() const
+{
+    ResultOptions options;
+    options.target = {arguments_.output, arguments_.in_place};
+    options.overwrite = arguments_.overwrite;
+    options.memory_bytes = arguments_.memory;
+    options.threads = arguments_.threads;
+    options.chunk_points = arguments_.chunk_points;
+    if (temporary_) options.sampling = Sampling::poisson;
+    options.progress = temporary_ ? part_of(progress_, 0.5, 1) : progress_;
+    return options;
+}
+
+fs::path Sources::output() const { return arguments_.in_place ? path_ : fs::path(arguments_.output); }
+
+std::vector<std::string> Sources::notes(const std::vector<std::string>& more) const
+{
+    std::vector<std::string> all = notes_;
+    for (const std::string& note : more)
+        if (std::find(all.begin(), all.end(), note) == all.end()) all.push_back(note);
+    return all;
+}
+
+double Sources::seconds() const
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,169 @@
+#include "pcm/knn/flann_search.h"
+
+#include "pcm/cloud/morton.h"
+#include "pcm/knn/flann/flann_module.h"
+#include "pcm/system/error.h"
+
+#include <dlfcn.h>
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t queries_at_once = 1024;
+
+struct Module {
+    const FlannFunctions* functions = nullptr;
+    std::string missing;  // why there is none
+};
+
+// Beside this code, where an install of it has its libraries, and where the system looks.
+std::vector<std::filesystem::path> places()
+{
+    constexpr const char* name = "libpcm_flann.so";
+    std::vector<std::filesystem::path> all;
+    Dl_info here{};
+    if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) {
+        std::error_code ignored;
+        const auto folder = std::filesystem::weakly_canonical(here.dli_fname, ignored).parent_path();
+        all = {folder / name, folder / PCM_LIBRARY_FROM_PROGRAM / name};
+    }
+    all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);
+    all.emplace_back(name);
+    return all;
+}
+
+// It stays loaded until the process ends.
+const Module& module()
+{
+    static const Module loaded = [] {
+        Module result;
+        for (const auto& place : places()) {
+            std::error_code ignored;
+            if (place.has_parent_path() && !std::filesystem::exists(place, ignored)) continue;
+            void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+            if (!library) {
+                result.missing = dlerror();
+                continue;
+            }
+            const auto entry = reinterpret_cast<FlannModule>(dlsym(library, flann_module_symbol));
+            const FlannFunctions* functions = entry ? entry() : nullptr;
+            if (functions && functions->version == flann_module_version) return Module{functions, {}};
+            result.missing = place.string() + " belongs to another version of this library";
+        }
+        return result;
+    }();
+    return loaded;
+}
+
+class FlannSearch final : public UnitSearch {
+public:
+    explicit FlannSearch(SearchPositions positions) : positions_(std::move(positions))
+    {
+        const Module& flann = module();
+        if (!flann.functions)
+            throw Error(ErrorCode::unsupported, {}, "the backend FLANN is not here: " + flann.missing,
+                        "install libpcm_flann.so (built where libflann-dev is installed), or choose the backend own");
+        functions_ = flann.functions;
+        to_single_precision();
+        char message[flann_message_bytes] = "out of memory";
+        index_ = {functions_->make(xyz_.data(), positions_.size(), message), functions_->free};
+        if (!index_) throw Error(ErrorCode::invalid_argument, {}, std::string("FLANN: ") + message);
+    }
+
+    void search(const std::vector<std::uint32_t>* queries, const UnitSearchOptions& options,
+                const std::function<void(const FoundNeighbours&)>& found) const override
+    {
+        std::vector<std::uint32_t> points = order_;
+        if (queries) {
+            std::vector<bool> wanted(positions_.size());
+            for (const std::uint32_t query : *queries) wanted[query] = true;
+            points.erase(
+                std::remove_if(points.begin(), points.end(), [&](std::uint32_t point) { return !wanted[point]; }),
+                points.end());
+        }
+        for (std::size_t first = 0; first < points.size(); first += queries_at_once)
+            search_some(points.data() + first, std::min(queries_at_once, points.size() - first), options, found);
+    }
+
+private:
+    void to_single_precision()
+    {
+        const std::size_t n = positions_.size();
+        std::vector<Vec3d> offsets(n);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto take = [&](const auto& column) {
+                const auto [low, high] = std::minmax_element(column.begin(), column.end());
+                const std::int64_t middle = *low + (std::int64_t(*high) - *low) / 2;
+                for (std::size_t i = 0; i < n; ++i)
+                    offsets[i][axis] = static_cast<double>(column[i] - middle) * positions_.scale[axis];
+            };
+            positions_.is_wide() ? take(positions_.wide[axis]) : take(positions_.narrow[axis]);
+        }
+        for (const Vec3d& offset : offsets)
+            for (const double d : offset) xyz_.push_back(static_cast<float>(d));
+        order_ = morton_order(offsets);
+    }
+
+    double square_of(std::uint32_t a, std::uint32_t b) const
+    {
+        double d[3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t steps = positions_.is_wide()
+                                           ? positions_.wide[axis][b] - positions_.wide[axis][a]
+                                           : std::int64_t(positions_.narrow[axis][b]) - positions_.narrow[axis][a];
+            d[axis] = static_cast<double>(steps) * positions_.scale[axis];
+        }
+        return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+    }
+
+    void search_some(const std::uint32_t* points, std::size_t size, const UnitSearchOptions& options,
+                     const std::function<void(const FoundNeighbours&)>& found) const
+    {
+        const std::size_t k = std::min(options.neighbours, positions_.size() - 1), with_itself = k + 1;
+        const double limit = options.max_distance * options.max_distance;
+        std::vector<float> xyz(3 * size), distances(size * with_itself);
+        for (std::size_t i = 0; i < size; ++i) std::copy_n(xyz_.data() + 3 * std::size_t(points[i]), 3, &xyz[3 * i]);
+        std::vector<std::size_t> nearest(size * with_itself);
+        char message[flann_message_bytes] = "";
+        if (!functions_->search(index_.get(), xyz.data(), size, with_itself, nearest.data(), distances.data(), message))
+            throw Error(ErrorCode::invalid_argument, {}, std::string("FLANN: ") + message);
+        std::vector<std::uint32_t> ids(size * k), counts(size);
+        std::vector<double> squares(size * k);
+        std::vector<std::pair<double, std::uint32_t>> one;
+        for (std::size_t i = 0; i < size; ++i) {
+            one.clear();
+            // Where many points lie at its place, the point itself may be missing among them: the last one is dropped.
+            for (std::size_t j = 0; j < with_itself && one.size() < k; ++j) {
+                const auto id = static_cast<std::uint32_t>(nearest[i * with_itself + j]);
+                if (id != points[i]) one.emplace_back(square_of(points[i], id), id);
+            }
+            std::sort(one.begin(), one.end());
+            for (const auto& [square, id] : one) {
+                if (square > limit) break;
+                ids[i * k + counts[i]] = id;
+                squares[i * k + counts[i]++] = square;
+            }
+        }
+        found({points, size, k, ids.data(), squares.data(), counts.data()});
+    }
+
+    SearchPositions positions_;
+    std::vector<float> xyz_;            // offsets from the middle, source units
+    std::vector<std::uint32_t> order_;  // of the points, neighbours in space together
+    const FlannFunctions* functions_ = nullptr;
+    std::unique_ptr<void, void (*)(void*)> index_{nullptr, nullptr};
+};
+
+}  // namespace
+
+std::unique_ptr<UnitSearch> make_flann_search(SearchPositions positions)
+{
+    return std::make_unique<FlannSearch>(std::move(positions));
+}
+
+std::string why_no_flann() { return module().functions ? std::string() : module().missing; }
+
+}  // namespace pcm

@@ -1,0 +1,437 @@
+// The kernel of unit_kernel.h. Included by the files that compile it for one level each, and by nothing else.
+//
+// Squares are compared in single precision, of offsets from the middle of the queries. How far that can be off is
+// known: a candidate that it puts close to the k-th is never dropped silently. The nearest one dropped is remembered,
+// and if it may be nearer than the k-th, the query is repeated with all candidates that come into question, in double.
+//
+// Let v be an offset in working units, off by at most 3.1 * 2^-24 * |v|: by nothing where the scales are equal and |v|
+// is at most 2^24. Only candidates with |v| <= reach + root matter, where `reach` is the largest |v| of a query and
+// `root` the distance in question: others are certainly farther. The sum of the squares of differences of such offsets
+// is off by 5 * 2^-24 of itself, and by nothing where it is an integer below 2^24. So two squares whose roots differ by
+// 8 * 2^-22 * (reach + root), and whose quotient is at least 1 + 2^-20, are in the right order: see bound_of().
+#pragma once
+
+#include "pcm/knn/unit_kernel.h"
+#include "pcm/knn/unit_vectors.h"
+
+namespace pcm {
+namespace {
+
+constexpr float infinite = __builtin_inff();
+constexpr std::uint64_t empty_slot = 0xffffffff;  // the index in the keys of free places
+
+template <class T>
+inline T larger_of(T a, T b)
+{
+    return a < b ? b : a;
+}
+
+inline std::uint32_t lowest_bit(std::uint32_t bits) { return static_cast<std::uint32_t>(__builtin_ctz(bits)); }
+
+// The ascending list of `8 * Eights` keys, or of any multiple of 8 for 0, in which the candidates in `bits` are
+// inserted. What falls out lowers *dropped.
+template <int Eights>
+inline void insert(std::uint64_t* list, std::size_t capacity, std::uint32_t bits, const float* squares,
+                   std::uint32_t first, std::uint64_t* dropped)
+{
+    if constexpr (Eights != 0) {
+        constexpr std::size_t vectors = Eights * 8 / Keys::width;
+        Keys a[vectors];
+        for (std::size_t i = 0; i < vectors; ++i) a[i] = Keys::load(list + i * Keys::width);
+        Keys out = Keys::all(*dropped);
+        for (; bits; bits &= bits - 1) {
+            const std::uint32_t t = lowest_bit(bits);
+            const Keys x = Keys::all(key_of(squares[t], first + t));
+            out = smaller(out, larger(a[vectors - 1], x));
+            for (std::size_t i = vectors - 1; i > 0; --i) a[i] = larger(shifted(a[i - 1], a[i]), smaller(a[i], x));
+            a[0] = larger(shifted(Keys::all(0), a[0]), smaller(a[0], x));
+        }
+        for (std::size_t i = 0; i < vectors; ++i) a[i].store(list + i * Keys::width);
+        alignas(64) std::uint64_t keys[Keys::width];
+        out.store(keys);
+        *dropped = keys[Keys::width - 1];
+    } else {
+        for (; bits; bits &= bits - 1) {
+            const std::uint32_t t = lowest_bit(bits);
+            const std::uint64_t key = key_of(squares[t], first + t);
+            const std::uint64_t last = list[capacity - 1], out = larger_of(last, key);
+            if (out < *dropped) *dropped = out;
+            if (key >= last) continue;
+            const Keys x = Keys::all(key);
+            std::uint64_t* at = list + capacity - Keys::width;
+            for (; at > list && at[-1] > key; at -= Keys::width) {
+                const Keys a = Keys::load(at);
+                larger(shifted(Keys::load(at - Keys::width), a), smaller(a, x)).store(at);
+            }
+            const Keys a = Keys::load(at), before = Keys::all(at > list ? at[-1] : 0);
+            larger(shifted(before, a), smaller(a, x)).store(at);
+        }
+    }
+}
+
+template <class C, int Eights>
+class BlockSearch {
+public:
+    // Of the queries of the block those in `active`.
+    BlockSearch(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request,
+                std::uint32_t active)
+        : tree_(tree),
+          queries_(queries),
+          request_(request),
+          capacity_(list_capacity(request.neighbours)),
+          active_(active)
+    {
+        find_box();
+        for (int axis = 0; axis < 3; ++axis) middle_[axis] = box_[axis] + (box_[axis + 3] - box_[axis]) / 2;
+        to_offsets(queries.block, x_, y_, z_);
+        for (int axis = 0; axis < 3; ++axis)
+            reach_ = larger_of(reach_, larger_of(-offset(box_[axis], axis), offset(box_[axis + 3], axis)));
+        exact_ = tree.equal_scales && reach_ < 0x1p23f;
+        const double limit = request.limit / (tree.working_unit * tree.working_unit);
+        // Above the squares of all candidates at the distance that is still allowed.
+        const float most = limit < 1e38 ? static_cast<float>(limit) * (1 + 0x1p-19f) + 1e-30f : infinite;
+        for (std::uint32_t q = 0; q < leaf_points; ++q) {
+            dropped_[q] = key_of(infinite, empty_slot);
+            std::uint64_t* list = request.lists + q * capacity_;
+            for (std::size_t i = 0; i < capacity_; ++i)
+                list[i] = i < capacity_ - request.neighbours ? 0 : key_of(most, empty_slot);
+        }
+        set_bounds();
+    }
+
+    void run()
+    {
+        if (!exact_)
+            if (const std::uint32_t apart = queries_apart()) {
+                BlockSearch(tree_, queries_, request_, active_ & ~apart).run();
+                return BlockSearch(tree_, queries_, request_, apart).run();
+            }
+        const std::uint32_t active = active_;
+        walk<false>();
+        std::uint32_t undecided = 0;
+        for (std::uint32_t bits = active; bits; bits &= bits - 1) {
+            const std::uint32_t q = lowest_bit(bits);
+            const std::uint64_t last = list_of(q)[capacity_ - 1];
+            if (static_cast<std::uint32_t>(last) != empty_slot && square_of(dropped_[q]) < bound_of(square_of(last)))
+                undecided |= 1u << q;
+            else
+                take_list(q);
+        }
+        if (undecided) repeat(undecided);
+        for (std::uint32_t bits = active; bits; bits &= bits - 1) {
+            const std::size_t row = row_of(lowest_bit(bits));
+            std::uint32_t* ids = request_.ids + row * request_.stride;
+            for (std::uint32_t i = 0; i < request_.counts[row]; ++i) ids[i] = tree_.ids[ids[i]];
+        }
+    }
+
+private:
+    std::uint64_t* list_of(std::uint32_t q) const { return request_.lists + q * capacity_; }
+    // Of the result.
+    std::size_t row_of(std::uint32_t q) const
+    {
+        return static_cast<std::size_t>(__builtin_popcount(queries_.active & ((1u << q) - 1)));
+    }
+
+    // The queries on one side of a gap that is longer than half of the longest side of their box; 0: there is none.
+    // Together they would be searched with the precision of their distance.
+    std::uint32_t queries_apart() const
+    {
+        int longest = 0;
+        for (int axis = 1; axis < 3; ++axis)
+            if (offset(box_[axis + 3], axis) > offset(box_[longest + 3], longest)) longest = axis;
+        const C low = box_[longest], high = box_[longest + 3], middle = middle_[longest];
+        C below = low, above = high;
+        std::uint32_t apart = 0;
+        for (std::uint32_t bits = active_; bits; bits &= bits - 1) {
+            const std::uint32_t q = lowest_bit(bits);
+            const C v = queries_.block[static_cast<std::uint32_t>(longest) * leaf_points + q];
+            if (v <= middle) {
+                below = larger_of(below, v);
+            } else {
+                above = v < above ? v : above;
+                apart |= 1u << q;
+            }
+        }
+        return above - below > (high - low) / 2 ? apart : 0;
+    }
+
+    void find_box()
+    {
+        const std::uint32_t one = lowest_bit(active_);
+        for (int axis = 0; axis < 3; ++axis) {
+            const C* of = queries_.block + axis * leaf_points;
+            C low = of[one], high = low;
+            for (std::uint32_t q = 0; q < leaf_points; ++q) {
+                const C v = active_ >> q & 1 ? of[q] : of[one];
+                low = v < low ? v : low;
+                high = high < v ? v : high;
+            }
+            box_[axis] = low;
+            box_[axis + 3] = high;
+        }
+    }
+
+    float offset(C position, int axis) const
+    {
+        return static_cast<float>(position - middle_[axis]) * tree_.ratio[axis];
+    }
+
+    void to_offsets(const C* block, float* x, float* y, float* z) const
+    {
+        float* to[3] = {x, y, z};
+        for (int axis = 0; axis < 3; ++axis) {
+            const C middle = middle_[axis];
+            const float ratio = tree_.ratio[axis];
+            const C* from = block + axis * leaf_points;
+            float* out = to[axis];
+            for (std::uint32_t i = 0; i < leaf_points; ++i) out[i] = static_cast<float>(from[i] - middle) * ratio;
+        }
+    }
+
+    // Squares from here on are certainly not below those that were found to be `square`.
+    float bound_of(float square) const
+    {
+        if ((exact_ && square < 0x1p24f) || square == infinite) return square;
+        const float root = __builtin_sqrtf(square);
+        const float blur = exact_ && reach_ + root < 0x1p24f ? 0 : (reach_ + root) * 0x1p-22f;
+        return square * (1 + 0x1p-20f) + (16 * blur * root + 64 * blur * blur + (exact_ ? 0 : 1e-30f));
+    }
+
+    void set_bounds()
+    {
+        for (std::uint32_t q = 0; q < leaf_points; ++q)
+            bounds_[q] = active_ >> q & 1 ? (fixed_ ? bounds_[q] : bound_of(square_of(list_of(q)[capacity_ - 1]))) : -1;
+        find_worst();
+    }
+
+    void find_worst()
+    {
+        Floats worst = Floats::load(bounds_);
+        for (std::uint32_t q = Floats::width; q < leaf_points; q += Floats::width)
+            worst = larger(worst, Floats::load(bounds_ + q));
+        alignas(64) float lanes[Floats::width];
+        worst.store(lanes);
+        worst_ = lanes[0];
+        for (std::uint32_t i = 1; i < Floats::width; ++i) worst_ = larger_of(worst_, lanes[i]);
+    }
+
+    // Not above the square of any distance between a query and a point in the box.
+    float square_to(const C* box) const
+    {
+        float sum = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const C gap = larger_of(larger_of(box[axis] - box_[axis + 3], box_[axis] - box[axis + 3]), C(0));
+            const float f = static_cast<float>(gap) * tree_.ratio[axis];
+            sum += f * f;
+        }
+        return sum * (1 - 0x1p-20f);
+    }
+
+    struct Subtree {
+        std::uint32_t node, first, last;  // over these leaves, the last not included
+        float square;
+        Subtree left() const { return {node + 1, first, first + (last - first) / 2, 0}; }
+        Subtree right() const
+        {
+            const std::uint32_t half = (last - first) / 2;
+            return {node + 2 * half, first + half, last, 0};
+        }
+    };
+
+    // Visits every leaf that can hold neighbours, those around the queries first.
+    template <bool Exact>
+    void walk()
+    {
+        Subtree at{0, 0, tree_.leaves, 0}, aside[most_tree_depth];
+        if (queries_.own_leaf == no_leaf) return descend<Exact>(at);
+        int depth = 0;
+        while (at.last - at.first > 1) {
+            const Subtree left = at.left(), right = at.right();
+            const bool in_left = queries_.own_leaf < left.last;
+            aside[depth++] = in_left ? right : left;
+            at = in_left ? left : right;
+        }
+        descend<Exact>(at);
+        while (depth > 0) descend<Exact>(aside[--depth]);
+    }
+
+    template <bool Exact>
+    void descend(Subtree from)
+    {
+        Subtree stack[most_tree_depth + 1];
+        from.square = square_to(tree_.boxes + std::size_t(6) * from.node);
+        stack[0] = from;
+        for (int size = 1; size > 0;) {
+            const Subtree at = stack[--size];
+            if (at.square >= worst_) continue;
+            if (at.last - at.first == 1) {
+                visit<Exact>(at.first, tree_.boxes + std::size_t(6) * at.node);
+                continue;
+            }
+            Subtree near = at.left(), far = at.right();
+            near.square = square_to(tree_.boxes + std::size_t(6) * near.node);
+            far.square = square_to(tree_.boxes + std::size_t(6) * far.node);
+            if (far.square < near.square) {
+                const Subtree other = near;
+                near = far;
+                far = other;
+            }
+            if (far.square < worst_) stack[size++] = far;
+            if (near.square < worst_) stack[size++] = near;
+        }
+    }
+
+    // The queries whose bounds reach into the box.
+    std::uint32_t queries_near(const C* box) const
+    {
+        const Floats zero = Floats::all(0);
+        Floats low[3], high[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = Floats::all(offset(box[axis], axis));
+            high[axis] = Floats::all(offset(box[axis + 3], axis));
+        }
+        std::uint32_t bits = 0;
+        for (std::uint32_t q = 0; q < leaf_points; q += Floats::width) {
+            const Floats x = Floats::load(x_ + q), y = Floats::load(y_ + q), z = Floats::load(z_ + q);
+            const Floats gx = larger(larger(low[0] - x, x - high[0]), zero);
+            const Floats gy = larger(larger(low[1] - y, y - high[1]), zero);
+            const Floats gz = larger(larger(low[2] - z, z - high[2]), zero);
+            const Floats gap = multiply_add(gx, gx, multiply_add(gy, gy, gz * gz));
+            bits |= less_bits(gap * Floats::all(1 - 0x1p-20f), Floats::load(bounds_ + q)) << q;
+        }
+        return bits;
+    }
+
+    template <bool Exact>
+    void visit(std::uint32_t leaf, const C* box)
+    {
+        std::uint32_t queries = queries_near(box);
+        if (!queries) return;
+        const C* block = tree_.blocks + std::size_t(3) * leaf_points * leaf;
+        alignas(64) float x[leaf_points], y[leaf_points], z[leaf_points], squares[leaf_points];
+        to_offsets(block, x, y, z);
+        const std::uint64_t first = std::uint64_t(leaf) * leaf_points;
+        const std::uint32_t present = tree_.points - first >= leaf_points ? ~0u : (1u << (tree_.points - first)) - 1;
+        for (; queries; queries &= queries - 1) {
+            const std::uint32_t q = lowest_bit(queries);
+            const Floats qx = Floats::all(x_[q]), qy = Floats::all(y_[q]), qz = Floats::all(z_[q]);
+            const Floats bound = Floats::all(bounds_[q]);
+            std::uint32_t bits = 0;
+            for (std::uint32_t i = 0; i < leaf_points; i += Floats::width) {
+                const Floats dx = Floats::load(x + i) - qx, dy = Floats::load(y + i) - qy,
+                             dz = Floats::load(z + i) - qz;
+                const Floats square = multiply_add(dx, dx, multiply_add(dy, dy, dz * dz));
+                square.store(squares + i);
+                bits |= less_bits(square, bound) << i;
+            }
+            bits &= present;
+            if (leaf == queries_.own_leaf) bits &= ~(1u << q);
+            if (!bits) continue;
+            if constexpr (Exact) {
+                for (; bits; bits &= bits - 1)
+                    insert_exact(row_of(q), q, static_cast<std::uint32_t>(first) + lowest_bit(bits));
+            } else {
+                std::uint64_t* list = list_of(q);
+                insert<Eights>(list, capacity_, bits, squares, static_cast<std::uint32_t>(first), dropped_ + q);
+                bounds_[q] = bound_of(square_of(list[capacity_ - 1]));
+            }
+        }
+        if (!Exact) find_worst();
+    }
+
+    double exact_square(std::uint32_t q, std::uint32_t index) const
+    {
+        const C* point = tree_.blocks + std::size_t(3) * leaf_points * (index / leaf_points) + index % leaf_points;
+        const C* query = queries_.block + q;
+        const double dx = static_cast<double>(point[0] - query[0]) * tree_.scale[0];
+        const double dy = static_cast<double>(point[leaf_points] - query[leaf_points]) * tree_.scale[1];
+        const double dz = static_cast<double>(point[2 * leaf_points] - query[2 * leaf_points]) * tree_.scale[2];
+        return (dx * dx + dy * dy) + dz * dz;
+    }
+
+    // Into the sorted row of the result, if it is nearer than the last of k.
+    void insert_exact(std::size_t row, std::uint32_t q, std::uint32_t index)
+    {
+        const double square = exact_square(q, index);
+        if (square > request_.limit) return;
+        double* squares = request_.squares + row * request_.stride;
+        std::uint32_t* ids = request_.ids + row * request_.stride;
+        const auto after = [&](std::size_t i) {
+            return squares[i] > square || (squares[i] == square && ids[i] > index);
+        };
+        std::size_t count = request_.counts[row];
+        if (count == request_.neighbours) {
+            if (!after(count - 1)) return;
+            --count;
+        }
+        std::size_t at = count;
+        for (; at > 0 && after(at - 1); --at) {
+            squares[at] = squares[at - 1];
+            ids[at] = ids[at - 1];
+        }
+        squares[at] = square;
+        ids[at] = index;
+        request_.counts[row] = static_cast<std::uint32_t>(count + 1);
+    }
+
+    void take_list(std::uint32_t q)
+    {
+        const std::size_t row = row_of(q);
+        request_.counts[row] = 0;
+        const std::uint64_t* list = list_of(q);
+        for (std::size_t i = capacity_ - request_.neighbours; i < capacity_; ++i) {
+            const auto index = static_cast<std::uint32_t>(list[i]);
+            if (index == empty_slot) break;
+            insert_exact(row, q, index);
+        }
+    }
+
+    // The queries in `undecided` with squares in double, of all candidates that may be among the nearest k.
+    void repeat(std::uint32_t undecided)
+    {
+        if (request_.repeated) *request_.repeated += static_cast<std::uint32_t>(__builtin_popcount(undecided));
+        active_ = undecided;
+        set_bounds();
+        fixed_ = true;
+        for (std::uint32_t bits = undecided; bits; bits &= bits - 1) request_.counts[row_of(lowest_bit(bits))] = 0;
+        walk<true>();
+    }
+
+    const LeafTree<C>& tree_;
+    const QueryBlock<C>& queries_;
+    const KernelRequest& request_;
+    const std::size_t capacity_;
+    std::uint32_t active_;
+    C box_[6];     // of the queries
+    C middle_[3];  // of the box: the origin of the offsets
+    alignas(64) float x_[leaf_points];
+    alignas(64) float y_[leaf_points];
+    alignas(64) float z_[leaf_points];
+    alignas(64) float bounds_[leaf_points];  // candidates with squares below it may be neighbours; -1: no query
+    std::uint64_t dropped_[leaf_points];     // the smallest key that was dropped from each list
+    float worst_ = infinite;                 // the largest bound
+    float reach_ = 0;                        // the largest magnitude of the queries' offsets
+    bool exact_ = false;                     // the offsets of all points near the queries are integers below 2^24
+    bool fixed_ = false;                     // bounds stay
+};
+
+template <class C>
+void search_block(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request)
+{
+    switch (list_capacity(request.neighbours) / 8) {
+        case 1:
+            return BlockSearch<C, 1>(tree, queries, request, queries.active).run();
+        case 2:
+            return BlockSearch<C, 2>(tree, queries, request, queries.active).run();
+        case 3:
+            return BlockSearch<C, 3>(tree, queries, request, queries.active).run();
+        case 4:
+            return BlockSearch<C, 4>(tree, queries, request, queries.active).run();
+        default:
+            return BlockSearch<C, 0>(tree, queries, request, queries.active).run();
+    }
+}
+
+}  // namespace
+}  // namespace pcm

@@ -1,0 +1,151 @@
+// Filters that make another cloud, killed or with a failing disk at any of their file-changing calls.
+
+#include "pcm/build/builder.h"
+#include "pcm/tree/tree.h"
+#include "pcm/tree/verify.h"
+
+#include "tests/clouds.h"
+#include "tests/faults.h"
+#include "tests/paths.h"
+
+#include <set>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+struct Filter {
+    const char* name;
+    std::vector<std::string> words;  // the command, its options
+    bool in_place = false;
+    std::vector<std::string> inputs{"cloud.pct"};
+    bool output_first = false;
+};
+
+const Filter filters[] = {
+    {"voxel", {"voxel", "--size", "900"}},
+    {"voxel_in_place", {"voxel", "--size", "900"}, true},
+    {"subsample", {"subsample", "--spacing", "900", "--exact"}},
+    {"subsample_in_place", {"subsample", "--points", "5000"}, true},
+    {"merge", {"merge"}, false, {"cloud.pct", "more.pct"}, true},
+    {"voxel_of_a_file", {"voxel", "--size", "900"}, false, {"cloud.las"}},
+};
+
+class FilterFaults : public testing::TestWithParam<Filter> {
+protected:
+    FilterFaults()
+    {
+        fs::create_directory(folder_ / "work");
+        write_las(folder_ / "cloud.las", records(Shape::surface, 20000, 1), {});
+        write_las(folder_ / "more.las", records(Shape::surface, 20000, 2), {});
+        BuildOptions options;
+        options.memory_bytes = 64 << 20;
+        options.chunk_points = 1000;
+        options.threads = 1;
+        build_tree({folder_ / "cloud.las"}, folder_ / "cloud.pct", options);
+        build_tree({folder_ / "more.las"}, folder_ / "more.pct", options);
+        before_ = Tree::open(folder_ / "cloud.pct")->info().content_hash;
+        start_again();
+        calls_ = count_calls(command(), work());
+        after_ = Tree::open(result())->info().content_hash;
+        EXPECT_NE(before_, after_);
+    }
+
+    fs::path work() const { return folder_ / "work"; }
+    fs::path result() const { return work() / (GetParam().in_place ? "cloud.pct" : "result.pct"); }
+
+    void start_again()
+    {
+        fs::remove_all(work());
+        fs::create_directory(work());
+        for (const char* name : {"cloud.las", "cloud.pct", "more.pct"})
+            fs::copy(folder_ / name, work() / name, fs::copy_options::recursive);
+        at_start_ = names();
+    }
+    std::set<std::string> names() const
+    {
+        std::set<std::string> all;
+        for (const auto& entry : fs::directory_iterator(work())) all.insert(entry.path().filename().string());
+        return all;
+    }
+
+    std::vector<std::string> command() const
+    {
+        std::vector<std::string> words{paths::command};
+        const Filter& filter = GetParam();
+        words.insert(words.end(), filter.words.begin(), filter.words.end());
+        if (filter.output_first) words.push_back(result().string());
+        for (const std::string& input : filter.inputs) words.push_back((work() / input).string());
+        if (filter.in_place)
+            words.push_back("--in-place");
+        else if (!filter.output_first)
+            words.insert(words.end(), {"-o", result().string()});
+        words.insert(words.end(), {"-t", "1", "-m", "128M", "--chunk-points", "1000"});
+        return words;
+    }
+
+    static std::uint64_t hash_of(const fs::path& tree, const std::string& when)
+    {
+        const VerifyReport verified = verify_tree(tree, 1);
+        EXPECT_TRUE(verified.faults.empty()) << when << ": " << verified.faults.front();
+        return Tree::open(tree)->info().content_hash;
+    }
+    // The source is whole; the result is whole, or not there (in place: the source).
+    void expect_whole(const std::string& when)
+    {
+        if (GetParam().in_place) {
+            const std::uint64_t hash = hash_of(result(), when);
+            EXPECT_TRUE(hash == before_ || hash == after_) << when;
+            return;
+        }
+        EXPECT_EQ(hash_of(work() / "cloud.pct", when), before_) << when;
+        if (fs::exists(result())) EXPECT_EQ(hash_of(result(), when), after_) << when;
+    }
+
+    TemporaryFolder folder_;
+    std::set<std::string> at_start_;
+    std::uint64_t before_ = 0, after_ = 0;
+    long calls_ = 0;
+};
+
+TEST_P(FilterFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
+{
+    for (const long at : spread(calls_, 12)) {
+        const std::string when = "killed at call " + std::to_string(at);
+        start_again();
+        EXPECT_TRUE(run_with_fault(command(), work(), "kill", at).killed) << when;
+        expect_whole(when);
+        // Another run ends as if nothing had been.
+        std::vector<std::string> again = command();
+        if (!GetParam().in_place) again.push_back("--overwrite");
+        if (GetParam().in_place && Tree::open(result())->info().content_hash == after_) continue;
+        const Faulty result_of_it = run_with_fault(again, work(), "count");
+        EXPECT_EQ(result_of_it.code, 0) << when << ": " << result_of_it.err;
+        EXPECT_EQ(hash_of(result(), when), after_);
+        std::set<std::string> expected = at_start_;
+        expected.insert(result().filename().string());
+        EXPECT_EQ(names(), expected) << when;
+    }
+}
+
+TEST_P(FilterFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
+{
+    for (const std::string kind : {"full", "eio"})
+        for (const long at : spread(calls_ - 1, 8)) {
+            const std::string when = kind + " at call " + std::to_string(at);
+            start_again();
+            const Faulty result_of_it = run_with_fault(command(), work(), kind, at);
+            expect_whole(when);
+            if (result_of_it.code == 1)
+                EXPECT_EQ(names(), at_start_) << when << ": " << result_of_it.err;
+            else
+                EXPECT_TRUE(result_of_it.code == 0 || result_of_it.code == 3) << when << ": " << result_of_it.err;
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(Filters, FilterFaults, testing::ValuesIn(filters),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace

@@ -1,0 +1,280 @@
+#include "pcm/knn/unit_search.h"
+
+#include "tests/knn/search_clouds.h"
+#include "tests/knn/simd_levels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+namespace pcm {
+namespace {
+
+using namespace search_clouds;
+
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+// All of these k, at each level of instructions.
+void expect_exact(const SearchPositions& p, std::initializer_list<std::size_t> ks = {1, 7, 16, 17, 33, 200},
+                  double max_distance = unbounded, std::size_t stride = 1)
+{
+    at_each_level([&] {
+        for (const std::size_t k : ks) {
+            SCOPED_TRACE("k = " + std::to_string(k));
+            const Comparison c = compare(p, {k, max_distance}, nullptr, stride);
+            ASSERT_EQ(c.first_mistake, "");
+            ASSERT_EQ(c.queries, p.size());
+        }
+    });
+}
+
+Vec3i on_lattice(std::size_t i, std::int64_t side, Vec3i step)
+{
+    const auto n = static_cast<std::int64_t>(i);
+    return {n % side * step[0], n / side % side * step[1], n / side / side * step[2]};
+}
+
+TEST(UnitSearch, Random)
+{
+    expect_exact(narrow(1500, InBox(1000, 1000, 1000)));
+    expect_exact(narrow(1500, InBox(1000000, 1000000, 20)));
+    expect_exact(narrow(1500, InBox(1 << 29, 1 << 29, 1 << 29)));
+}
+
+TEST(UnitSearch, EverySizeAroundLeaves)
+{
+    for (std::size_t n : {1, 2, 3, 31, 32, 33, 63, 64, 65, 95, 96, 97, 129, 200})
+        expect_exact(narrow(n, InBox(100, 100, 100, static_cast<unsigned>(n))), {1, 5, 16, 40, 300});
+}
+
+TEST(UnitSearch, NoPoints)
+{
+    make_unit_search(SearchPositions{})->search(nullptr, {}, [](const FoundNeighbours&) { FAIL(); });
+}
+
+TEST(UnitSearch, Lattices)
+{
+    const auto lattice = [](Vec3i step, Vec3d scale) {
+        return narrow(
+            1331, [=](std::size_t i) { return on_lattice(i, 11, step); }, scale);
+    };
+    expect_exact(lattice({1, 1, 1}, {1, 1, 1}));
+    expect_exact(lattice({1, 1, 1}, {0.01, 0.01, 0.01}));
+    expect_exact(lattice({1, 1, 1}, {0.01, 0.01, 0.001}));
+    expect_exact(lattice({10, 10, 1}, {0.001, 0.001, 0.01}));
+    expect_exact(lattice({3, 5, 7}, {0.7, 1.1, 1.3}));
+    // Squares beyond what single precision holds.
+    expect_exact(lattice({10000019, 10000019, 10000019}, {1, 1, 1}));
+    expect_exact(lattice({100003, 100003, 100003}, {1e-6, 1e-6, 1e-6}));
+}
+
+// Neighbours whose squares differ by less than single precision shows.
+TEST(UnitSearch, AlmostTies)
+{
+    std::mt19937 random(3);
+    const auto p = narrow(900, [&](std::size_t i) {
+        const Vec3i at = on_lattice(i, 10, {1 << 21, 1 << 21, 1 << 21});
+        return Vec3i{at[0] + std::int64_t(random() % 3), at[1] + std::int64_t(random() % 3), at[2]};
+    });
+    expect_exact(p);
+    expect_exact(narrow(900,
+                        [&](std::size_t i) {
+                            return on_lattice(i, 10, {4000 + int(i % 2), 4001, 4002});
+                        },
+                        {0.5, 0.5, 0.500001}));
+}
+
+TEST(UnitSearch, Duplicates)
+{
+    expect_exact(narrow(1000, InBox(3, 3, 3)));
+    expect_exact(narrow(600, [](std::size_t) { return Vec3i{5, -7, 9}; }));
+    expect_exact(narrow(600, [](std::size_t i) { return Vec3i{i % 10 ? 0 : std::int64_t(i), 0, 0}; }));
+}
+
+TEST(UnitSearch, LinesAndPlanes)
+{
+    expect_exact(narrow(1000, InBox(100000, 0, 0)));
+    expect_exact(narrow(1000, [](std::size_t i) { return Vec3i{std::int64_t(i), 2 * std::int64_t(i), 0}; }));
+    expect_exact(narrow(1000, InBox(0, 1000, 1000)));
+    expect_exact(narrow(1000, InBox(20, 20, 0)));
+}
+
+TEST(UnitSearch, MapExtents)
+{
+    // All of the 32 bits: differences need 33.
+    expect_exact(narrow(1500, InBox(2147483647, 2147483647, 2147483647)));
+    expect_exact(narrow(1500, InBox(2147483647, 1000000, 10)));
+    expect_exact(narrow(600, [](std::size_t i) {
+        return Vec3i{i % 2 ? 2147483647 : -2147483648ll, std::int64_t(i), std::int64_t(i / 7)};
+    }));
+}
+
+TEST(UnitSearch, WidePositions)
+{
+    expect_exact(wide(1500, InBox(1ll << 61, 1ll << 61, 1ll << 61)));
+    expect_exact(wide(1500, InBox(1ll << 45, 1ll << 40, 1ll << 20), {1e-6, 1e-6, 1e-6}));
+    expect_exact(wide(1500, InBox(1000, 1000, 1000), {1e-9, 1e-9, 1e-9}));
+    expect_exact(wide(1500, InBox(1ll << 50, 1ll << 50, 1ll << 50), {1e-6, 2e-6, 1e-3}));
+    // Far from the origin of the steps.
+    InBox near(1000, 1000, 1000);
+    expect_exact(wide(1000, [&](std::size_t) {
+        const Vec3i at = near();
+        return Vec3i{at[0] + (1ll << 60), at[1] - (1ll << 60), at[2] + (1ll << 61)};
+    }));
+}
+
+// Each extent from 1e-6 to 1e9 source units with steps that fit it, and with steps a thousand times finer.
+TEST(UnitSearch, TinyAndLargeExtents)
+{
+    for (const double extent : {1e-6, 1.0, 1e9})
+        for (const double steps : {1e6, 1e9, 1e15}) {
+            const auto half = static_cast<std::int64_t>(steps / 2);
+            const double scale = extent / steps;
+            expect_exact(wide(700, InBox(half, half, half / 10), {scale, scale, scale}), {1, 16});
+            expect_exact(wide(700, InBox(half, half, half / 10), {scale, scale, scale}), {1, 16}, extent / 20);
+        }
+}
+
+TEST(UnitSearch, ClustersAndStrays)
+{
+    for (const std::int64_t far : {1000000ll, 1000000000ll, 1000000000000ll, 1ll << 61}) {
+        InBox near(50, 50, 50), cluster(1000, 1000, 1000);
+        expect_exact(wide(800,
+                          [&](std::size_t i) {
+                              Vec3i at = i % 2 ? near() : cluster();
+                              if (i % 2) at[0] += far;
+                              return at;
+                          }),
+                     {1, 16, 33});
+        expect_exact(wide(800,
+                          [&](std::size_t i) {
+                              return i < 3 ? Vec3i{far, far / (std::int64_t(i) + 1), 0} : near();
+                          }),
+                     {1, 16, 33});
+    }
+}
+
+TEST(UnitSearch, ScalesFarApart)
+{
+    expect_exact(narrow(700, InBox(1000, 1000, 1000), {1, 1e-5, 1e5}), {1, 16});
+    expect_exact(narrow(700, InBox(1000, 1000, 1000), {1, 1e-20, 1e20}), {1, 16});
+    expect_exact(narrow(300, InBox(0, 1000, 1000), {1, 1e-40, 1e-40}), {1, 16});
+    expect_exact(narrow(300, InBox(1, 1000, 1000), {1, 1e-40, 1e-40}), {1, 16});
+}
+
+TEST(UnitSearch, MaxDistanceIsInclusive)
+{
+    const auto lattice = narrow(1000, [](std::size_t i) { return on_lattice(i, 10, {5, 5, 5}); });
+    for (const double distance : {0.0, 4.999999, 5.0, 5.000001, 10.0, 1000.0})
+        expect_exact(lattice, {1, 16, 33}, distance);
+    const auto fine = narrow(1000,
+                             [](std::size_t i) {
+                                 return on_lattice(i, 10, {5000, 5000, 5000});
+                             },
+                             {1e-3, 1e-3, 1e-3});
+    for (const double distance : {4.999999999999999, 5.0, 5.000000000000001}) expect_exact(fine, {6, 16}, distance);
+    expect_exact(narrow(1000, InBox(100, 100, 100)), {1, 16, 200}, 25);
+    expect_exact(narrow(1000, InBox(2, 2, 2)), {1, 16, 200}, 0);
+    expect_exact(wide(700, InBox(1ll << 50, 1ll << 50, 1ll << 50)), {16}, std::ldexp(1, 48));
+}
+
+TEST(UnitSearch, SomeQueries)
+{
+    const auto p = narrow(2000, InBox(1000, 1000, 10));
+    at_each_level([&] {
+        for (const std::size_t step : {1, 2, 7, 100, 1999}) {
+            std::vector<std::uint32_t> queries;
+            for (std::size_t i = 0; i < p.size(); i += step)
+                queries.push_back(static_cast<std::uint32_t>(p.size() - 1 - i));
+            const Comparison c = compare(p, {16, unbounded}, &queries);
+            EXPECT_EQ(c.first_mistake, "");
+            EXPECT_EQ(c.queries, queries.size());
+        }
+        const std::vector<std::uint32_t> none;
+        EXPECT_EQ(compare(p, {16, unbounded}, &none).queries, 0u);
+        EXPECT_EQ(compare(p, {0, unbounded}).first_mistake, "");
+    });
+}
+
+// The same points in the same order, whatever the processor.
+TEST(UnitSearch, AllLevelsAgree)
+{
+    for (const bool fine : {false, true}) {
+        const std::int64_t half = fine ? 100000000 : 100;
+        const auto p = narrow(3000, InBox(half, half, half / 20));
+        std::vector<std::uint32_t> first;
+        at_each_level([&] {
+            std::vector<std::uint32_t> all;
+            make_unit_search(p)->search(nullptr, {16, unbounded}, [&](const FoundNeighbours& found) {
+                all.insert(all.end(), found.neighbours, found.neighbours + found.size * found.stride);
+            });
+            if (first.empty()) first = all;
+            EXPECT_EQ(all, first);
+        });
+    }
+}
+
+TEST(UnitSearch, NearestOf)
+{
+    const auto check = [](const SearchPositions& p) {
+        std::vector<std::uint32_t> points, among;
+        for (std::uint32_t i = 0; i < p.size(); ++i) {
+            if (i % 3) points.push_back(i);
+            if (i % 5 == 0) among.push_back(i);
+        }
+        at_each_level([&] {
+            const auto nearest = nearest_of(p, points, among);
+            ASSERT_EQ(nearest.size(), points.size());
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                double least = unbounded;
+                for (const std::uint32_t a : among) least = std::min(least, squared_of(p, points[i], a));
+                ASSERT_EQ(nearest[i] % 5, 0u);
+                ASSERT_EQ(squared_of(p, points[i], nearest[i]), least) << points[i];
+                if (points[i] % 5 == 0 && least == 0) ASSERT_EQ(squared_of(p, points[i], nearest[i]), 0);
+            }
+        });
+    };
+    check(narrow(2000, InBox(1000, 1000, 10)));
+    check(narrow(2000, InBox(2147483647, 2147483647, 10)));
+    check(narrow(10, InBox(10, 10, 10)));
+    check(wide(2000, InBox(1ll << 60, 1ll << 40, 1ll << 40)));
+    EXPECT_TRUE(nearest_of(narrow(5, InBox(1, 1, 1)), {}, {1}).empty());
+}
+
+// Inputs on which a search of this kind may become quadratic. The bounds are generous: one of these would take minutes.
+TEST(UnitSearch, StiffInputsStayFast)
+{
+    const auto seconds = [](const SearchPositions& p, std::size_t k) {
+        const auto begin = std::chrono::steady_clock::now();
+        std::size_t queries = 0;
+        make_unit_search(p)->search(nullptr, {k, unbounded},
+                                    [&](const FoundNeighbours& found) { queries += found.size; });
+        EXPECT_EQ(queries, p.size());
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    EXPECT_LT(seconds(narrow(1000000, [](std::size_t) { return Vec3i{1, 2, 3}; }), 16), 20);
+    EXPECT_LT(seconds(narrow(100000, [](std::size_t i) { return Vec3i{std::int64_t(i), 0, 0}; }), 16), 5);
+    for (const std::int64_t far : {1000000000ll, 1000000000000ll, 1ll << 61}) {
+        InBox a(5000, 5000, 5000), b(5000, 5000, 5000);
+        EXPECT_LT(seconds(wide(200000,
+                               [&](std::size_t i) {
+                                   Vec3i at = a();
+                                   at[0] += i % 2 ? far : 0;
+                                   return at;
+                               }),
+                          16),
+                  10);
+        EXPECT_LT(seconds(wide(200000, [&](std::size_t i) { return i ? b() : Vec3i{far, 0, 0}; }), 16), 10);
+    }
+    EXPECT_LT(seconds(narrow(125000,
+                             [](std::size_t i) {
+                                 return on_lattice(i, 50, {10000019, 10000019, 10000019});
+                             }),
+                      16),
+              5);
+}
+
+}  // namespace
+}  // namespace pcm
