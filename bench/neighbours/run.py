@@ -7,7 +7,7 @@ all in one run in which they take turns.
 
 Times are of the processor, on one thread. Ours are of the whole process, from the tree on disk to a new tree on disk; those of the others are of the
 computation alone (MeshLab's: less what loading and saving the same file takes). Peers run where they are: BUILD/bin/bench_filters_pcl and
-bench_filters_cgal (built with PCM_BENCH_PEERS=ON), Open3D in PYTHON, and PREFIX/bin/meshlabserver (packaging/meshlab-prefix). The oracles are in
+bench_filters_cgal (built with PCM_BENCH_PEERS=ON), Open3D in PYTHON, and PREFIX/bin/meshlabserver, which needs a display (xvfb-run). The oracles are in
 scenes.py. FOLDER gets results.json and report.md, and plots where Matplotlib is.
 """
 import argparse
@@ -134,7 +134,7 @@ class MeshLab:
         empty.write_text("<!DOCTYPE FilterScript>\n<FilterScript>\n</FilterScript>\n")
         start = [bench.meshlab / "bin" / "meshlabserver", "-i", self.input, "-o", self.result, "-m", "vn", "-s"]
         self.command, self.nothing = [*start, script], [*start, empty]
-        self.environment = {"QT_QPA_PLATFORM": "offscreen", "OMP_NUM_THREADS": "1", "XDG_CONFIG_HOME": str(bench.work / "config")}
+        self.environment = {"OMP_NUM_THREADS": "1", "XDG_CONFIG_HOME": str(bench.work / "config")}
 
     def run(self):
         without = timed(self.nothing, self.environment)[1]
@@ -197,7 +197,7 @@ class Bench:
     def tree_levels(self, scene):
         text, _ = timed([self.bin / "pcmlab", "info", "--json", scene.tree])
         levels = json.loads(text)["levels"]
-        return [None, *range(levels - 1, max(0, levels - 1 - self.levels), -1)]
+        return [None, *range(levels - 2, max(-1, levels - 2 - self.levels), -1)]
 
     def normals(self, scene, k, sample, indices):
         exact, defined = scenes.exact_normals(scene, sample, indices)
@@ -282,7 +282,7 @@ def main():
     parser.add_argument("--sample", type=int, default=1000, help="points that are compared with an oracle")
     parser.add_argument("--sigmas", type=float, default=2)
     parser.add_argument("--python", type=pathlib.Path, help="a Python that has Open3D")
-    parser.add_argument("--meshlab", type=pathlib.Path, help="packaging/meshlab-prefix made it")
+    parser.add_argument("--meshlab", type=pathlib.Path, help="where MeshLab is installed: /usr")
     parser.add_argument("--smoke", action="store_true")
     arguments = parser.parse_args()
     if arguments.smoke:
