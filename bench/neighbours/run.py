@@ -85,9 +85,8 @@ class Ours:
         table = scenes.read_ply(file)
         file.unlink()
         xyz = numpy.stack([table[a].astype(float) for a in "xyz"], axis=1)
-        place = self.scene.index_of(numpy.rint((xyz - self.scene.offset) / self.scene.scale).astype(numpy.int64))
-        values = numpy.zeros((len(self.scene.q), len(self.columns)), numpy.float64)
-        values[place] = numpy.stack([table[c].astype(float) for c in self.columns], axis=1)
+        rows = self.scene.rows_of(numpy.rint((xyz - self.scene.offset) / self.scene.scale).astype(numpy.int64))
+        values = numpy.stack([table[c].astype(float) for c in self.columns], axis=1)[rows]
         return values[:, 0] if len(self.columns) == 1 else values
 
 

@@ -48,14 +48,14 @@ class Scene:
             known |= mine
         return normals, known
 
-    def index_of(self, q):
-        """The number in the file of each of these positions (of one of them, where several points lie there)."""
+    def rows_of(self, q):
+        """For each point of the file the row of `q` that is its position (of several points at one place: one of them)."""
         def as_keys(positions):
             return numpy.ascontiguousarray(positions - self.q.min(axis=0)).astype(">u8").view("V24").ravel()
-        keys = as_keys(self.q)
+        keys = as_keys(q)
         order = numpy.argsort(keys)
-        found = order[numpy.minimum(numpy.searchsorted(keys[order], as_keys(q)), len(order) - 1)]
-        assert (self.q[found] == q).all(), "a position of the result is not in the file"
+        found = order[numpy.minimum(numpy.searchsorted(keys[order], as_keys(self.q)), len(order) - 1)]
+        assert len(q) == len(self.q) and (q[found] == self.q).all(), "positions of the result are not those of the file"
         return found
 
 
