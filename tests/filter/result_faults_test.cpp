@@ -33,9 +33,9 @@ const Filter filters[] = {
     {"voxel_of_a_file", {"voxel", "--size", "900"}, false, {"cloud.las"}},
 };
 
-class FilterFaults : public testing::TestWithParam<Filter> {
+class ResultFaults : public testing::TestWithParam<Filter> {
 protected:
-    FilterFaults()
+    ResultFaults()
     {
         fs::create_directory(folder_ / "work");
         write_las(folder_ / "cloud.las", records(Shape::surface, 20000, 1), {});
@@ -110,7 +110,7 @@ protected:
     long calls_ = 0;
 };
 
-TEST_P(FilterFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
+TEST_P(ResultFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
 {
     for (const long at : spread(calls_, 12)) {
         const std::string when = "killed at call " + std::to_string(at);
@@ -130,7 +130,7 @@ TEST_P(FilterFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
     }
 }
 
-TEST_P(FilterFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
+TEST_P(ResultFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
 {
     for (const std::string kind : {"full", "eio"})
         for (const long at : spread(calls_ - 1, 8)) {
@@ -145,7 +145,7 @@ TEST_P(FilterFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(Filters, FilterFaults, testing::ValuesIn(filters),
+INSTANTIATE_TEST_SUITE_P(Filters, ResultFaults, testing::ValuesIn(filters),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
