@@ -60,6 +60,29 @@ void put_report(Json& json, const FilterReport& report)
     json["notes"] = report.notes;
 }
 
+void put_attribute_report(Json& json, const WantedValues& wanted, const NeighbourAttributeReport& report)
+{
+    put_report(json, report);
+    json["points_computed"] = report.points_computed;
+    json["used_known_normals"] = report.used_known_normals;
+    if (wanted.needs_shape())
+        json["confidence"] = {{"line", report.lines}, {"blob", report.blobs}, {"too_few", report.too_few}};
+    if (wanted.normal) json["flipped"] = report.flipped;
+}
+
+void print_attribute_report(const std::filesystem::path& tree, const WantedValues& wanted,
+                            const NeighbourAttributeReport& report)
+{
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s\n", tree.c_str(), outcome_text(noun_of(wanted), report).c_str());
+    std::printf("%s points, %s computed, peak memory %s\n", grouped(report.outcome.points_out).c_str(),
+                grouped(report.points_computed).c_str(), bytes_text(report.peak_memory_bytes).c_str());
+    if (wanted.needs_shape())
+        std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s\n", grouped(report.lines).c_str(),
+                    grouped(report.blobs).c_str(), grouped(report.too_few).c_str());
+    if (report.used_known_normals) std::printf("radii were measured across the normals that the tree has\n");
+}
+
 int run_attribute_filter(const Common& common, const std::string& tree, const TargetOptions& choice,
                          NeighbourAttributeOptions options)
 {
@@ -72,23 +95,11 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
     if (common.json) {
         Json json;
         json["tree"] = target.path().string();
-        put_report(json, report);
-        json["points_computed"] = report.points_computed;
-        json["used_known_normals"] = report.used_known_normals;
-        if (options.wanted.needs_shape())
-            json["confidence"] = {{"line", report.lines}, {"blob", report.blobs}, {"too_few", report.too_few}};
-        if (options.wanted.normal) json["flipped"] = report.flipped;
+        put_attribute_report(json, options.wanted, report);
         std::printf("%s\n", json.dump(2).c_str());
-        return finished(report.outcome);
+    } else {
+        print_attribute_report(target.path(), options.wanted, report);
     }
-    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%s: %s\n", target.path().c_str(), outcome_text(noun_of(options.wanted), report).c_str());
-    std::printf("%s points, %s computed, peak memory %s\n", grouped(report.outcome.points_out).c_str(),
-                grouped(report.points_computed).c_str(), bytes_text(report.peak_memory_bytes).c_str());
-    if (options.wanted.needs_shape())
-        std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s\n", grouped(report.lines).c_str(),
-                    grouped(report.blobs).c_str(), grouped(report.too_few).c_str());
-    if (report.used_known_normals) std::printf("radii were measured across the normals that the tree has\n");
     return finished(report.outcome);
 }
 

@@ -6,6 +6,7 @@
 #include "pcm/update/target.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,11 @@ struct NeighbourOptions {
 
 // points, seconds, ..., level, errors, notes.
 void put_report(Json& json, const FilterReport& report);
+
+// The same and what attributes have of their own; as JSON and as text.
+void put_attribute_report(Json& json, const WantedValues& wanted, const NeighbourAttributeReport& report);
+void print_attribute_report(const std::filesystem::path& tree, const WantedValues& wanted,
+                            const NeighbourAttributeReport& report);
 
 // Runs the filter on `tree` and prints its report. Returns the exit code.
 int run_attribute_filter(const Common& common, const std::string& tree, const TargetOptions& target,

@@ -1,6 +1,8 @@
 #include "pcm/build/builder.h"
+#include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
+#include "pcm/system/error.h"
 
 #include <cstdio>
 #include <memory>
@@ -15,8 +17,59 @@ struct Arguments {
     std::string output;
     std::uint64_t memory = std::uint64_t(1) << 30;
     bool fast = false;
+    std::uint32_t normals = 0;  // of how many neighbours; 0: none
     BuildOptions options;
 };
+
+void put_build(Json& json, const BuildReport& report)
+{
+    put_outcome(json, report.outcome);
+    json["points_skipped"] = report.points_skipped;
+    put_skipped(json, report.skipped);
+    json["bytes"] = report.bytes;
+    json["scratch_bytes"] = report.scratch_bytes;
+    json["position_error"] = report.outcome.error;
+    json["nodes"] = report.nodes;
+    json["levels"] = report.levels;
+    json["notes"] = report.notes;
+}
+
+void print_build(const std::filesystem::path& output, const BuildReport& report)
+{
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes per point)\n",
+                output.string().c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
+                points_per_second(report.outcome) / 1e6, static_cast<unsigned long long>(report.nodes), report.levels,
+                bytes_text(report.bytes).c_str(),
+                report.outcome.points_out
+                    ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
+                    : 0.0);
+    std::printf("largest position error %s source units, peak memory %s, scratch at most %s\n",
+                exact(report.outcome.error).c_str(), bytes_text(peak_rss_bytes()).c_str(),
+                bytes_text(report.scratch_bytes).c_str());
+}
+
+// The second step: what discs need beside the positions.
+NeighbourAttributeReport compute_normals(const Arguments& arguments, const std::filesystem::path& tree,
+                                         const WantedValues& wanted)
+{
+    NeighbourAttributeOptions options;
+    options.wanted = wanted;
+    options.neighbours = arguments.normals;
+    options.memory_bytes = arguments.memory;
+    options.threads = arguments.options.threads;
+    options.progress = console_progress(arguments.common);
+    try {
+        NeighbourAttributeReport report = compute_neighbour_attributes(tree, options);
+        end_progress(arguments.common);
+        return report;
+    } catch (const Error& error) {
+        end_progress(arguments.common);
+        throw Error(error.code(), tree,
+                    std::string("the tree is complete, but its normals were not computed: ") + error.what(),
+                    "pcmlab normals --radii --in-place computes them");
+    }
+}
 
 int build(Arguments& arguments)
 {
@@ -31,35 +84,22 @@ int build(Arguments& arguments)
     arguments.options.read = arguments.reading.get(arguments.options.threads);
     arguments.options.sampling = arguments.fast ? Sampling::grid : Sampling::poisson;
     arguments.options.progress = console_progress(arguments.common);
-    const BuildReport report =
-        build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
+    BuildReport report = build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
     end_progress(arguments.common);
-    if (arguments.common.json) {
-        Json json;
-        json["tree"] = output.string();
-        put_outcome(json, report.outcome);
-        json["points_skipped"] = report.points_skipped;
-        put_skipped(json, report.skipped);
-        json["bytes"] = report.bytes;
-        json["scratch_bytes"] = report.scratch_bytes;
-        json["position_error"] = report.outcome.error;
-        json["nodes"] = report.nodes;
-        json["levels"] = report.levels;
-        json["notes"] = report.notes;
-        std::printf("%s\n", json.dump(2).c_str());
-    } else {
-        for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-        std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%.2f bytes per point)\n",
-                    output.string().c_str(), grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
-                    points_per_second(report.outcome) / 1e6, static_cast<unsigned long long>(report.nodes),
-                    report.levels, bytes_text(report.bytes).c_str(),
-                    report.outcome.points_out
-                        ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
-                        : 0.0);
-        std::printf("largest position error %s source units, peak memory %s, scratch at most %s\n",
-                    exact(report.outcome.error).c_str(), bytes_text(peak_rss_bytes()).c_str(),
-                    bytes_text(report.scratch_bytes).c_str());
+    Json json;
+    json["tree"] = output.string();
+    put_build(json, report);
+    if (!arguments.common.json) print_build(output, report);
+    if (arguments.normals) {
+        WantedValues wanted;
+        wanted.normal = wanted.radius = wanted.confidence = true;
+        const NeighbourAttributeReport computed = compute_normals(arguments, output, wanted);
+        put_attribute_report(json["normals"], wanted, computed);
+        if (!arguments.common.json) print_attribute_report(output, wanted, computed);
+        const auto& warnings = computed.outcome.warnings;
+        report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
     }
+    if (arguments.common.json) std::printf("%s\n", json.dump(2).c_str());
     return finished(report.outcome);
 }
 
@@ -77,6 +117,12 @@ Run add_build(Options& options)
     options.option("--chunk-points", arguments->options.chunk_points,
                    "Maximum number of points per chunk (default 25000)");
     options.flag("--fast", arguments->fast, "Sample the levels on a grid: faster, but less evenly spaced");
+    options
+        .option(
+            "--normals", arguments->normals,
+            "Then compute normals and radii of so many nearest neighbours, e.g. 16: what perspective-accurate discs "
+            "are drawn with (pcmlab normals has more choices)")
+        .between(1, 1024);
     options.flag("--overwrite", arguments->options.overwrite, "Replace an existing tree of this name");
     options.off_flag("--no-resume", arguments->options.resume,
                      "Do not resume an interrupted build of these files, and write no checkpoints");

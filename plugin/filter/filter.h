@@ -24,7 +24,7 @@ struct FilterRun {
 struct Filter {
     const char* name;  // in the menu and in scripts
     QString info;      // the help text, HTML
-    // The menus that list it. MeshCreation: MeshLab resets the view after the filter.
+    // The menus that list it. After a filter the view is reset where the layers have outgrown what it showed.
     MeshFilterInterface::FilterClass menus;
     void (*add_parameters)(RichParameterList& parameters);
     // Anything thrown is reported to the user as the reason why the filter failed.

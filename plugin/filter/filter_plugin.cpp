@@ -11,6 +11,14 @@ using namespace pcm::host;
 
 namespace {
 
+// Whether the view shows something of the document's layers, before a filter, and all of them after it.
+bool fits_in_view(Box3m before, const Box3m& after)
+{
+    if (before.IsNull() || after.IsNull()) return after.IsNull();
+    before.Offset(before.Diag() / 100);
+    return before.IsIn(after.min) && before.IsIn(after.max);
+}
+
 const Filter& filter_of(int id) { return filters()[static_cast<std::size_t>(id)]; }
 
 }  // namespace
@@ -36,7 +44,8 @@ MeshFilterInterface::FilterClass PointCloudFilters::getClass(QAction* action)
     // also resets the view after such a filter. It makes its menus before any filter is applied; from then on the class
     // only decides about the view.
     const FilterClass menus = filter_of(ID(action)).menus;
-    return applied_ ? menus : FilterClass(MeshCreation | menus);
+    if (!applied_) return FilterClass(MeshCreation | menus);
+    return FilterClass(resets_view_ ? MeshCreation | menus : menus & ~MeshCreation);
 }
 
 void PointCloudFilters::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters)
@@ -60,13 +69,16 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     errorMessage.clear();
     dialog_without_layer_ = false;
     applied_ = true;
+    resets_view_ = false;
     const Filter& filter = filter_of(ID(action));
     try {
         const auto log = [this](const std::string& line) { Log(GLLogStream::FILTER, line); };
         const auto warn = [&](const std::string& line) {
             Log(GLLogStream::WARNING, std::string(filter.name) + ": " + line);
         };
+        const Box3m before = document.bbox();
         filter.run({document, parameters, callback, log, warn});
+        resets_view_ = !fits_in_view(before, document.bbox());
         return true;
     } catch (...) {
         // An exception that leaves this function would leave the document busy for ever. Windows show errorMessage,

@@ -23,6 +23,7 @@ public:
                      vcg::CallBackPos* callback) override;
 
 private:
-    bool applied_ = false;  // any filter: MeshLab has made its menus
+    bool applied_ = false;      // any filter: MeshLab has made its menus
+    bool resets_view_ = false;  // after the last filter
     mutable bool dialog_without_layer_ = false;
 };

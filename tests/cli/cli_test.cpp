@@ -4,6 +4,7 @@
 #include "tests/cli/command.h"
 
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -13,6 +14,35 @@ using namespace pcm::test;
 namespace fs = std::filesystem;
 
 class CliTest : public CommandTest {};
+
+std::string whole_file(const fs::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(CliTest, BuildComputesNormalsInTheSameCommand)
+{
+    ASSERT_EQ(pcmlab("generate -q -n 30000 --no-truth " + path("scene.las")).code, 0);
+    const Result both = pcmlab("build -q --json --normals 12 -o " + path("both.pct") + " " + path("scene.las"));
+    ASSERT_EQ(both.code, 0) << both.err;
+    const Json report = Json::parse(both.out);
+    EXPECT_EQ(report["points"], 30000);
+    EXPECT_EQ(report["normals"]["points_computed"], 30000);
+    EXPECT_GT(report["normals"]["seconds"], 0);
+    ASSERT_EQ(pcmlab("build -q -o " + path("plain.pct") + " " + path("scene.las")).code, 0);
+    ASSERT_EQ(pcmlab("normals -q -k 12 --radii -o " + path("after.pct") + " " + path("plain.pct")).code, 0);
+    for (const std::string name : {"both", "after"})
+        ASSERT_EQ(pcmlab("convert -q " + path(name + ".pct") + " " + path(name + ".ply")).code, 0);
+    const std::string points = whole_file(folder_ / "both.ply");
+    EXPECT_NE(points.find("property float nx"), std::string::npos);
+    EXPECT_NE(points.find("radius"), std::string::npos);
+    EXPECT_TRUE(points == whole_file(folder_ / "after.ply"));
+
+    const Result few = pcmlab("build -q --normals 0 -o " + path("none.pct") + " " + path("scene.las"));
+    EXPECT_EQ(few.code, 2) << few.err;
+    EXPECT_NE(few.err.find("1 to 1024"), std::string::npos) << few.err;
+}
 
 TEST_F(CliTest, GenerateBuildInfoVerify)
 {

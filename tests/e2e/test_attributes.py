@@ -98,9 +98,11 @@ class Attributes(MeshLabTest):
             wait-view
             wait-layers 1
             {FIXED_VIEW}
+            wheel -2
             parameter MeshLab::PointCloud::RadiusScale = 2
             wait-status full resolution
             picture {before}
+            print-camera before
             trigger Estimate Radii of Point Cloud Tree
             set Neighbours = 40
             set In place = on
@@ -120,6 +122,7 @@ class Attributes(MeshLabTest):
             wait-status full resolution
             print-parameters discs
             picture {discs}
+            print-camera first
             trigger Remove Outliers of Point Cloud Tree
             set Factor = 1
             set Output folder = {self.folder / "clean.pct"}
@@ -128,6 +131,7 @@ class Attributes(MeshLabTest):
             press Close
             wait-layers 2
             wait-status full resolution
+            print-camera second
             screen {self.result("end.png")}
             quit
             """, tree)
@@ -135,6 +139,9 @@ class Attributes(MeshLabTest):
         self.assertGreater(different(before, radii_alone), 0.02)
         self.assertGreater(different(radii_alone, discs), 0.02)
         self.assertGood(tree, 20000, "radius", "normal")
+        cameras = run.cameras()
+        for later in ("first", "second"):  # the view stays what it was
+            self.assertEqual({**cameras[later], "name": ""}, {**cameras["before"], "name": ""})
         settings = run.parameters()
         self.assertEqual(settings["radii"]["Splats"], 1)  # adaptive
         self.assertEqual(settings["discs"]["Splats"], 3)  # discs, perspective accurate
