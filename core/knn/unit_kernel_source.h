@@ -51,6 +51,8 @@ inline void insert(std::uint64_t* list, std::size_t capacity, std::uint32_t bits
         out.store(keys);
         *dropped = keys[Keys::width - 1];
     } else {
+        // Taken in full: that is quicker than to guess where the new key belongs.
+        const bool short_list = Keys::width >= 4 && capacity <= 24 * Keys::width;
         for (; bits; bits &= bits - 1) {
             const std::uint32_t t = lowest_bit(bits);
             const std::uint64_t key = key_of(squares[t], first + t);
@@ -59,7 +61,7 @@ inline void insert(std::uint64_t* list, std::size_t capacity, std::uint32_t bits
             if (key >= last) continue;
             const Keys x = Keys::all(key);
             std::uint64_t* at = list + capacity - Keys::width;
-            for (; at > list && at[-1] > key; at -= Keys::width) {
+            for (; at > list && (short_list || at[-1] > key); at -= Keys::width) {
                 const Keys a = Keys::load(at);
                 larger(shifted(Keys::load(at - Keys::width), a), smaller(a, x)).store(at);
             }
@@ -459,6 +461,7 @@ private:
 template <class C>
 void search_block(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request)
 {
+    constexpr bool many_registers = Keys::width >= 4;  // for lists of up to 64 keys
     switch (list_capacity(request.neighbours) / 8) {
         case 1:
             return BlockSearch<C, 1>(tree, queries, request, queries.active).run();
@@ -468,6 +471,10 @@ void search_block(const LeafTree<C>& tree, const QueryBlock<C>& queries, const K
             return BlockSearch<C, 3>(tree, queries, request, queries.active).run();
         case 4:
             return BlockSearch<C, 4>(tree, queries, request, queries.active).run();
+        case 6:
+            return BlockSearch < C, many_registers ? 6 : 0 > (tree, queries, request, queries.active).run();
+        case 8:
+            return BlockSearch < C, many_registers ? 8 : 0 > (tree, queries, request, queries.active).run();
         default:
             return BlockSearch<C, 0>(tree, queries, request, queries.active).run();
     }
