@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
+#include <thread>
 
 namespace pcm {
 namespace {
@@ -243,6 +243,22 @@ TEST(UnitSearch, SomeQueries)
     });
 }
 
+TEST(UnitSearch, ManyThreadsMaySearch)
+{
+    const auto p = narrow(3000, InBox(1000, 1000, 10));
+    const auto search = make_unit_search(p);
+    std::vector<std::string> mistakes(4);
+    std::vector<std::thread> threads;
+    for (std::uint32_t t = 0; t < mistakes.size(); ++t)
+        threads.emplace_back([&, t] {
+            std::vector<std::uint32_t> queries;
+            for (std::uint32_t i = t; i < p.size(); i += 3) queries.push_back(i);
+            mistakes[t] = compare(*search, p, {16, unbounded}, &queries, 5).first_mistake;
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::string& mistake : mistakes) EXPECT_EQ(mistake, "");
+}
+
 // The same points in the same order, whatever the processor.
 TEST(UnitSearch, AllLevelsAgree)
 {
@@ -319,6 +335,8 @@ TEST(UnitSearch, StiffInputsStayFast)
                   10);
         EXPECT_LT(seconds(wide(200000, [&](std::size_t i) { return i ? b() : Vec3i{far, 0, 0}; }), 16), 10);
     }
+    InBox strays(1ll << 45, 1ll << 45, 1ll << 45), cluster(5000, 5000, 5000);
+    EXPECT_LT(seconds(wide(200000, [&](std::size_t i) { return i % 500 ? cluster() : strays(); }), 16), 5);
     EXPECT_LT(seconds(narrow(125000,
                              [](std::size_t i) {
                                  return on_lattice(i, 50, {10000019, 10000019, 10000019});
