@@ -53,7 +53,7 @@ TEST(UnitKernel, AStrayDoesNotBlindThePointsInItsLeaf)
                                       [&](std::size_t i) {
                                           return i ? cluster() : Vec3i{1ll << 50, 0, 0};
                                       })),
-                  0u);
+                  1u);
     });
 }
 
