@@ -214,7 +214,7 @@ TEST(UnitSearch, MaxDistanceIsInclusive)
                                  return on_lattice(i, 10, {5000, 5000, 5000});
                              },
                              {1e-3, 1e-3, 1e-3});
-    for (const double distance : {4.999999999999999, 5.0, 5.000000000000001}) expect_exact(fine, {6, 16}, distance);
+    for (const double distance : {4.999999999999999, 5.0, 5.000000000000001}) expect_exact(fine, {4, 6, 16}, distance);
     expect_exact(narrow(1000, InBox(100, 100, 100)), {1, 16, 200}, 25);
     expect_exact(narrow(1000, InBox(2, 2, 2)), {1, 16, 200}, 0);
     expect_exact(wide(700, InBox(1ll << 50, 1ll << 50, 1ll << 50)), {16}, std::ldexp(1, 48));
