@@ -47,9 +47,14 @@ struct KernelRequest {
     std::uint32_t* repeated = nullptr;  // counts the queries that single precision could not decide; may be null
 };
 
-// Capacity of a list of k neighbours: a multiple of the widest vector.
-inline std::size_t list_capacity(std::size_t k) { return (k + 7) / 8 * 8; }
-// One list per query, and one for the exact search.
+// Capacity of a list of k neighbours, a multiple of the widest vector; one of a few up to 64, for which the lists are
+// kept in registers.
+inline std::size_t list_capacity(std::size_t k)
+{
+    const std::size_t eights = (k + 7) / 8;
+    return 8 * (eights == 5 ? 6 : (eights == 7 ? 8 : eights));
+}
+// One list per query.
 inline std::size_t list_words(std::size_t k) { return leaf_points * list_capacity(k); }
 
 struct UnitKernels {

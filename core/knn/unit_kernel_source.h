@@ -12,62 +12,10 @@
 #pragma once
 
 #include "pcm/knn/unit_kernel.h"
-#include "pcm/knn/unit_vectors.h"
+#include "pcm/knn/unit_lists.h"
 
 namespace pcm {
 namespace {
-
-constexpr float infinite = __builtin_inff();
-constexpr std::uint64_t empty_slot = 0xffffffff;  // the index in the keys of free places
-
-template <class T>
-inline T larger_of(T a, T b)
-{
-    return a < b ? b : a;
-}
-
-inline std::uint32_t lowest_bit(std::uint32_t bits) { return static_cast<std::uint32_t>(__builtin_ctz(bits)); }
-
-// The ascending list of `8 * Eights` keys, or of any multiple of 8 for 0, in which the candidates in `bits` are
-// inserted. What falls out lowers *dropped.
-template <int Eights>
-inline void insert(std::uint64_t* list, std::size_t capacity, std::uint32_t bits, const float* squares,
-                   std::uint32_t first, std::uint64_t* dropped)
-{
-    if constexpr (Eights != 0) {
-        constexpr std::size_t vectors = Eights * 8 / Keys::width;
-        Keys a[vectors];
-        for (std::size_t i = 0; i < vectors; ++i) a[i] = Keys::load(list + i * Keys::width);
-        Keys out = Keys::all(*dropped);
-        for (; bits; bits &= bits - 1) {
-            const std::uint32_t t = lowest_bit(bits);
-            const Keys x = Keys::all(key_of(squares[t], first + t));
-            out = smaller(out, larger(a[vectors - 1], x));
-            for (std::size_t i = vectors - 1; i > 0; --i) a[i] = larger(shifted(a[i - 1], a[i]), smaller(a[i], x));
-            a[0] = larger(shifted(Keys::all(0), a[0]), smaller(a[0], x));
-        }
-        for (std::size_t i = 0; i < vectors; ++i) a[i].store(list + i * Keys::width);
-        alignas(64) std::uint64_t keys[Keys::width];
-        out.store(keys);
-        *dropped = keys[Keys::width - 1];
-    } else {
-        for (; bits; bits &= bits - 1) {
-            const std::uint32_t t = lowest_bit(bits);
-            const std::uint64_t key = key_of(squares[t], first + t);
-            const std::uint64_t last = list[capacity - 1], out = larger_of(last, key);
-            if (out < *dropped) *dropped = out;
-            if (key >= last) continue;
-            const Keys x = Keys::all(key);
-            std::uint64_t* at = list + capacity - Keys::width;
-            for (; at > list && at[-1] > key; at -= Keys::width) {
-                const Keys a = Keys::load(at);
-                larger(shifted(Keys::load(at - Keys::width), a), smaller(a, x)).store(at);
-            }
-            const Keys a = Keys::load(at), before = Keys::all(at > list ? at[-1] : 0);
-            larger(shifted(before, a), smaller(a, x)).store(at);
-        }
-    }
-}
 
 template <class C, int Eights>
 class BlockSearch {
@@ -112,10 +60,9 @@ public:
         for (std::uint32_t bits = active; bits; bits &= bits - 1) {
             const std::uint32_t q = lowest_bit(bits);
             const std::uint64_t last = list_of(q)[capacity_ - 1];
+            take_list(q);
             if (static_cast<std::uint32_t>(last) != empty_slot && square_of(dropped_[q]) < bound_of(square_of(last)))
                 undecided |= 1u << q;
-            else
-                take_list(q);
         }
         if (undecided) repeat(undecided);
         for (std::uint32_t bits = active; bits; bits &= bits - 1) {
@@ -201,7 +148,7 @@ private:
     void set_bounds()
     {
         for (std::uint32_t q = 0; q < leaf_points; ++q)
-            bounds_[q] = active_ >> q & 1 ? (fixed_ ? bounds_[q] : bound_of(square_of(list_of(q)[capacity_ - 1]))) : -1;
+            bounds_[q] = active_ >> q & 1 ? bound_of(square_of(list_of(q)[capacity_ - 1])) : -1;
         find_worst();
     }
 
@@ -329,8 +276,12 @@ private:
             if (leaf == queries_.own_leaf) bits &= ~(1u << q);
             if (!bits) continue;
             if constexpr (Exact) {
-                for (; bits; bits &= bits - 1)
-                    insert_exact(row_of(q), q, static_cast<std::uint32_t>(first) + lowest_bit(bits));
+                // Those up to the last of the list are in it, and so in the result.
+                const std::uint64_t last = list_of(q)[capacity_ - 1];
+                for (; bits; bits &= bits - 1) {
+                    const std::uint32_t t = lowest_bit(bits), index = static_cast<std::uint32_t>(first) + t;
+                    if (key_of(squares[t], index) > last) insert_exact(row_of(q), q, index);
+                }
             } else {
                 std::uint64_t* list = list_of(q);
                 insert<Eights>(list, capacity_, bits, squares, static_cast<std::uint32_t>(first), dropped_ + q);
@@ -378,23 +329,61 @@ private:
     void take_list(std::uint32_t q)
     {
         const std::size_t row = row_of(q);
-        request_.counts[row] = 0;
-        const std::uint64_t* list = list_of(q);
-        for (std::size_t i = capacity_ - request_.neighbours; i < capacity_; ++i) {
-            const auto index = static_cast<std::uint32_t>(list[i]);
-            if (index == empty_slot) break;
-            insert_exact(row, q, index);
+        const std::uint64_t* list = list_of(q) + (capacity_ - request_.neighbours);
+        std::uint32_t* ids = request_.ids + row * request_.stride;
+        double* squares = request_.squares + row * request_.stride;
+        std::size_t count = 0;
+        for (; count < request_.neighbours && static_cast<std::uint32_t>(list[count]) != empty_slot; ++count)
+            ids[count] = static_cast<std::uint32_t>(list[count]);
+        exact_squares(q, ids, count, squares);
+        // In order but for what single precision rounded.
+        for (std::size_t i = 1; i < count; ++i) {
+            const double square = squares[i];
+            const std::uint32_t id = ids[i];
+            std::size_t at = i;
+            for (; at > 0 && (squares[at - 1] > square || (squares[at - 1] == square && ids[at - 1] > id)); --at) {
+                squares[at] = squares[at - 1];
+                ids[at] = ids[at - 1];
+            }
+            squares[at] = square;
+            ids[at] = id;
+        }
+        while (count > 0 && squares[count - 1] > request_.limit) --count;
+        request_.counts[row] = static_cast<std::uint32_t>(count);
+    }
+
+    // As exact_square(), some at a time.
+    void exact_squares(std::uint32_t q, const std::uint32_t* indices, std::size_t count, double* squares) const
+    {
+        constexpr std::size_t some = 16;
+        alignas(64) C d[3][some] = {};
+        for (std::size_t first = 0; first < count; first += some) {
+            const std::size_t size = count - first < some ? count - first : some;
+            for (std::size_t i = 0; i < size; ++i) {
+                const std::uint32_t index = indices[first + i];
+                const C* point =
+                    tree_.blocks + std::size_t(3) * leaf_points * (index / leaf_points) + index % leaf_points;
+                d[0][i] = point[0] - queries_.block[q];
+                d[1][i] = point[leaf_points] - queries_.block[leaf_points + q];
+                d[2][i] = point[2 * leaf_points] - queries_.block[2 * leaf_points + q];
+            }
+            alignas(64) double sums[some];
+            for (std::size_t i = 0; i < some; ++i) {
+                const double dx = static_cast<double>(d[0][i]) * tree_.scale[0];
+                const double dy = static_cast<double>(d[1][i]) * tree_.scale[1];
+                const double dz = static_cast<double>(d[2][i]) * tree_.scale[2];
+                sums[i] = (dx * dx + dy * dy) + dz * dz;
+            }
+            for (std::size_t i = 0; i < size; ++i) squares[first + i] = sums[i];
         }
     }
 
-    // The queries in `undecided` with squares in double, of all candidates that may be among the nearest k.
+    // Compares all further candidates that may be among the nearest k of the queries in `undecided`, in double.
     void repeat(std::uint32_t undecided)
     {
         if (request_.repeated) *request_.repeated += static_cast<std::uint32_t>(__builtin_popcount(undecided));
         active_ = undecided;
         set_bounds();
-        fixed_ = true;
-        for (std::uint32_t bits = undecided; bits; bits &= bits - 1) request_.counts[row_of(lowest_bit(bits))] = 0;
         walk<true>();
     }
 
@@ -413,12 +402,12 @@ private:
     float worst_ = infinite;                 // the largest bound
     float reach_ = 0;                        // the largest magnitude of the queries' offsets
     bool exact_ = false;                     // the offsets of all points near the queries are integers below 2^24
-    bool fixed_ = false;                     // bounds stay
 };
 
 template <class C>
 void search_block(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request)
 {
+    constexpr bool many_registers = Keys::width >= 4;  // for lists of up to 64 keys
     switch (list_capacity(request.neighbours) / 8) {
         case 1:
             return BlockSearch<C, 1>(tree, queries, request, queries.active).run();
@@ -428,6 +417,10 @@ void search_block(const LeafTree<C>& tree, const QueryBlock<C>& queries, const K
             return BlockSearch<C, 3>(tree, queries, request, queries.active).run();
         case 4:
             return BlockSearch<C, 4>(tree, queries, request, queries.active).run();
+        case 6:
+            return BlockSearch < C, many_registers ? 6 : 0 > (tree, queries, request, queries.active).run();
+        case 8:
+            return BlockSearch < C, many_registers ? 8 : 0 > (tree, queries, request, queries.active).run();
         default:
             return BlockSearch<C, 0>(tree, queries, request, queries.active).run();
     }

@@ -54,7 +54,9 @@ public:
 };
 
 // At most 2^32 - 64 positions, which are needed during the construction only. One thread makes it; then any number of
-// threads may search. Throws Error(invalid_argument) for a wrong PCM_SIMD (system/cpu.h).
+// threads may search. Bytes per position beside the given ones: 18, and 34 while it is made; of wide ones 31, and 64.
+// Four more once a search was for some queries only. Throws Error(invalid_argument) for a wrong PCM_SIMD
+// (system/cpu.h).
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
 
 // The same by the chosen backend. FLANN is not exact: see flann_search.h, also for its errors.

@@ -9,7 +9,10 @@ namespace pcm {
 template <class C>
 class UnitTree<C>::Divider {
 public:
-    Divider(Point* points, std::size_t size, const Vec3d& scale) : points_(points), size_(size), scale_(scale) {}
+    Divider(Point* points, Point* scratch, std::size_t size, const Vec3d& scale)
+        : points_(points), scratch_(scratch), size_(size), scale_(scale)
+    {
+    }
 
     // The points of the leaves [first, last).
     void divide(std::size_t first, std::size_t last)
@@ -56,13 +59,71 @@ private:
         return longest;
     }
 
+    // Puts the points in order so that none before `cut` is above *cut along the axis, and none after it is below.
     template <int axis>
-    static void select(Point* begin, Point* cut, Point* end)
+    void select(Point* begin, Point* cut, Point* end) const
     {
-        std::nth_element(begin, cut, end, [](const Point& a, const Point& b) { return a.at[axis] < b.at[axis]; });
+        for (int pass = 0; end - begin > few_points && pass < most_passes; ++pass) {
+            const C pivot = pivot_near<axis>(begin, cut, end);
+            Point* middle = part(begin, end, [pivot](const Point& p) { return p.at[axis] < pivot; });
+            if (cut < middle) {
+                end = middle;
+                continue;
+            }
+            if (begin == middle) {  // the pivot is the lowest
+                middle = part(begin, end, [pivot](const Point& p) { return p.at[axis] <= pivot; });
+                if (cut < middle) return;
+            }
+            begin = middle;
+        }
+        if (begin < end)
+            std::nth_element(begin, cut, end, [](const Point& a, const Point& b) { return a.at[axis] < b.at[axis]; });
     }
 
+    // A coordinate such that few points lie between it and that of the cut: out of a sample, a little on the side of
+    // the cut on which more points are.
+    template <int axis>
+    static C pivot_near(const Point* begin, const Point* cut, const Point* end)
+    {
+        constexpr std::ptrdiff_t most = 255;
+        const std::ptrdiff_t size = end - begin, count = size < 1024 ? 15 : (size < 32768 ? 63 : most);
+        C sample[most];
+        std::uint32_t random = static_cast<std::uint32_t>(size);
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+            random = random * 1664525 + 1013904223;
+            sample[i] = begin[size * i / count + static_cast<std::ptrdiff_t>((random >> 8) % (size / count))].at[axis];
+        }
+        const double share = static_cast<double>(cut - begin) / static_cast<double>(size);
+        const double rank = share * static_cast<double>(count);
+        const double spread = std::sqrt(rank * (1 - share));
+        const double wanted = share < 0.6 ? rank + spread : rank - spread;
+        const auto at = std::clamp<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(wanted), 0, count - 1);
+        std::nth_element(sample, sample + at, sample + count);
+        return sample[at];
+    }
+
+    // std::partition without branches that depend on the points.
+    template <class Before>
+    Point* part(Point* begin, Point* end, Before before) const
+    {
+        Point *middle = begin, *other = scratch_;
+        for (const Point* p = begin; p != end; ++p) {
+            const Point point = *p;
+            const bool first = before(point);
+            *middle = point;
+            *other = point;
+            middle += first;
+            other += !first;
+        }
+        std::copy(static_cast<const Point*>(scratch_), static_cast<const Point*>(other), middle);
+        return middle;
+    }
+
+    static constexpr std::ptrdiff_t few_points = 96;
+    static constexpr int most_passes = 40;
+
     Point* points_;
+    Point* scratch_;  // as many
     std::size_t size_;
     Vec3d scale_;
 };
@@ -73,7 +134,10 @@ UnitTree<C>::UnitTree(std::vector<TreePoint<C>> points, const Vec3d& scale, cons
     const std::size_t size = points.size();
     view_.points = size;
     view_.leaves = static_cast<std::uint32_t>((size + leaf_points - 1) / leaf_points);
-    Divider(points.data(), size, scale).divide(0, view_.leaves);
+    {
+        AlignedArray<Point> scratch(size);
+        Divider(points.data(), scratch.data(), size, scale).divide(0, view_.leaves);
+    }
     take_leaves(points);
     boxes_ = AlignedArray<C>(6 * (std::size_t(2) * view_.leaves - 1));
     find_boxes(0, 0, view_.leaves);

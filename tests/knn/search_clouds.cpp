@@ -58,11 +58,17 @@ std::vector<double> all_pairs(const SearchPositions& p, std::uint32_t query, con
 Comparison compare(const SearchPositions& p, const UnitSearchOptions& options,
                    const std::vector<std::uint32_t>* queries, std::size_t stride)
 {
+    return compare(*make_unit_search(p), p, options, queries, stride);
+}
+
+Comparison compare(const UnitSearch& search, const SearchPositions& p, const UnitSearchOptions& options,
+                   const std::vector<std::uint32_t>* queries, std::size_t stride)
+{
     Comparison result;
     std::vector<bool> expected(p.size(), !queries);
     if (queries)
         for (const std::uint32_t query : *queries) expected[query] = true;
-    make_unit_search(p)->search(queries, options, [&](const FoundNeighbours& found) {
+    search.search(queries, options, [&](const FoundNeighbours& found) {
         for (std::size_t i = 0; i < found.size; ++i) {
             std::string mistake;
             if (!expected[found.points[i]])

@@ -70,6 +70,10 @@ struct Comparison {
     std::string first_mistake;  // empty: none
 };
 
+// The same with a search that was made of the positions.
+Comparison compare(const UnitSearch& search, const SearchPositions& p, const UnitSearchOptions& options,
+                   const std::vector<std::uint32_t>* queries, std::size_t stride);
+
 // Searches and compares each of `queries` (all when null) with all pairs, or only every `stride`-th of them.
 Comparison compare(const SearchPositions& p, const UnitSearchOptions& options,
                    const std::vector<std::uint32_t>* queries = nullptr, std::size_t stride = 1);

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <numeric>
+#include <ctime>
+#include <thread>
 
 namespace pcm {
 namespace {
@@ -60,14 +60,15 @@ TEST(UnitSearch, Lattices)
         return narrow(
             1331, [=](std::size_t i) { return on_lattice(i, 11, step); }, scale);
     };
-    expect_exact(lattice({1, 1, 1}, {1, 1, 1}));
-    expect_exact(lattice({1, 1, 1}, {0.01, 0.01, 0.01}));
-    expect_exact(lattice({1, 1, 1}, {0.01, 0.01, 0.001}));
-    expect_exact(lattice({10, 10, 1}, {0.001, 0.001, 0.01}));
-    expect_exact(lattice({3, 5, 7}, {0.7, 1.1, 1.3}));
+    const auto check = [](const SearchPositions& p) { expect_exact(p, {1, 7, 16, 33}, unbounded, 5); };
+    check(lattice({1, 1, 1}, {1, 1, 1}));
+    check(lattice({1, 1, 1}, {0.01, 0.01, 0.01}));
+    check(lattice({1, 1, 1}, {0.01, 0.01, 0.001}));
+    check(lattice({10, 10, 1}, {0.001, 0.001, 0.01}));
+    check(lattice({3, 5, 7}, {0.7, 1.1, 1.3}));
     // Squares beyond what single precision holds.
-    expect_exact(lattice({10000019, 10000019, 10000019}, {1, 1, 1}));
-    expect_exact(lattice({100003, 100003, 100003}, {1e-6, 1e-6, 1e-6}));
+    check(lattice({10000019, 10000019, 10000019}, {1, 1, 1}));
+    check(lattice({100003, 100003, 100003}, {1e-6, 1e-6, 1e-6}));
 }
 
 // Neighbours whose squares differ by less than single precision shows.
@@ -84,6 +85,45 @@ TEST(UnitSearch, AlmostTies)
                             return on_lattice(i, 10, {4000 + int(i % 2), 4001, 4002});
                         },
                         {0.5, 0.5, 0.500001}));
+}
+
+// Single precision loses the more the farther apart the queries of a leaf are: here more than their distances.
+TEST(UnitSearch, SmallClustersFarApart)
+{
+    for (const std::int64_t spread : {1000ll, 30ll, 2ll}) {
+        InBox far(1 << 29, 1 << 29, 1 << 29), near(spread, spread, spread);
+        std::vector<Vec3i> centres;
+        for (int i = 0; i < 100; ++i) centres.push_back(far());
+        const auto place = [&](std::size_t i) {
+            const Vec3i c = centres[i % centres.size()], d = near();
+            return Vec3i{c[0] + d[0], c[1] + d[1], c[2] + d[2]};
+        };
+        expect_exact(narrow(900, place), {1, 3, 8, 16});
+        expect_exact(narrow(900, place, {1, 1.25, 0.3}), {1, 3, 8, 16});
+    }
+}
+
+// A small part of a large extent, so that its offsets are small in any unit.
+TEST(UnitSearch, DifferentScalesBesideAStray)
+{
+    for (const int bits : {30, 45, 55}) {
+        const auto place = [&](std::size_t i) { return i ? on_lattice(i, 9, {1, 1, 1}) : Vec3i{1ll << bits, 0, 0}; };
+        expect_exact(wide(729, place, {1, 1.25, 1.00000001}), {1, 2, 3, 8, 16});
+    }
+}
+
+TEST(UnitSearch, ListsOfAllLengths)
+{
+    const auto p = narrow(400, InBox(1000, 1000, 1000));
+    expect_exact(p, {2, 8, 9, 15, 24, 25, 31, 32, 40, 41, 48, 49, 56, 57, 64, 65, 96, 97, 192, 193, 399, 400},
+                 unbounded, 7);
+}
+
+TEST(UnitSearch, ManyPoints)
+{
+    expect_exact(narrow(200000, InBox(100000, 100000, 300)), {16, 40}, unbounded, 2003);
+    expect_exact(narrow(100000, InBox(1 << 30, 1 << 30, 1 << 30)), {16}, unbounded, 2003);
+    expect_exact(wide(50000, InBox(1ll << 50, 1ll << 50, 1ll << 40), {1e-6, 1e-6, 1e-5}), {16}, unbounded, 1009);
 }
 
 TEST(UnitSearch, Duplicates)
@@ -174,7 +214,7 @@ TEST(UnitSearch, MaxDistanceIsInclusive)
                                  return on_lattice(i, 10, {5000, 5000, 5000});
                              },
                              {1e-3, 1e-3, 1e-3});
-    for (const double distance : {4.999999999999999, 5.0, 5.000000000000001}) expect_exact(fine, {6, 16}, distance);
+    for (const double distance : {4.999999999999999, 5.0, 5.000000000000001}) expect_exact(fine, {4, 6, 16}, distance);
     expect_exact(narrow(1000, InBox(100, 100, 100)), {1, 16, 200}, 25);
     expect_exact(narrow(1000, InBox(2, 2, 2)), {1, 16, 200}, 0);
     expect_exact(wide(700, InBox(1ll << 50, 1ll << 50, 1ll << 50)), {16}, std::ldexp(1, 48));
@@ -196,6 +236,22 @@ TEST(UnitSearch, SomeQueries)
         EXPECT_EQ(compare(p, {16, unbounded}, &none).queries, 0u);
         EXPECT_EQ(compare(p, {0, unbounded}).first_mistake, "");
     });
+}
+
+TEST(UnitSearch, ManyThreadsMaySearch)
+{
+    const auto p = narrow(3000, InBox(1000, 1000, 10));
+    const auto search = make_unit_search(p);
+    std::vector<std::string> mistakes(4);
+    std::vector<std::thread> threads;
+    for (std::uint32_t t = 0; t < mistakes.size(); ++t)
+        threads.emplace_back([&, t] {
+            std::vector<std::uint32_t> queries;
+            for (std::uint32_t i = t; i < p.size(); i += 3) queries.push_back(i);
+            mistakes[t] = compare(*search, p, {16, unbounded}, &queries, 5).first_mistake;
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::string& mistake : mistakes) EXPECT_EQ(mistake, "");
 }
 
 // The same points in the same order, whatever the processor.
@@ -240,19 +296,25 @@ TEST(UnitSearch, NearestOf)
     check(narrow(2000, InBox(2147483647, 2147483647, 10)));
     check(narrow(10, InBox(10, 10, 10)));
     check(wide(2000, InBox(1ll << 60, 1ll << 40, 1ll << 40)));
+    // Those to choose from lie in a plane with none of the others.
+    check(narrow(1000,
+                 [](std::size_t i) {
+                     return Vec3i{i % 5 ? 1 + std::int64_t(i % 7) : 0, std::int64_t(i * i % 997), 3};
+                 },
+                 {1, 0.5, 0.25}));
     EXPECT_TRUE(nearest_of(narrow(5, InBox(1, 1, 1)), {}, {1}).empty());
 }
 
-// Inputs on which a search of this kind may become quadratic. The bounds are generous: one of these would take minutes.
+// Inputs on which a search of this kind may become quadratic. The bounds, in seconds of the processor, are generous.
 TEST(UnitSearch, StiffInputsStayFast)
 {
     const auto seconds = [](const SearchPositions& p, std::size_t k) {
-        const auto begin = std::chrono::steady_clock::now();
+        const std::clock_t begin = std::clock();
         std::size_t queries = 0;
         make_unit_search(p)->search(nullptr, {k, unbounded},
                                     [&](const FoundNeighbours& found) { queries += found.size; });
         EXPECT_EQ(queries, p.size());
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     };
     EXPECT_LT(seconds(narrow(1000000, [](std::size_t) { return Vec3i{1, 2, 3}; }), 16), 20);
     EXPECT_LT(seconds(narrow(100000, [](std::size_t i) { return Vec3i{std::int64_t(i), 0, 0}; }), 16), 5);
@@ -268,6 +330,8 @@ TEST(UnitSearch, StiffInputsStayFast)
                   10);
         EXPECT_LT(seconds(wide(200000, [&](std::size_t i) { return i ? b() : Vec3i{far, 0, 0}; }), 16), 10);
     }
+    InBox strays(1ll << 45, 1ll << 45, 1ll << 45), cluster(5000, 5000, 5000);
+    EXPECT_LT(seconds(wide(200000, [&](std::size_t i) { return i % 500 ? cluster() : strays(); }), 16), 5);
     EXPECT_LT(seconds(narrow(125000,
                              [](std::size_t i) {
                                  return on_lattice(i, 50, {10000019, 10000019, 10000019});

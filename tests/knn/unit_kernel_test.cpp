@@ -1,0 +1,75 @@
+#include "pcm/knn/unit_kernel.h"
+
+#include "pcm/knn/unit_tree.h"
+#include "tests/knn/search_clouds.h"
+#include "tests/knn/simd_levels.h"
+
+#include <gtest/gtest.h>
+
+namespace pcm {
+namespace {
+
+using search_clouds::InBox;
+
+// How many queries single precision could not decide, of all points of the cloud, k = 16.
+std::uint32_t undecided(std::vector<TreePoint<std::int64_t>> points)
+{
+    constexpr std::size_t k = 16;
+    const UnitTree<std::int64_t> tree(std::move(points), {1, 1, 1}, {1, 1, 1});
+    AlignedArray<std::uint64_t> lists(list_words(k));
+    std::vector<std::uint32_t> ids(leaf_points * k), counts(leaf_points);
+    std::vector<double> squares(leaf_points * k);
+    std::uint32_t repeated = 0;
+    KernelRequest request;
+    request.neighbours = request.stride = k;
+    request.limit = std::numeric_limits<double>::infinity();
+    request.ids = ids.data();
+    request.squares = squares.data();
+    request.counts = counts.data();
+    request.lists = lists.data();
+    request.repeated = &repeated;
+    for (std::uint32_t leaf = 0; leaf < tree.view().leaves; ++leaf)
+        unit_kernels().wide(tree.view(), {tree.leaf(leaf), ~0u, leaf}, request);
+    return repeated;
+}
+
+std::vector<TreePoint<std::int64_t>> points_at(std::size_t size, const std::function<Vec3i(std::size_t)>& place)
+{
+    std::vector<TreePoint<std::int64_t>> points(size);
+    for (std::size_t i = 0; i < size; ++i) {
+        const Vec3i at = place(i);
+        points[i] = {{at[0], at[1], at[2]}, static_cast<std::uint32_t>(i)};
+    }
+    return points;
+}
+
+// The points in the leaf of a stray are searched without it: its distance would cost them their precision, and each of
+// them the comparison with all points. To the stray itself all others are equally far.
+TEST(UnitKernel, AStrayDoesNotBlindThePointsInItsLeaf)
+{
+    at_each_level([] {
+        InBox cluster(1000, 1000, 1000);
+        EXPECT_EQ(undecided(points_at(3200,
+                                      [&](std::size_t i) {
+                                          return i ? cluster() : Vec3i{1ll << 50, 0, 0};
+                                      })),
+                  1u);
+    });
+}
+
+TEST(UnitKernel, TiesOfFineStepsAreUndecided)
+{
+    at_each_level([] {
+        const auto lattice = [](std::int64_t step) {
+            return points_at(1024, [=](std::size_t i) {
+                const auto n = static_cast<std::int64_t>(i);
+                return Vec3i{n % 16 * step, n / 16 % 8 * step, n / 128 * step};
+            });
+        };
+        EXPECT_GT(undecided(lattice(1000003)), 500u);
+        EXPECT_EQ(undecided(lattice(100)), 0u);
+    });
+}
+
+}  // namespace
+}  // namespace pcm
