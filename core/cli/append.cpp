@@ -4,6 +4,7 @@
 #include "pcm/cli/reading.h"
 #include "pcm/convert/open_cloud.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 #include <memory>
@@ -58,7 +59,7 @@ int append(Arguments& arguments)
         grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(),
         grouped(report.outcome.points_out).c_str(), report.parts);
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
-                bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(peak_memory_bytes()).c_str());
     return finished(report.outcome);
 }
 

@@ -3,6 +3,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 #include <memory>
@@ -45,7 +46,7 @@ void print_build(const std::filesystem::path& output, const BuildReport& report)
                     ? static_cast<double>(report.bytes) / static_cast<double>(report.outcome.points_out)
                     : 0.0);
     std::printf("largest position error %s source units, peak memory %s, scratch at most %s\n",
-                exact(report.outcome.error).c_str(), bytes_text(peak_rss_bytes()).c_str(),
+                exact(report.outcome.error).c_str(), bytes_text(peak_memory_bytes()).c_str(),
                 bytes_text(report.scratch_bytes).c_str());
 }
 

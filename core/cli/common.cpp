@@ -1,6 +1,6 @@
 #include "pcm/cli/common.h"
+#include "pcm/system/peak_memory.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -46,13 +46,6 @@ void end_progress(const Common& common)
     if (!common.quiet && !common.json && isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%60s\r", "");
 }
 
-std::uint64_t peak_rss_bytes()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
 double points_per_second(const Outcome& outcome)
 {
     return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0;
@@ -63,7 +56,7 @@ void put_outcome(Json& json, const Outcome& outcome)
     json["points"] = outcome.points_out;
     json["seconds"] = outcome.seconds;
     json["points_per_second"] = points_per_second(outcome);
-    json["peak_rss_bytes"] = peak_rss_bytes();
+    json["peak_rss_bytes"] = peak_memory_bytes();
     json["warnings"] = outcome.warnings;
 }
 

@@ -26,8 +26,6 @@ void add_common(Options& options, Common& common);
 ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
 
-std::uint64_t peak_rss_bytes();
-
 double points_per_second(const Outcome& outcome);
 // points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.
 void put_outcome(Json& json, const Outcome& outcome);

@@ -4,6 +4,7 @@
 #include "pcm/cli/reading.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdio>
@@ -94,7 +95,7 @@ int convert(Arguments& arguments)
         std::printf("grid chosen: scale %s, offset %s\n", exact(report.grid->scale).c_str(),
                     exact(report.grid->offset).c_str());
     std::printf("largest position error %s source units, peak memory %s\n", exact(report.outcome.error).c_str(),
-                bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(peak_memory_bytes()).c_str());
     return finished(report.outcome);
 }
 

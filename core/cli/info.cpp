@@ -7,6 +7,7 @@
 #include "pcm/io/metadata_text.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
 
 #include <cmath>
@@ -206,7 +207,7 @@ Json to_json(const MergedReader& cloud, const std::optional<Scan>& scanned)
     if (scanned) {
         json["scanned"] = {
             {"points", scanned->points}, {"not_finite", scanned->not_finite}, {"bounds", box_of(scanned->box)}};
-        json["peak_rss_bytes"] = peak_rss_bytes();
+        json["peak_rss_bytes"] = peak_memory_bytes();
         if (scanned->statistics) json["statistics"] = json_of_statistics(*scanned->statistics, info.schema);
     }
     put_skipped(json, info.skipped);

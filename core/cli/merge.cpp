@@ -1,6 +1,7 @@
 #include "pcm/filter/merge.h"
 
 #include "pcm/cli/common.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 #include <memory>
@@ -45,7 +46,7 @@ int merge(Arguments& arguments)
     std::printf("%s: %s points of %zu trees in %.1f s (%.2f M points/s), %s, peak memory %s\n",
                 arguments.output.c_str(), grouped(outcome.points_out).c_str(), report.trees.size(), outcome.seconds,
                 points_per_second(outcome) / 1e6, bytes_text(report.build.bytes).c_str(),
-                bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(peak_memory_bytes()).c_str());
     if (report.grid)
         std::printf("grid: steps %s, offset %s; coordinates changed by at most %s source units\n",
                     exact(report.grid->scale).c_str(), exact(report.grid->offset).c_str(),

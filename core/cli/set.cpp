@@ -4,6 +4,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 
 #include <chrono>
 #include <cmath>
@@ -197,7 +198,7 @@ int set(Arguments& arguments)
         json["chunks_written"] = statistics.written_chunks;
         json["attributes_added"] = added.size();
         json["seconds"] = seconds;
-        json["peak_rss_bytes"] = peak_rss_bytes();
+        json["peak_rss_bytes"] = peak_memory_bytes();
         json["warnings"] = set.outcome.warnings;
         if (arguments.statistics) json["cache"] = cache_json(statistics);
         std::printf("%s\n", json.dump(2).c_str());

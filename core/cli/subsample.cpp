@@ -3,6 +3,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
 #include "pcm/cli/result_options.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 #include <memory>
@@ -62,7 +63,7 @@ int run(Arguments& arguments)
     std::printf("%s: %s points of %s (%s) in %.1f s, %s, peak memory %s\n", sources.output().c_str(),
                 grouped(outcome.points_out).c_str(), grouped(outcome.points_in).c_str(),
                 chosen_text(arguments, report).c_str(), sources.seconds(), bytes_text(report.build.bytes).c_str(),
-                bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(peak_memory_bytes()).c_str());
     return finished(outcome);
 }
 

@@ -3,6 +3,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
 #include "pcm/cli/result_options.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 #include <memory>
@@ -54,7 +55,7 @@ int voxel(Arguments& arguments)
                 exact(arguments.size).c_str(), sources.seconds(),
                 static_cast<double>(outcome.points_in) / std::max(1e-9, sources.seconds()) / 1e6);
     std::printf("at most %s points in a voxel, %s, peak memory %s\n", grouped(report.most_in_one).c_str(),
-                bytes_text(report.build.bytes).c_str(), bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(report.build.bytes).c_str(), bytes_text(peak_memory_bytes()).c_str());
     return finished(outcome);
 }
 

@@ -1,7 +1,5 @@
 #include "pcm/filter/filter_report.h"
 
-#include <sys/resource.h>
-
 #include <cstdio>
 
 namespace pcm {
@@ -31,13 +29,6 @@ std::string outcome_text(const std::string& what, const FilterReport& report)
         separator = "; ";
     }
     return text + " (" + std::to_string(report.points_checked) + " points checked)";
-}
-
-std::uint64_t peak_memory_bytes()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace pcm

@@ -32,7 +32,4 @@ struct FilterReport {
 // the result as a noun.
 std::string outcome_text(const std::string& what, const FilterReport& report);
 
-// The largest resident memory of this process since its start.
-std::uint64_t peak_memory_bytes();
-
 }  // namespace pcm

@@ -4,6 +4,7 @@
 #include "pcm/filter/precision.h"
 #include "pcm/filter/result_attributes.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/tree.h"
 #include "pcm/update/tree_changes.h"

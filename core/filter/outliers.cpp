@@ -6,6 +6,7 @@
 #include "pcm/filter/value_file.h"
 #include "pcm/filter/value_statistics.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/threads/for_each_index.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"

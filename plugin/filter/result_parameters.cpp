@@ -1,24 +1,16 @@
 #include "plugin/filter/result_parameters.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
 #include "plugin/host/text.h"
 
 #include <QRegularExpression>
 
-#include <sys/resource.h>
-
 namespace pcm::host {
 
 namespace {
-
-std::uint64_t peak_memory()
-{
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_argument, {}, what); }
 
@@ -96,7 +88,7 @@ void log_result(const FilterRun& run, const std::string& what, const BuildReport
     const Outcome& outcome = report.outcome;
     run.log(what + ": " + grouped(outcome.points_out) + " of " + grouped(outcome.points_in) + " points in " +
             brief(outcome.seconds) + " s, " + bytes_text(report.bytes) + "; peak memory of the program " +
-            bytes_text(peak_memory()) + ".");
+            bytes_text(peak_memory_bytes()) + ".");
     log_notes(run, report.notes);
     log_warnings(run, outcome.warnings);
 }

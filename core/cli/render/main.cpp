@@ -6,6 +6,7 @@
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/threads/thread_count.h"
 
 #include <algorithm>
@@ -182,7 +183,7 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
     json["drawn_with"] = screen.renderer();
     json["notes"] = summary.notices;
     json["seconds"] = summary.seconds;
-    json["peak_rss_bytes"] = peak_rss_bytes();
+    json["peak_rss_bytes"] = peak_memory_bytes();
     json["pictures"] = pictures;
     json["warnings"] = summary.outcome.warnings;
     return json;
@@ -211,7 +212,7 @@ void print(const Summary& summary, const RenderArguments& arguments, const Offsc
         std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(),
                     files.back().c_str(), grouped(summary.most_points).c_str(), whole,
                     time_text(summary.longest_ms / 1000).c_str());
-    std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_rss_bytes()).c_str());
+    std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_memory_bytes()).c_str());
 }
 
 // Of the trees; one where several mean the same.

@@ -5,6 +5,7 @@
 #include "pcm/gl/gpu_radii.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/point_cloud.h"
+#include "pcm/system/peak_memory.h"
 #include "pcm/update/target.h"
 
 #include <algorithm>
@@ -68,7 +69,7 @@ int run(Arguments& arguments)
     }
     std::printf("%s: radii: %.1f s, exact\n%s points, computed with %s, peak memory %s\n", target.path().c_str(),
                 report.outcome.seconds, grouped(report.outcome.points_out).c_str(), context.renderer().c_str(),
-                bytes_text(peak_rss_bytes()).c_str());
+                bytes_text(peak_memory_bytes()).c_str());
     if (normals) std::printf("radii were measured across the normals that the tree has\n");
     return finished(report.outcome);
 }
