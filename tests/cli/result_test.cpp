@@ -106,7 +106,7 @@ TEST_F(ResultCommands, VoxelGridsThatAreRefused)
     }
 }
 
-// Three million points with a limit of 128 MiB.
+// Three million points with a limit of 128 MiB. Sanitizers need more memory: their presets leave this out.
 TEST_F(ResultCommands, VoxelGridKeepsToItsMemory)
 {
     ASSERT_EQ(pcmlab("generate -n 3000000 " + path("a.las")).code, 0);
