@@ -67,6 +67,7 @@ void put_attribute_report(Json& json, const WantedValues& wanted, const Neighbou
 {
     put_report(json, report);
     json["points_computed"] = report.points_computed;
+    if (wanted.radius) json["radii_limited"] = report.limited;
     json["used_known_normals"] = report.used_known_normals;
     if (wanted.needs_shape())
         json["confidence"] = {{"line", report.lines}, {"blob", report.blobs}, {"too_few", report.too_few}};
@@ -83,6 +84,9 @@ void print_attribute_report(const std::filesystem::path& tree, const WantedValue
     if (wanted.needs_shape())
         std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s\n", grouped(report.lines).c_str(),
                     grouped(report.blobs).c_str(), grouped(report.too_few).c_str());
+    if (report.limited)
+        std::printf("%s points stand alone: their radii are those of their surroundings\n",
+                    grouped(report.limited).c_str());
     if (report.used_known_normals) std::printf("radii were measured across the normals that the tree has\n");
 }
 

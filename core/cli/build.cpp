@@ -57,6 +57,7 @@ NeighbourAttributeReport compute_normals(const Arguments& arguments, const std::
     NeighbourAttributeOptions options;
     options.wanted = wanted;
     options.neighbours = arguments.normals;
+    options.radius_limit = 2.5;
     options.memory_bytes = arguments.memory;
     options.threads = arguments.options.threads;
     options.progress = console_progress(arguments.common);

@@ -11,6 +11,7 @@ struct Arguments {
     TargetOptions target;
     NeighbourOptions neighbours;
     std::uint32_t radius_neighbours = 6;
+    double radius_limit = 2.5;
     bool radii = false, curvature = false, mean_distance = false, confidence = true;
     std::vector<double> viewpoint, direction;
 };
@@ -31,6 +32,7 @@ int run(const Arguments& arguments)
         options.orientation.rule = NormalOrientation::Rule::direction;
         for (std::size_t a = 0; a < 3; ++a) options.orientation.vector[a] = arguments.direction[a];
     }
+    options.radius_limit = arguments.radius_limit;
     arguments.neighbours.put_into(options);
     return run_attribute_filter(arguments.common, arguments.tree, arguments.target, options);
 }
@@ -47,6 +49,12 @@ Run add_normals(Options& options)
         .option("--radius-neighbours", arguments->radius_neighbours,
                 "How many of the nearest neighbours a radius covers (default 6; at most -k)")
         .between(1, 1024);
+    options
+        .option(
+            "--radius-limit", arguments->radius_limit,
+            "A radius is at most so many times the size of the point that the tree has for splats, so that discs of "
+            "points that stand alone stay small (default 2.5; 0: no limit)")
+        .not_negative();
     options.flag("--curvature", arguments->curvature, "Also write the attribute curvature, 0 (plane) to 1/3");
     options.flag("--mean-distance", arguments->mean_distance,
                  "Also write the attribute mean_distance: to the neighbours, source units");

@@ -1,7 +1,10 @@
 #include "pcm/filter/attribute_pass.h"
 
+#include "pcm/tree/point_size.h"
+
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -10,7 +13,7 @@ namespace pcm {
 namespace {
 
 struct Counts {
-    std::uint64_t lines = 0, blobs = 0, too_few = 0, flipped = 0;
+    std::uint64_t lines = 0, blobs = 0, too_few = 0, flipped = 0, limited = 0;
 };
 
 // Keeps the values of one unit, and writes them at its end.
@@ -20,6 +23,7 @@ public:
                 OrientationPropagation* propagation, std::mutex& mutex, NeighbourAttributeReport& report)
         : cache_(cache),
           wanted_(options.wanted),
+          radius_limit_(options.radius_limit),
           orientation_(options.orientation),
           places_(places),
           propagation_(propagation),
@@ -40,6 +44,7 @@ public:
         report_.blobs += counts_.blobs;
         report_.too_few += counts_.too_few;
         report_.flipped += counts_.flipped;
+        report_.limited += counts_.limited;
     }
 
     void begin(const NeighbourhoodUnit& unit) override
@@ -84,6 +89,7 @@ public:
                     to[part.indices[i]] = values[source(unit, part, i)];
             };
             put(places_.radius, radius_);
+            if (places_.radius) limit_radii(part, edit.column(*places_.radius).as<float>());
             put(places_.curvature, curvature_);
             put(places_.confidence, confidence_);
             put(places_.mean_distance, mean_distance_);
@@ -100,6 +106,16 @@ private:
     {
         const std::uint32_t number = part.first + static_cast<std::uint32_t>(i);
         return unit.source.empty() ? number : unit.source[number];
+    }
+
+    void limit_radii(const NeighbourhoodUnit::Part& part, float* radii)
+    {
+        for (const std::uint32_t index : part.indices) {
+            const double most = most_radius(*part.chunk, index, grid_, radius_limit_);
+            if (!(radii[index] > most)) continue;
+            radii[index] = static_cast<float>(most);
+            ++counts_.limited;
+        }
     }
 
     // Sets part_ to the part that has a number.
@@ -162,6 +178,7 @@ private:
 
     L2Cache& cache_;
     const WantedValues wanted_;
+    const double radius_limit_;
     const NormalOrientation orientation_;
     const AttributePlaces places_;
     OrientationPropagation* const propagation_;
@@ -190,6 +207,13 @@ Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::siz
     return size > 0 && std::isfinite(size) ? n / size : Vec3d{0, 0, 0};
 }
 
+double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, double limit)
+{
+    const std::uint8_t code = limit > 0 && chunk.sizes ? chunk.sizes->as<std::uint8_t>()[point] : unknown_size;
+    if (code == unknown_size) return std::numeric_limits<double>::infinity();
+    return limit * point_size(code, least_point_size(grid));
+}
+
 NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places)
 {
     NeighbourhoodOptions search;
@@ -197,6 +221,7 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     search.max_distance = options.max_distance;
     search.level = options.level;
     if (places.known_normal) search.columns.attributes.set(*places.known_normal);
+    search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
     // Joining points to pieces takes memory, too.
     const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
     search.memory_bytes = options.memory_bytes / (joins ? 3 : 2);

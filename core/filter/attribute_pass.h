@@ -21,6 +21,9 @@ struct AttributePlaces {
 // The normal that an attribute gives a point, in double, of unit length; 0 where it has none or no finite one.
 Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::size_t point);
 
+// The largest radius that a point may have (NeighbourAttributeOptions::radius_limit), source units.
+double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, double limit);
+
 // Computes the attributes of all points, at options.level, into edits of the cache; nothing is flushed. Adds to the
 // report's counts. Where normals are to be consistent, they are given to `propagation`, which is null otherwise.
 // Progress goes from 0 to `end`. Throws what for_each_neighbourhood() throws.

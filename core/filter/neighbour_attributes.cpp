@@ -24,6 +24,7 @@ void check(const NeighbourAttributeOptions& options, const std::filesystem::path
         throw Error(ErrorCode::invalid_argument, path, what, hint);
     };
     if (!options.wanted.any()) refuse("no attribute is to be computed", "choose radii, normals or another attribute");
+    if (!(options.radius_limit >= 0)) refuse("the limit of radii must be 0 or more", "");
     if (!(options.max_distance > 0)) refuse("the largest distance of a neighbour must be positive", "");
     if (options.level && (options.time_limit || options.error_target_percent))
         refuse("a level is given, and a time limit or an error target that would choose it", "give one of them");

@@ -34,7 +34,10 @@ struct NeighbourAttributeOptions {
     WantedValues wanted;
     std::size_t neighbours = 16;                                    // k, 1 to most_neighbours
     double max_distance = std::numeric_limits<double>::infinity();  // of a neighbour, source units; positive
-    NormalOrientation orientation;                                  // of the normals that are computed
+    // A radius is at most so many times the size that its chunk has for the point (tree/point_size.h), which hardly
+    // grows where a point stands alone; 0, and for points without a size: no limit.
+    double radius_limit = 0;
+    NormalOrientation orientation;  // of the normals that are computed
     // The precision (see NeighbourhoodOptions::level), or one or both of the next two, which choose it: the time that
     // the filter may take, and the largest error that 95 % of the points may have: of the value for radii, curvature
     // and mean distances; for normals 1 % is an angle of 0.01. Without any of them all points are computed.
@@ -51,6 +54,7 @@ struct NeighbourAttributeReport : FilterReport {
     std::uint64_t points_computed = 0;                // the others took a neighbour's values
     std::uint64_t lines = 0, blobs = 0, too_few = 0;  // points by NormalConfidence; 0 when no normals are wanted
     bool used_known_normals = false;                  // radii were measured across normals that the tree had
+    std::uint64_t limited = 0;                        // radii that the limit made smaller
     std::uint64_t flipped = 0;                        // normals that the orientation turned around
 };
 

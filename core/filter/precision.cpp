@@ -35,9 +35,11 @@ public:
           search_(cache, blocks, {}, options.max_distance),
           wanted_(options.wanted),
           known_(places.known_normal),
-          k_(options.neighbours)
+          k_(options.neighbours),
+          radius_limit_(options.radius_limit)
     {
         if (known_) columns_.attributes.set(*known_);
+        columns_.sizes = radius_limit_ > 0;
     }
 
     Vec3d position(const PointPlace& place)
@@ -60,8 +62,11 @@ public:
             z_.push_back(f.position[2] - q[2]);
             squares_.push_back(f.squared_distance);
         }
-        return values_of({x_.data(), y_.data(), z_.data(), squares_.data(), squares_.size()}, wanted_,
-                         known_ ? &known : nullptr);
+        PointValues values = values_of({x_.data(), y_.data(), z_.data(), squares_.data(), squares_.size()}, wanted_,
+                                       known_ ? &known : nullptr);
+        values.radius =
+            std::min(values.radius, most_radius(*chunk_, place.index, cache_.tree().info().grid, radius_limit_));
+        return values;
     }
 
 private:
@@ -71,6 +76,7 @@ private:
     const WantedValues wanted_;
     const std::optional<std::size_t> known_;
     const std::size_t k_;
+    const double radius_limit_;
     ColumnSet columns_;
     L2Cache::Handle chunk_;
     std::vector<Neighbour> found_;

@@ -19,6 +19,10 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichInt("RadiusNeighbours", 6, "Neighbours of a radius",
                                 "How many of the nearest neighbours a radius covers, from 1 to Neighbours. More make "
                                 "larger discs, fewer leave gaps. Default 6."));
+    parameters.addParam(RichFloat(
+        "RadiusLimit", 4, "Limit of radii",
+        "A radius is at most so many times the size of the point that the tree has for splats, so that the discs "
+        "of points that stand alone stay small. 0: no limit. Default 2.5."));
     parameters.addParam(RichBool("Curvature", false, "Curvature too",
                                  "Also write the attribute curvature: the share of the smallest of the three variances "
                                  "of the neighbours, from 0 (a plane) to 1/3. Default off."));
@@ -49,6 +53,7 @@ void run(const FilterRun& run)
     options.wanted.curvature = parameters.getBool("Curvature");
     options.wanted.confidence = parameters.getBool("Confidence");
     options.neighbours = neighbours_of(parameters);
+    options.radius_limit = parameters.getFloat("RadiusLimit");
     if (options.wanted.radius)
         options.wanted.radius_neighbours = static_cast<std::size_t>(in_range(
             parameters, "RadiusNeighbours", "Neighbours of a radius", 1, static_cast<int>(options.neighbours)));

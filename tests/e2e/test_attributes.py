@@ -31,7 +31,8 @@ def radii(tree, output="", in_place=False, neighbours=16, level=-1, time_limit=0
 def normals(tree, output="", in_place=False, level=-1, time_limit=0, error_target=0, viewpoint="", direction=""):
     return ("Estimate Normals of Point Cloud Tree", {
         **common(tree, output, in_place), **precision(level, time_limit, error_target), "Neighbours": ("RichInt", 16),
-        "Radii": flag(True), "RadiusNeighbours": ("RichInt", 6), "Curvature": flag(True), "Confidence": flag(True), "Viewpoint": ("RichString", viewpoint),
+        "Radii": flag(True), "RadiusNeighbours": ("RichInt", 6), "RadiusLimit": ("RichFloat", 2.5),
+        "Curvature": flag(True), "Confidence": flag(True), "Viewpoint": ("RichString", viewpoint),
         "Direction": ("RichString", direction)})
 
 

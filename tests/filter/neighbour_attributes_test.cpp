@@ -3,6 +3,7 @@
 #include "pcm/filter/symmetric_eigen.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/point_size.h"
 #include "pcm/tree/verify.h"
 #include "pcm/update/target.h"
 #include "tests/filter/oracle.h"
@@ -221,6 +222,39 @@ TEST_F(NeighbourAttributes, ARadiusMayCoverFewerNeighboursThanANormal)
             ASSERT_NEAR(oracle.value(oracle.points[i], "radius"), radius, 1e-5 * radius);
         }
     }
+}
+
+TEST_F(NeighbourAttributes, RadiiOfPointsThatStandAloneAreLimited)
+{
+    MemoryCloud cloud = cloud_of(1200, 15, bumpy);
+    for (std::size_t i = 0; i < 5; ++i) cloud.points.xyz[2][i] += 1e3 * double(i + 1);
+    build_small(cloud, tree_);
+    WantedValues wanted;
+    wanted.normal = wanted.radius = true;
+    compute(wanting(wanted, 6));
+    const Oracle free(tree_);
+    NeighbourAttributeOptions options = wanting(wanted, 6);
+    options.radius_limit = 3;
+    const std::uint64_t limited = compute(options).limited;
+    EXPECT_GE(limited, 5u);
+    EXPECT_LT(limited, 120u);
+    const Oracle bounded(tree_);
+    const double least = least_point_size(bounded.tree->info().grid);
+    ColumnSet sizes;
+    sizes.positions = false;
+    sizes.sizes = true;
+    std::uint64_t smaller = 0;
+    for (std::size_t i = 0; i < bounded.points.size(); ++i) {
+        const OraclePoint& p = bounded.points[i];
+        const double before = free.value(free.points[i], "radius"), after = bounded.value(p, "radius");
+        const Chunk chunk = bounded.tree->read_chunk(p.node, sizes);
+        const double most = 3 * point_size(chunk.sizes->as<std::uint8_t>()[p.index], least);
+        ASSERT_NEAR(after, std::min(before, most), 1e-6 * after);
+        smaller += after < before;
+    }
+    EXPECT_EQ(smaller, limited);
+    options.radius_limit = -1;
+    EXPECT_THROW(compute(options), Error);
 }
 
 TEST_F(NeighbourAttributes, ReplaceValuesOfTheirTypeAndRefuseOthers)
