@@ -1,18 +1,15 @@
 #include "pcm/knn/unit_plan.h"
 
+#include "pcm/knn/grid_steps.h"
+
 #include <algorithm>
 
 namespace pcm {
 namespace {
 
-std::uint64_t steps(std::int64_t low, std::int64_t high)
-{
-    return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
-}
-
 std::int64_t middle(std::int64_t low, std::int64_t high)
 {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + steps(low, high) / 2);
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + grid_steps(low, high) / 2);
 }
 
 bool holds(const Box3i& outer, const Box3i& inner) { return outer.contains(inner.min) && outer.contains(inner.max); }
@@ -37,8 +34,8 @@ double count(const Tree& tree, NodeId id, const Box3i& box)
     if (shared.empty()) return 0;
     double share = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        share *= (double(steps(shared.min[axis], shared.max[axis])) + 1) /
-                 (double(steps(node.box.min[axis], node.box.max[axis])) + 1);
+        share *= (double(grid_steps(shared.min[axis], shared.max[axis])) + 1) /
+                 (double(grid_steps(node.box.min[axis], node.box.max[axis])) + 1);
     double sum = share * node.points;
     for (const NodeId child : node.children)
         if (child != no_node) sum += count(tree, child, box);
@@ -90,7 +87,7 @@ private:
         std::size_t best = 0;
         double length = -1;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double here = double(steps(box.min[axis], box.max[axis])) * tree_.info().grid.scale[axis];
+            const double here = double(grid_steps(box.min[axis], box.max[axis])) * tree_.info().grid.scale[axis];
             if (here > length) {
                 length = here;
                 best = axis;

@@ -1,5 +1,7 @@
 #include "pcm/knn/unit_points.h"
 
+#include "pcm/knn/grid_steps.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,11 +9,6 @@
 
 namespace pcm {
 namespace {
-
-std::uint64_t steps(std::int64_t low, std::int64_t high)
-{
-    return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
-}
 
 bool meet(const Box3i& a, const Box3i& b)
 {
@@ -50,7 +47,7 @@ public:
     {
         bool narrow = true;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const std::uint64_t extent = steps(result.loaded.min[axis], result.loaded.max[axis]);
+            const std::uint64_t extent = grid_steps(result.loaded.min[axis], result.loaded.max[axis]);
             narrow = narrow && extent < (std::uint64_t(1) << 30);
             result.origin[axis] =
                 static_cast<std::int64_t>(static_cast<std::uint64_t>(result.loaded.min[axis]) + extent / 2);
@@ -87,7 +84,7 @@ Box3i box_around(const Box3i& box, double margin, const TreeInfo& info)
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double wanted = std::ceil(margin / info.grid.scale[axis]) + 1;
         const auto grow = [&](std::int64_t& side, std::int64_t limit, int sign) {
-            const std::uint64_t room = sign < 0 ? steps(limit, side) : steps(side, limit);
+            const std::uint64_t room = sign < 0 ? grid_steps(limit, side) : grid_steps(side, limit);
             side = wanted < double(room) ? side + sign * static_cast<std::int64_t>(wanted) : limit;
         };
         grow(result.min[axis], std::min(info.box.min[axis], box.min[axis]), -1);
@@ -103,9 +100,9 @@ double GatheredPoints::reach(std::uint32_t number, const Box3i& cloud) const
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double scale = positions.scale[axis];
         if (loaded.min[axis] > cloud.min[axis])
-            reach = std::min(reach, (double(steps(loaded.min[axis], at[axis])) + 1) * scale);
+            reach = std::min(reach, (double(grid_steps(loaded.min[axis], at[axis])) + 1) * scale);
         if (loaded.max[axis] < cloud.max[axis])
-            reach = std::min(reach, (double(steps(at[axis], loaded.max[axis])) + 1) * scale);
+            reach = std::min(reach, (double(grid_steps(at[axis], loaded.max[axis])) + 1) * scale);
     }
     return reach * (1 - 1e-12);
 }
