@@ -57,7 +57,7 @@ NeighbourAttributeReport compute_normals(const Arguments& arguments, const std::
     NeighbourAttributeOptions options;
     options.wanted = wanted;
     options.neighbours = arguments.normals;
-    options.radius_limit = 2.5;
+    options.radius_limit = usual_radius_limit;
     options.memory_bytes = arguments.memory;
     options.threads = arguments.options.threads;
     options.progress = console_progress(arguments.common);
@@ -95,7 +95,7 @@ int build(Arguments& arguments)
     if (arguments.normals) {
         WantedValues wanted;
         wanted.normal = wanted.radius = wanted.confidence = true;
-        wanted.radius_neighbours = 6;
+        wanted.radius_neighbours = usual_radius_neighbours;
         const NeighbourAttributeReport computed = compute_normals(arguments, output, wanted);
         put_attribute_report(json["normals"], wanted, computed);
         if (!arguments.common.json) print_attribute_report(output, wanted, computed);

@@ -10,8 +10,8 @@ struct Arguments {
     std::string tree;
     TargetOptions target;
     NeighbourOptions neighbours;
-    std::uint32_t radius_neighbours = 6;
-    double radius_limit = 2.5;
+    std::uint32_t radius_neighbours = usual_radius_neighbours;
+    double radius_limit = usual_radius_limit;
     bool radii = false, curvature = false, mean_distance = false, confidence = true;
     std::vector<double> viewpoint, direction;
 };

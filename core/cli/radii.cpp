@@ -50,7 +50,7 @@ Run add_radii(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->target.add_to(options);
-    arguments->neighbours.neighbours = 6;
+    arguments->neighbours.neighbours = usual_radius_neighbours;
     arguments->neighbours.add_to(options);
     options.flag("--mean-distance", arguments->mean_distance,
                  "Also write the attribute mean_distance: to the neighbours, source units");

@@ -28,6 +28,11 @@
 
 namespace pcm {
 
+// What radii of discs are computed with unless the user says otherwise: WantedValues::radius_neighbours, and
+// NeighbourAttributeOptions::radius_limit.
+inline constexpr std::uint32_t usual_radius_neighbours = 6;
+inline constexpr double usual_radius_limit = 2.5;
+
 struct NeighbourAttributeOptions {
     // At least one of them. When radii are wanted without normals and the tree has an attribute "normal" with 3
     // components, radii are measured across those.

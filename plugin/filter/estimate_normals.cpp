@@ -16,13 +16,16 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichBool("Radii", true, "Radii too",
                                  "Also compute the radii of the splats, across the normals, in the same pass. Default "
                                  "on."));
-    parameters.addParam(RichInt("RadiusNeighbours", 6, "Neighbours of a radius",
-                                "How many of the nearest neighbours a radius covers, from 1 to Neighbours. More make "
-                                "larger discs, fewer leave gaps. Default 6."));
+    parameters.addParam(
+        RichInt("RadiusNeighbours", int(usual_radius_neighbours), "Neighbours of a radius",
+                QString("How many of the nearest neighbours a radius covers, from 1 to Neighbours. More "
+                        "make larger discs, fewer leave gaps. Default %1.")
+                    .arg(usual_radius_neighbours)));
     parameters.addParam(RichFloat(
-        "RadiusLimit", 4, "Limit of radii",
-        "A radius is at most so many times the size of the point that the tree has for splats, so that the discs "
-        "of points that stand alone stay small. 0: no limit. Default 2.5."));
+        "RadiusLimit", float(usual_radius_limit), "Limit of radii",
+        QString("A radius is at most so many times the size of the point that the tree has for splats, so that "
+                "the discs of points that stand alone stay small. 0: no limit. Default %1.")
+            .arg(usual_radius_limit)));
     parameters.addParam(RichBool("Curvature", false, "Curvature too",
                                  "Also write the attribute curvature: the share of the smallest of the three variances "
                                  "of the neighbours, from 0 (a plane) to 1/3. Default off."));

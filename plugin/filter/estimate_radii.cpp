@@ -11,7 +11,7 @@ namespace {
 void add_parameters(RichParameterList& parameters)
 {
     add_tree_parameter(parameters);
-    add_neighbours_parameter(parameters, 6, "whose distances a radius covers");
+    add_neighbours_parameter(parameters, int(usual_radius_neighbours), "whose distances a radius covers");
     add_precision_parameters(parameters);
     add_target_parameters(parameters);
     add_work_parameters(parameters);

@@ -50,6 +50,7 @@ public:
     {
         return set(name, StringValue(QString::fromStdString(value.string())));
     }
+    const RichParameterList& parameters() const { return parameters_; }
     bool apply()
     {
         plugin().setLog(&document.Log);

@@ -37,6 +37,14 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
         EXPECT_TRUE(names.count(name)) << name;
 }
 
+// A tooltip that names a number as the default names the one that the dialog has.
+TEST(Filters, DefaultsOfRadiiAreThoseOfTheCommandLine)
+{
+    FilterCall run("Estimate Normals of Point Cloud Tree");
+    EXPECT_EQ(run.parameters().getInt("RadiusNeighbours"), 6);
+    EXPECT_FLOAT_EQ(run.parameters().getFloat("RadiusLimit"), 2.5f);
+}
+
 // The plugin refuses what the library would refuse, by the parameter's label, and nothing else.
 TEST(Filters, RangesAreTheLibrarys)
 {
