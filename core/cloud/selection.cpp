@@ -85,15 +85,18 @@ std::string extent_text(const Box3d& cloud)
 }
 
 Selector::Selector(const Selection& selection, const Schema& schema)
-    : box_(selection.box), bounds_(selection.box), region_(selection.region)
+    : box_(selection.box), bounds_(selection.box), region_(selection.region), clips_(selection.clips)
 {
     if (region_ && region_->kind() == Region::Kind::box) {
         box_ = bounds_ = box_ ? intersection(region_->bounds(), *box_) : region_->bounds();
         region_.reset();
     }
-    if (region_)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            bound(axis, region_->bounds().min[axis], region_->bounds().max[axis]);
+    const auto bound_by = [this](const Box3d& box) {
+        for (std::size_t axis = 0; axis < 3; ++axis) bound(axis, box.min[axis], box.max[axis]);
+    };
+    if (region_) bound_by(region_->bounds());
+    for (const Clip& clip : clips_)
+        if (!clip.outside) bound_by(clip.region.bounds());
     for (const Condition& condition : selection.where) add(condition, schema);
     std::sort(tested_.begin(), tested_.end());
     choose_attributes(selection, schema);
@@ -147,7 +150,9 @@ BoxRelation Selector::relation(const Box3d& box) const
     if (box_ && !box_->contains(box)) relation = BoxRelation::crosses;
     for (const CoordinateTest& test : coordinate_tests_)
         if (!test.surely_holds(box.min[test.axis()], box.max[test.axis()])) relation = BoxRelation::crosses;
-    return region_ ? both(relation, region_->relation(box)) : relation;
+    if (region_) relation = both(relation, region_->relation(box));
+    for (const Clip& clip : clips_) relation = both(relation, clip.relation(box));
+    return relation;
 }
 
 void Selector::narrow_by_attributes(const std::vector<const Column*>& columns,

@@ -1,6 +1,7 @@
 // Part of a cloud: the points in a box or a region, the points that meet conditions, some of the attributes.
 #pragma once
 
+#include "pcm/cloud/clip.h"
 #include "pcm/cloud/condition.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/point_batch.h"
@@ -17,11 +18,12 @@ namespace pcm {
 struct Selection {
     std::optional<Box3d> box;       // source coordinates, faces included; all points when absent, none when empty
     std::optional<Region> region;   // with a box: the intersection
+    std::vector<Clip> clips;        // all must hold
     std::vector<Condition> where;   // all must be met
     std::vector<std::string> keep;  // attributes; all when empty
     std::vector<std::string> drop;
 
-    bool chooses_points() const { return box || region || !where.empty(); }
+    bool chooses_points() const { return box || region || !clips.empty() || !where.empty(); }
     bool chooses_attributes() const { return !keep.empty() || !drop.empty(); }
 };
 
@@ -53,11 +55,12 @@ public:
     BoxRelation relation(const Box3d& box) const;
 
     // Whether a position is selected exactly when it is in bounds().
-    bool is_box() const { return !region_ && coordinate_tests_.empty(); }
-    // Whether a position meets the box, the region and the conditions on coordinates.
+    bool is_box() const { return !region_ && clips_.empty() && coordinate_tests_.empty(); }
+    // Whether a position meets the box, the region, the clips and the conditions on coordinates.
     bool holds_at(const Vec3d& p) const
     {
         bool holds = (!box_ || box_->contains(p)) && (!region_ || region_->contains(p));
+        for (const Clip& clip : clips_) holds = holds && clip.holds(p);
         for (const CoordinateTest& test : coordinate_tests_) holds = holds && test.holds(p[test.axis()]);
         return holds;
     }
@@ -82,10 +85,11 @@ private:
     void add(const Condition& condition, const Schema& schema);
     void choose_attributes(const Selection& selection, const Schema& schema);
     void narrow_by_attributes(const std::vector<const Column*>& columns, std::vector<std::uint32_t>& selected) const;
-    bool looks_at_positions() const { return box_ || region_ || !coordinate_tests_.empty(); }
+    bool looks_at_positions() const { return box_ || region_ || !clips_.empty() || !coordinate_tests_.empty(); }
 
     std::optional<Box3d> box_, bounds_;
     std::optional<Region> region_;
+    std::vector<Clip> clips_;
     std::vector<CoordinateTest> coordinate_tests_;
     std::vector<Test> tests_;
     std::vector<std::size_t> kept_, tested_;

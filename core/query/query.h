@@ -17,6 +17,7 @@ struct Query {
     std::vector<Condition> where;         // on attributes; all must be met (parse_condition() makes them from text)
     std::vector<std::string> attributes;  // names to read beside the position; unknown names are an error
     std::optional<Region> region;         // in addition to the box: points are inside of both
+    std::vector<Clip> clips;              // all must hold, too
     unsigned reads_in_flight = 8;  // chunks that are read at the same time, ahead of the caller: more of them hide a
                                    // network's latency, and each takes the memory of a chunk
     ProgressFunction progress;     // called by the cursor, on the caller's thread; false: Error(cancelled)
@@ -26,6 +27,7 @@ struct Query {
         Selection selection;
         selection.box = box;
         selection.region = region;
+        selection.clips = clips;
         selection.where = where;
         return selection;
     }

@@ -1,4 +1,4 @@
-// The tools that MeshLab lists under Edit.
+// Shows the table of tools (tools.h) to MeshLab.
 #pragma once
 
 #include <common/interfaces.h>
@@ -15,6 +15,5 @@ public:
     QString getEditToolDescription(QAction* action) override;
 
 private:
-    QAction* first_person_;
     QList<QAction*> actions_;
 };

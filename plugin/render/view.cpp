@@ -3,6 +3,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/text.h"
+#include "plugin/host/view_camera.h"
 #include "plugin/render/layer_watch.h"
 #include "plugin/render/overlay.h"
 #include "plugin/render/sample_watch.h"
@@ -199,6 +200,7 @@ void View::draw_scene(const Settings& settings)
         if (tile_) tile_->release();
         tile_.reset();
         shown_ = or_the_same(view, shown_);
+        keep_camera(*area_, shown_);
         report_ = painter_->renderer().draw(picture_, shown_, items, settings.render);
     }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());

@@ -1,0 +1,51 @@
+// Picks points of the clouds that a view shows. GUI thread; the search runs on a thread of its own, so that the view is
+// not blocked.
+#pragma once
+
+#include "pcm/cloud/geometry.h"
+#include "pcm/tree/tree.h"
+#include "plugin/host/registry.h"
+
+#include <QObject>
+#include <QPoint>
+#include <QString>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+class GLArea;
+
+namespace pcm::host {
+
+struct PickedValue {
+    std::string name, value;  // value in the attribute's own unit, with all digits
+};
+
+struct Picked {
+    int mesh_id = -1;                   // of the layer
+    std::shared_ptr<PointCloud> cloud;  // that the layer shows
+    NodeId node = no_node;              // of the tree
+    std::uint32_t point = 0;            // its number in the node's chunk
+    Vec3d position{};                   // source coordinates, as the file has them
+    Vec3d shown_at{};      // where the view shows it: `position` moved by the layer's matrix; coordinates of the scene
+    double spacing = 0;    // about the distance to its neighbours, source units; 0: not known
+    double grid_step = 0;  // the largest step of the grid that positions are on, source units
+    std::vector<PickedValue> attributes;  // all of them
+};
+
+struct PickAnswer {
+    std::optional<Picked> point;
+    QString message;    // why there is no point: "No point within 4 pixels of the cursor"
+    bool final = true;  // false: found among the chunks in memory, and being confirmed on all of them
+};
+
+// Finds the nearest visible point under `place` (Qt's pixels in the view): hidden classes, conditions, the clip box and
+// MeshLab's other layers count. `answer` is called in the GUI thread: at once with what is in memory if there is a
+// point there (final == false), then with the exact answer; never after `context` or the view is destroyed, nor for a
+// pick that a later one of the same context has replaced.
+void pick(GLArea& area, const QPoint& place, QObject& context, const std::function<void(const PickAnswer&)>& answer);
+
+}  // namespace pcm::host
