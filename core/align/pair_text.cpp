@@ -79,7 +79,8 @@ std::string text_of(const std::vector<PointPair>& pairs)
 {
     std::string text = "# x y z of the moving point, x y z of the fixed point, weight (1 where none is given)\n";
     for (const PointPair& pair : pairs)
-        text += exact(pair.moving) + "  " + exact(pair.fixed) + (pair.weight == 1 ? "" : "  " + exact(pair.weight)) + "\n";
+        text +=
+            exact(pair.moving) + "  " + exact(pair.fixed) + (pair.weight == 1 ? "" : "  " + exact(pair.weight)) + "\n";
     return text;
 }
 

@@ -85,8 +85,9 @@ void check_spread(const Side& side, const Problem& problem, const FitOptions& op
             if (problem.weights[i] == 0 || problem.weights[j] == 0) continue;
             const double apart = length(side.points[i] - side.points[j]);
             if (apart > rounding) continue;
-            refuse("the " + cloud + " in pairs " + std::to_string(i + 1) + " and " + std::to_string(j + 1) + " coincide",
-                   "delete one of the two pairs");
+            refuse(
+                "the " + cloud + " in pairs " + std::to_string(i + 1) + " and " + std::to_string(j + 1) + " coincide",
+                "delete one of the two pairs");
         }
     SquareMatrix<3> spread{};
     for (std::size_t i = 0; i < side.points.size(); ++i) {
@@ -206,8 +207,7 @@ Quaternion improved(const Problem& problem, Quaternion q, bool with_scale)
         for (std::size_t i = 0; i < problem.weights.size(); ++i) {
             const Vec3d p = times(rotation, problem.moving.points[i]);
             const Vec3d rest = problem.fixed.points[i] - scale * p;
-            turn = turn + problem.weights[i] *
-                              cross(p / problem.moving.size, rest / (scale * problem.moving.size));
+            turn = turn + problem.weights[i] * cross(p / problem.moving.size, rest / (scale * problem.moving.size));
         }
         Vec3d omega{};
         for (std::size_t a = 0; a < 3; ++a) {

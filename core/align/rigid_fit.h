@@ -42,8 +42,8 @@ struct RigidFit {
     std::vector<double> residuals;  // their lengths
     double rms = 0;                 // root of the weighted mean of their squares
 
-    // Standard deviation of one coordinate of a pair: from the residuals and the degrees of freedom that the fit leaves,
-    // or, if that is larger, the pick error of both points.
+    // Standard deviation of one coordinate of a pair: from the residuals and the degrees of freedom that the fit
+    // leaves, or, if that is larger, the pick error of both points.
     double coordinate_error = 0;
     double angle_error = 0;  // standard deviation of the rotation about its least certain axis, radians
     Vec3d weakest_axis{};    // that axis

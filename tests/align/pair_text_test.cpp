@@ -23,9 +23,10 @@ std::string refusal(const std::string& text)
 
 TEST(PairText, ReadsAllSeparatorsCommentsAndWeights)
 {
-    const auto pairs = parse_pairs("# moving, fixed\r\n500010.25 4800020.5 131.5\t1 2 3\r\n\n  # nothing\n"
-                                   "1,2,3;4,5,6,0.5 # a half\n-1e-3 +2 .5 4 5 6",
-                                   "text");
+    const auto pairs = parse_pairs(
+        "# moving, fixed\r\n500010.25 4800020.5 131.5\t1 2 3\r\n\n  # nothing\n"
+        "1,2,3;4,5,6,0.5 # a half\n-1e-3 +2 .5 4 5 6",
+        "text");
     ASSERT_EQ(pairs.size(), 3u);
     EXPECT_EQ(pairs[0].moving, (Vec3d{500010.25, 4800020.5, 131.5}));
     EXPECT_EQ(pairs[0].fixed, (Vec3d{1, 2, 3}));
@@ -51,7 +52,8 @@ TEST(PairText, WritesEveryDigit)
 {
     const test::TemporaryFolder folder;
     const auto file = folder.path() / "pairs.txt";
-    const std::vector<PointPair> pairs{{{500010.1234567891, 1.0 / 3, -1e-300}, {1, 2, 3}, 1}, {{4, 5, 6}, {7, 8, 9}, 0.1}};
+    const std::vector<PointPair> pairs{{{500010.1234567891, 1.0 / 3, -1e-300}, {1, 2, 3}, 1},
+                                       {{4, 5, 6}, {7, 8, 9}, 0.1}};
     write_pairs(pairs, file);
     const auto again = read_pairs(file);
     ASSERT_EQ(again.size(), 2u);
