@@ -129,7 +129,7 @@ TEST_F(AlignCommand, WhatIsRefusedLeavesNothing)
     EXPECT_EQ(pcmlab(trees + good + out).code, 0);
     const Result again = pcmlab(trees + good + out);
     EXPECT_EQ(again.code, 1);
-    EXPECT_NE(again.err.find("exists already"), std::string::npos) << again.err;
+    EXPECT_NE(again.err.find("something of this name already"), std::string::npos) << again.err;
 }
 
 }  // namespace
