@@ -14,6 +14,7 @@ Run add_info(Options& options);
 Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
+Run add_pick(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
@@ -37,6 +38,8 @@ const std::vector<Command>& commands()
         {"delete", "Delete points of a tree", add_delete},
         {"repair", "Rebuild a tree's index from its chunks, without damaged chunks", add_repair},
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
+        {"pick", "Pick the point that a view shows at a pixel, or that a ray meets, and list all its attributes",
+         add_pick},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
