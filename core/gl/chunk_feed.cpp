@@ -1,7 +1,7 @@
 #include "pcm/gl/chunk_feed.h"
 
-#include "pcm/gl/vertex_discs.h"
 #include "pcm/gl/view_clips.h"
+#include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
 #include <utility>
