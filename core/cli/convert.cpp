@@ -64,6 +64,7 @@ int convert(Arguments& arguments)
     const Selection chosen = arguments.region.get();
     options.cloud.selection.box = chosen.box;
     options.cloud.selection.region = chosen.region;
+    options.cloud.selection.clips = chosen.clips;
     options.cloud.selection.where = chosen.where;
     take_grid(arguments, options);
     options.write.las_version = minor_version(arguments.las_version);

@@ -48,9 +48,7 @@ Query query_of(const Arguments& arguments, const PointCloud& cloud)
                    std::to_string(levels - 1),
                "");
     const Selection selection = arguments.region.get();
-    query.box = selection.box;
-    query.region = selection.region;
-    query.where = selection.where;
+    query.choose(selection);
     query.reads_in_flight = arguments.reads;
     query.progress = console_progress(arguments.common);
     return query;

@@ -27,8 +27,20 @@ void RegionOptions::add_to(Options& options, const char* group)
     add("planes", 7, 259,
         "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
         "n.(p-c)+offset>=0 is inside");
+    add("polygon", 6, 2000000,
+        "Points in the polygon with the corners x0 y0 x1 y1 x2 y2 ... in plan, at any height; concave ones are fine, "
+        "and "
+        "a part that the border goes around twice is outside");
     options.option("--region", given_["region"], "One of these regions in words, such as \"sphere 1 2 3 0.5\"")
         .values(1)
+        .one_value_each()
+        .group(group);
+    options
+        .option("--clip", clips_,
+                "Of these, only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold")
+        .one_value_each()
+        .group(group);
+    options.option("--clip-outside", clips_outside_, "Of these, only points that are not in this region; repeatable")
         .one_value_each()
         .group(group);
     options
@@ -45,6 +57,8 @@ Selection RegionOptions::get() const
     if (!box_.empty()) selection.box = Box3d{{box_[0], box_[1], box_[2]}, {box_[3], box_[4], box_[5]}};
     selection.region = region();
     refuse_impossible_box(selection);
+    for (const std::string& text : clips_) selection.clips.push_back({parse_region(text), false});
+    for (const std::string& text : clips_outside_) selection.clips.push_back({parse_region(text), true});
     for (const std::string& condition : where_) selection.where.push_back(parse_condition(condition));
     return selection;
 }

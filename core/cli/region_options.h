@@ -11,8 +11,8 @@
 
 namespace pcm::cli {
 
-// --box; one of --sphere, --oriented-box, --ray, --cone, --frustum, --planes, or --region with any of them in words;
-// --where.
+// --box; one of --sphere, --oriented-box, --ray, --cone, --frustum, --planes, --polygon, or --region with any region in
+// words; --clip and --clip-outside; --where.
 class RegionOptions {
 public:
     void add_to(Options& options, const char* group);
@@ -23,7 +23,7 @@ public:
 private:
     std::optional<Region> region() const;
     std::vector<double> box_;
-    std::vector<std::string> where_;
+    std::vector<std::string> where_, clips_, clips_outside_;
     std::map<std::string, std::vector<std::string>> given_;  // by option, without dashes
 };
 

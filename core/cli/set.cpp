@@ -175,9 +175,7 @@ int set(Arguments& arguments)
     for (const std::string& text : arguments.values) assignments.push_back(parse_assignment(text));
     const Selection selection = arguments.region.get();
     Query query;
-    query.box = selection.box;
-    query.region = selection.region;
-    query.where = selection.where;
+    query.choose(selection);
     query.level = arguments.level;
     query.progress = console_progress(arguments.common);
     L2Options cache;

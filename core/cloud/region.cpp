@@ -28,6 +28,9 @@ std::pair<double, double> range(const Vec3d& a, const Box3d& d)
 double nearest_to_zero(double low, double high) { return low > 0 ? low : high < 0 ? high : 0.0; }
 double farthest_from_zero(double low, double high) { return std::max(std::fabs(low), std::fabs(high)); }
 
+double value(const Region::Plane& row, const Vec3d& d) { return dot(row.normal, d) + row.offset; }
+double largest_magnitude(const Vec2d& v) { return std::max(std::fabs(v[0]), std::fabs(v[1])); }
+
 }  // namespace
 
 bool Region::radial_contains(const Vec3d& d) const
@@ -56,6 +59,12 @@ bool Region::contains(const Vec3d& p) const
             if (!(largest_magnitude(d) <= radius_)) return false;
             const Vec3d v = inverse_unit_ * d;
             return dot(v, v) <= scaled_square_;
+        }
+        case Kind::polygon: {
+            for (const Plane& plane : planes_)
+                if (!(dot(plane.normal, d) + plane.offset >= 0)) return false;
+            const double w = value(rows_[2], d);
+            return w > 0 && polygon_->contains(value(rows_[0], d) / w, value(rows_[1], d) / w);
         }
         default:
             return radial_contains(d);
@@ -120,6 +129,40 @@ BoxRelation Region::radial_relation(const Box3d& d) const
     return BoxRelation::crosses;
 }
 
+// The projections of a box's points lie in the convex hull of those of its corners. Where no edge comes near that, all
+// are on the same side of the border.
+BoxRelation Region::polygon_relation(const Box3d& d) const
+{
+    BoxRelation relation = BoxRelation::inside;
+    for (const Plane& plane : planes_) relation = both(relation, half_space(plane, d));
+    if (relation == BoxRelation::outside) return relation;
+    std::array<double, 3> error{};  // of a value of each row, for all points of the box
+    for (std::size_t r = 0; r < 3; ++r) {
+        const Plane& row = rows_[r];
+        for (std::size_t a = 0; a < 3; ++a)
+            error[r] += std::fabs(row.normal[a]) * farthest_from_zero(d.min[a], d.max[a]);
+        error[r] = 8 * epsilon * (error[r] + std::fabs(row.offset));
+    }
+    std::vector<Vec2d> corners(8);
+    double least_w = std::numeric_limits<double>::infinity(), reach = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const Vec3d corner = {i & 1 ? d.max[0] : d.min[0], i & 2 ? d.max[1] : d.min[1], i & 4 ? d.max[2] : d.min[2]};
+        const double w = value(rows_[2], corner);
+        least_w = std::min(least_w, w);
+        for (std::size_t k = 0; k < 2; ++k) {
+            corners[i][k] = value(rows_[k], corner) / w;
+            reach = std::max(reach, std::fabs(corners[i][k]));
+        }
+    }
+    if (!(least_w > 4 * error[2]) || !std::isfinite(reach)) return BoxRelation::crosses;
+    const double margin =
+        4 * ((std::max(error[0], error[1]) + reach * error[2]) / least_w +
+             epsilon * (reach + std::max(largest_magnitude(polygon_->min()), largest_magnitude(polygon_->max())))) +
+        1e-140;
+    if (polygon_->border_touches(corners, margin)) return BoxRelation::crosses;
+    return polygon_->contains(corners[0][0], corners[0][1]) ? relation : BoxRelation::outside;
+}
+
 BoxRelation Region::relation(const Box3d& box) const
 {
     if (box.empty() || !bounds_.intersects(box)) return BoxRelation::outside;
@@ -137,6 +180,8 @@ BoxRelation Region::relation(const Box3d& box) const
             for (const Plane& plane : planes_) relation = both(relation, half_space(plane, d));
             return relation;
         }
+        case Kind::polygon:
+            return polygon_relation(d);
         case Kind::sphere: {
             // Rounded squares and sums are monotonic too, so a sphere is classified exactly.
             Vec3d near, far;

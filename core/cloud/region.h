@@ -1,9 +1,10 @@
-// A part of space for selecting points: box, oriented box, sphere, convex volume, ray with a radius, cone.
+// A part of space for selecting points: box, oriented box, sphere, convex volume, ray with a radius, cone, prism over a
+// polygon, lasso on the screen.
 //
 // contains() is the definition. It works on d = p - centre, where the centre belongs to the region (apex of a cone,
 // origin of a ray, eye of a frustum), so map coordinates cost no precision: the boundary of a region is where the
 // formulas below put it, exactly for a box, else to within 16 eps * |d| (eps = 2^-53; |d| is the distance of the point
-// from the centre).
+// from the centre). A lasso's boundary is that far off on the screen, in units of the view's size at that distance.
 //
 // relation() of a box is conservative: `inside` only when contains() holds for all doubles in the box, `outside` only
 // when it holds for none. Boxes, spheres and single half-spaces are classified exactly; for other regions, a box within
@@ -14,9 +15,11 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
+#include "pcm/cloud/polygon.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +33,7 @@ inline BoxRelation both(BoxRelation a, BoxRelation b) { return a < b ? a : b; }
 
 class Region {
 public:
-    enum class Kind : std::uint8_t { box, oriented_box, sphere, convex, ray, cone };
+    enum class Kind : std::uint8_t { box, oriented_box, sphere, convex, ray, cone, polygon };
 
     // All makers throw Error(invalid_argument), saying what is wrong, for numbers that are not finite or violate a
     // condition below.
@@ -69,6 +72,18 @@ public:
     // 0 < half_angle < 90.
     static Region cone(const Vec3d& apex, const Vec3d& axis, double half_angle, std::optional<double> length = {});
 
+    // The points for which (u . d, v . d) is in the polygon (cloud/polygon.h: even-odd rule, lower and left borders
+    // included): unbounded along the third direction. Axes as of an oriented box; corners in source units, relative to
+    // the centre. With the centre 0 and the axes x and y, source coordinates are compared with the corners as they are.
+    static Region prism(const Vec3d& centre, const Vec3d& axis_u, const Vec3d& axis_v,
+                        const std::vector<Vec2d>& polygon);
+
+    // Of what a view shows (see frustum(); only its near and its far plane bound it), the points that are mapped into a
+    // polygon in normalised device coordinates: x / w to the right, y / w upwards, -1 to 1 on the screen. Corners may
+    // lie outside of the screen.
+    static Region lasso(const std::array<double, 16>& modelview, const std::array<double, 16>& projection,
+                        const Vec3d& origin, const std::vector<Vec2d>& polygon);
+
     // False for a point that is not finite.
     bool contains(const Vec3d& p) const;
     // `outside` for an empty box; `crosses` for a box that is not finite, unless it is surely outside.
@@ -91,7 +106,10 @@ private:
     bool radial_contains(const Vec3d& d) const;
     BoxRelation radial_relation(const Box3d& d) const;
     static BoxRelation half_space(const Plane& plane, const Box3d& d);
+    BoxRelation polygon_relation(const Box3d& d) const;
+    void add_plane(const std::string& name, const Plane& plane);
     void bound_by_planes();
+    void bound_prism();
     void bound_radial();
     void set_bounds(const Vec3d& low, const Vec3d& high);
 
@@ -99,6 +117,9 @@ private:
     Vec3d centre_{};
     Box3d box_, bounds_;
     std::vector<Plane> planes_;
+    // Prism, lasso: x, y and w, of which (x / w, y / w) is in the polygon where w > 0.
+    std::shared_ptr<const Polygon> polygon_;
+    std::array<Plane, 3> rows_;
     // Sphere, ray. Lengths are squared after multiplication by inverse_unit_, a power of two near 1 / radius.
     double radius_ = 0, inverse_unit_ = 1, scaled_square_ = 0;
     Vec3d axis_{};
@@ -117,6 +138,9 @@ private:
 //     cone AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]
 //     frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]
 //     planes CX CY CZ NX NY NZ OFFSET ...                 four numbers per plane
+//     polygon X0 Y0 X1 Y1 X2 Y2 ...                       a prism in plan, unbounded along z
+//     prism CX CY CZ UX UY UZ VX VY VZ X0 Y0 X1 Y1 ...    corners along the axes u and v, relative to the centre
+//     lasso M0 ... M15 P0 ... P15 OX OY OZ X0 Y0 ...      modelview, projection, origin, corners on the screen
 //
 // Throws Error(invalid_argument), saying what was expected.
 Region parse_region(const std::string& text);

@@ -4,6 +4,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -14,7 +15,9 @@ namespace {
 constexpr const char* forms =
     "box X0 Y0 Z0 X1 Y1 Z1; oriented-box CX CY CZ HX HY HZ TURN or HX HY HZ UX UY UZ VX VY VZ; sphere CX CY CZ RADIUS; "
     "ray OX OY OZ DX DY DZ RADIUS [LENGTH]; cone AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]; "
-    "frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]; planes CX CY CZ and NX NY NZ OFFSET for each plane";
+    "frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]; planes CX CY CZ and NX NY NZ OFFSET for each plane; "
+    "polygon and X Y of three or more corners in plan; prism CX CY CZ UX UY UZ VX VY VZ and X Y of each corner along u "
+    "and v; lasso, 16 numbers of the modelview, 16 of the projection, OX OY OZ and X Y of each corner on the screen";
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what)
 {
@@ -43,6 +46,24 @@ double number_of(const std::string_view word, const std::string& text)
     if (result.ec != std::errc() || result.ptr != digits.data() + digits.size())
         refuse(text, "'" + std::string(word) + "' is not a number");
     return value;
+}
+
+Region parse_polygon(std::string_view kind, const std::vector<double>& numbers, const std::string& text)
+{
+    const std::size_t n = numbers.size(), first = kind == "polygon" ? 0 : kind == "prism" ? 9 : 35;
+    if (n < first + 6 || (n - first) % 2 != 0)
+        refuse(text, std::to_string(n) + " numbers were given; " +
+                         (first > 0 ? std::to_string(first) + ", and then " : std::string()) +
+                         "two for each of three or more corners are needed");
+    std::vector<Vec2d> corners;
+    for (std::size_t i = first; i < n; i += 2) corners.push_back({numbers[i], numbers[i + 1]});
+    const auto vector = [&](std::size_t at) { return Vec3d{numbers[at], numbers[at + 1], numbers[at + 2]}; };
+    if (kind == "polygon") return Region::prism({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, corners);
+    if (kind == "prism") return Region::prism(vector(0), vector(3), vector(6), corners);
+    std::array<double, 16> modelview, projection;
+    std::copy_n(numbers.begin(), 16, modelview.begin());
+    std::copy_n(numbers.begin() + 16, 16, projection.begin());
+    return Region::lasso(modelview, projection, vector(32), corners);
 }
 
 }  // namespace
@@ -101,6 +122,7 @@ Region parse_region(const std::string& text)
         for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
         return Region::convex(vector(0), planes);
     }
+    if (kind == "polygon" || kind == "prism" || kind == "lasso") return parse_polygon(kind, numbers, text);
     refuse(text, "'" + std::string(kind) + "' is not a known shape");
 }
 

@@ -22,6 +22,14 @@ struct Query {
                                    // network's latency, and each takes the memory of a chunk
     ProgressFunction progress;     // called by the cursor, on the caller's thread; false: Error(cancelled)
 
+    // Which points; attributes that the selection keeps or drops are not taken.
+    void choose(const Selection& selection)
+    {
+        box = selection.box;
+        region = selection.region;
+        clips = selection.clips;
+        where = selection.where;
+    }
     Selection selection() const
     {
         Selection selection;

@@ -7,5 +7,9 @@ namespace pcm::host {
 
 // An eye above four arrows.
 QIcon first_person_icon();
+// A box, a part of whose points is grey.
+QIcon clip_box_icon();
+// A dashed rectangle around coloured points.
+QIcon select_points_icon();
 
 }  // namespace pcm::host

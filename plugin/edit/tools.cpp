@@ -1,5 +1,6 @@
 #include "plugin/edit/tools.h"
 
+#include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
@@ -23,6 +24,11 @@ const std::vector<Tool>& tools()
          "the "
          "speed. The speed is proportional to the distance of the nearest points.",
          first_person_icon, make<FirstPersonTool>},
+        {"Clip Box",
+         "A box in the view that hides all points outside or inside of it: dragged by its handles, typed, or taken "
+         "from "
+         "the view or from two points; a slab that moves through the clouds. The clouds are not changed.",
+         clip_box_icon, make<ClipTool>},
     };
     return table;
 }

@@ -126,7 +126,8 @@ TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)
     for (const std::string region :
          {"--sphere 10 20 -30 300", "--region 'sphere 10,20,-30 300'", "--oriented-box 0 0 0 300 100 400 30",
           "--cone -500 0 0 1 0 0 20", "--ray -600 -600 -600 1 1 1 150 900", "--frustum 0 -900 0 0 0 0 40 1.5 10 1000",
-          "--planes 0 0 0 1 1 0 5 -1 0 1 7"}) {
+          "--planes 0 0 0 1 1 0 5 -1 0 1 7", "--polygon -500 -500 500 -500 500 500 0 0 -500 500",
+          "--region 'prism 10 20 30 0 1 0 0 0 1 -300 -300 300 -300 0 400'"}) {
         std::size_t expected = 0;
         const std::size_t quote = region.find('\'');
         const std::string words =

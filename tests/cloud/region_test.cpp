@@ -43,6 +43,45 @@ private:
     std::mt19937_64 random_;
 };
 
+std::vector<Vec2d> random_polygon(Numbers& numbers, double reach)
+{
+    std::vector<Vec2d> corners;
+    for (std::size_t n = numbers.below(8) ? 3 + numbers.below(9) : 100; n > 0; --n)
+        corners.push_back({numbers.between(-reach, reach), numbers.between(-reach, reach)});
+    return corners;
+}
+
+Region random_prism(Numbers& numbers, const Vec3d& centre, double size)
+{
+    const Vec3d u = numbers.direction(), v = cross(u, std::fabs(u[2]) < 0.5 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0});
+    return Region::prism(centre, u, v, random_polygon(numbers, size));
+}
+
+Region random_lasso(Numbers& numbers, const Vec3d& centre, double size)
+{
+    // Seen from near the centre, in any direction, in perspective or not.
+    const Vec3d back = normalised(numbers.direction());
+    const Vec3d right = normalised(cross(std::fabs(back[2]) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0}, back));
+    const Vec3d up = cross(back, right);
+    const double near = size * numbers.between(0.001, 1), far = near * numbers.between(1.01, 100);
+    std::array<double, 16> modelview{}, projection{};
+    for (std::size_t a = 0; a < 3; ++a) {
+        modelview[a * 4] = right[a];
+        modelview[a * 4 + 1] = up[a];
+        modelview[a * 4 + 2] = back[a];
+    }
+    modelview[12] = numbers.between(-size, size);
+    modelview[15] = 1;
+    if (numbers.below(2)) {
+        projection[0] = 1.2, projection[5] = 1.8, projection[11] = -1;
+        projection[10] = (far + near) / (near - far), projection[14] = 2 * far * near / (near - far);
+    } else {
+        projection[0] = 1 / size, projection[5] = 1.4 / size, projection[15] = 1;
+        projection[10] = -2 / (far - near), projection[14] = -(far + near) / (far - near);
+    }
+    return Region::lasso(modelview, projection, centre, random_polygon(numbers, 1));
+}
+
 // A region of about `size` at `centre`.
 Region random_region(Numbers& numbers, const Vec3d& centre, double size)
 {
@@ -50,7 +89,11 @@ Region random_region(Numbers& numbers, const Vec3d& centre, double size)
     const auto any_length = [&] {
         return numbers.below(2) ? std::optional(size * numbers.between(0, 3)) : std::nullopt;
     };
-    switch (numbers.below(7)) {
+    switch (numbers.below(9)) {
+        case 7:
+            return random_prism(numbers, centre, size);
+        case 8:
+            return random_lasso(numbers, centre, size);
         case 0: {
             Box3d box;
             for (int k = 0; k < 2; ++k) {
@@ -339,10 +382,27 @@ TEST(Region, RefusesInvalidRegions)
     expect("0 < near < far", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 50, 1, 2, 1); });
     expect("angle of view", [] { Region::frustum({0, 0, 0}, {0, 9, 0}, {0, 0, 1}, 180, 1, 1, 2); });
 
-    for (const char* text :
-         {"", "  ", "ball 1 2 3 4", "sphere", "sphere 1 2 3", "sphere 1 2 3 4 5", "sphere 1 2 3 x", "sphere 1 2 3 4m",
-          "box 1 2 3 4 5", "planes 0 0 0", "planes 0 0 0 1 0 0", "cone 0 0 0 1 0 0 95", "ray 0 0 0 0 0 0 1",
-          "sphere 1 2 3 nan", "sphere 1 2 3 1e999", "frustum 0 0 0 0 0 1 60 1 1 2"})
+    for (const char* text : {"",
+                             "  ",
+                             "ball 1 2 3 4",
+                             "sphere",
+                             "sphere 1 2 3",
+                             "sphere 1 2 3 4 5",
+                             "sphere 1 2 3 x",
+                             "sphere 1 2 3 4m",
+                             "box 1 2 3 4 5",
+                             "planes 0 0 0",
+                             "planes 0 0 0 1 0 0",
+                             "cone 0 0 0 1 0 0 95",
+                             "ray 0 0 0 0 0 0 1",
+                             "polygon 0 0 1 1",
+                             "polygon 0 0 1 1 2",
+                             "prism 0 0 0 1 0 0 1 0 0 0 0 1 1 2 0",
+                             "lasso 0 0 1 0 1 1",
+                             "polygon 0 0 1 0 1 1e160",
+                             "sphere 1 2 3 nan",
+                             "sphere 1 2 3 1e999",
+                             "frustum 0 0 0 0 0 1 60 1 1 2"})
         EXPECT_NE(message_of([&] { parse_region(text); }), "accepted") << text;
 }
 
@@ -362,7 +422,7 @@ TEST(Region, EdgesOfTheRange)
     // Points that are not finite are in no region; boxes that are not finite are never misclassified.
     const double inf = INFINITY, nan = std::nan("");
     for (const char* text : {"sphere 0 0 0 1e300", "cone 0 0 0 1 1 1 89", "ray 0 0 0 1 0 0 5", "planes 0 0 0 1 1 1 5",
-                             "box -1e308 -1e308 -1e308 1e308 1e308 1e308"}) {
+                             "polygon -9 -9 9 -9 0 9", "box -1e308 -1e308 -1e308 1e308 1e308 1e308"}) {
         const Region region = parse_region(text);
         for (const double bad : {inf, -inf, nan}) EXPECT_FALSE(region.contains({bad, 0, 0})) << text;
         EXPECT_EQ(region.relation(Box3d()), BoxRelation::outside);
