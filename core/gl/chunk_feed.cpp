@@ -1,6 +1,6 @@
 #include "pcm/gl/chunk_feed.h"
 
-#include "pcm/gl/vertex_discs.h"
+#include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
 #include <utility>

@@ -4,11 +4,11 @@
 #include "pcm/gl/chunk_filter.h"
 #include "pcm/gl/cloud_facts.h"
 #include "pcm/gl/l1_cache.h"
-#include "pcm/gl/point_sizes.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/point_cloud.h"
 #include "pcm/view/level_of_detail.h"
 #include "pcm/view/point_colours.h"
+#include "pcm/view/point_sizes.h"
 
 #include <chrono>
 #include <cstdint>

@@ -20,7 +20,7 @@
 //                cloud's own axes, and the hit's depth written. Where the near plane cuts the disc, what is behind it
 //                is visible. Exactly edge-on discs cover nothing.
 // Discs that are smaller than a pixel and cover no pixel's centre are invisible. A normal of (0, 0, 0) faces the eye. A
-// radius of 0 draws nothing in the last two kinds; NaN was replaced on upload (gl/vertex_discs.h).
+// radius of 0 draws nothing in the last two kinds; NaN was replaced on upload (view/vertex_discs.h).
 //
 // Accuracy of the perspective mode, relative to the points as they were uploaded: 1e-4 of the radius in place and
 // depth, from a graze of 0.1 degree on, for any radius and origin, where the depth buffer resolves it, apart from

@@ -1,6 +1,7 @@
 #include "plugin/render/view.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/gl/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
@@ -100,6 +101,17 @@ Matrix4d placement_of(const MeshModel& layer)
         for (int row = 0; row < 4; ++row)
             placement[static_cast<std::size_t>(column * 4 + row)] = static_cast<double>(transform[row][column]);
     return placement;
+}
+
+// For picking (host/picker.h).
+ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle& style)
+{
+    ShownClouds shown;
+    for (const MeshModel* layer : drawn) shown.layers.push_back(layer->id());
+    shown.where = style.where;
+    const bool sized = traits_of(style.splats).shape != SplatShape::pixels;
+    shown.size_scale = sized ? static_cast<double>(style.radius_scale * radius_of_paraboloid) : 0;
+    return shown;
 }
 
 }  // namespace
@@ -213,6 +225,7 @@ void View::draw_scene(const Settings& settings)
         tile_.reset();
         shown_ = or_the_same(view, shown_);
         keep_camera(*area_, shown_);
+        keep_shown(*area_, shown_clouds(drawn, settings.style));
         report_ = painter_->renderer().draw(picture_, shown_, items, settings.render);
     }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
