@@ -2,6 +2,7 @@
 
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
+#include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
 namespace pcm::host {
@@ -29,6 +30,10 @@ const std::vector<Tool>& tools()
          "from "
          "the view or from two points; a slab that moves through the clouds. The clouds are not changed.",
          clip_box_icon, make<ClipTool>},
+        {"Select Points",
+         "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
+         "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
+         select_points_icon, make<SelectTool>},
     };
     return table;
 }

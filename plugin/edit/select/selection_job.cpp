@@ -42,7 +42,8 @@ SelectionJob::~SelectionJob()
 void SelectionJob::start(std::vector<SelectionTask> tasks, Done done)
 {
     if (is_running())
-        throw Error(ErrorCode::invalid_argument, {}, "points are being selected", "wait until it is done, or press Esc");
+        throw Error(ErrorCode::invalid_argument, {}, "points are being selected",
+                    "wait until it is done, or press Esc");
     tasks_ = std::move(tasks);
     done_ = std::move(done);
     results_.clear();
