@@ -3,6 +3,7 @@
 #include "pcm/io/pipe/transformed_reader.h"
 #include "pcm/make_cloud.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/placement.h"
