@@ -60,16 +60,6 @@ QMouseEvent with_left_button(const QMouseEvent& event)
     return QMouseEvent(event.type(), event.localPos(), event.screenPos(), button, held, Qt::NoModifier);
 }
 
-PointSet united(PointCloud& cloud, Query query, const std::vector<Ball>& balls)
-{
-    PointSet set(cloud.tree());
-    for (const Ball& ball : balls) {
-        query.region = Region::sphere(ball.centre, ball.radius);
-        set.combine(SetOperation::add, points_of(cloud, query));
-    }
-    return set;
-}
-
 QStringList attribute_names(const PointCloud& cloud)
 {
     QStringList names{"x", "y", "z"};
@@ -111,7 +101,11 @@ void SelectTool::say(const QString& text)
 
 void SelectTool::publish(const QString& state)
 {
-    if (view_) view_->setProperty("pcm_select_tool", state);
+    if (!view_) return;
+    QVariantMap map;
+    map["state"] = state;
+    view_->setProperty("pcm_select_tool", map);
+    publish_camera(*view_);
 }
 
 bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
@@ -322,9 +316,13 @@ void SelectTool::finish_shape()
     });
 }
 
-void SelectTool::stroke_to(const QPoint& place)
+// With places between the last one and this, so that a quick stroke has no gaps.
+void SelectTool::stroke_to(const QPoint& place, bool first)
 {
-    waiting_.push_back(place);
+    const QPointF moved = place - pressed_at_;
+    const double step = std::max(1.0, stroke_share * panel_->brush_px());
+    const int steps = first ? 1 : std::max(1, static_cast<int>(std::hypot(moved.x(), moved.y()) / step));
+    for (int i = 1; i <= steps; ++i) waiting_.push_back(first ? place : pressed_at_ + (moved * i / steps).toPoint());
     pressed_at_ = place;
     pick_next();
 }
@@ -383,11 +381,25 @@ void SelectTool::finish_stroke()
         for (const auto& [mesh_id, ball] : balls)
             if (const auto moved = ball_in(ball, placement); moved && (panel_->all_layers() || mesh_id == layer.id()))
                 mine.push_back(*moved);
-        return [mine](PointCloud& cloud, const Query& shown) { return united(cloud, shown, mine); };
+        return [mine](PointCloud& cloud, const Query& shown) { return points_in_balls(cloud, shown, mine); };
     });
 }
 
-void SelectTool::grow(const Picked&) { throw Error(ErrorCode::unsupported, {}, "Grow is not there yet"); }
+void SelectTool::grow(const Picked& seed)
+{
+    MeshModel* const layer = view_->md()->getMesh(seed.mesh_id);
+    if (!layer) return;
+    const double distance = panel_->distance().value_or(usual_steps * seed.spacing);
+    if (!(distance > 0))
+        throw Error(ErrorCode::invalid_argument, {}, "the spacing of the points is not known here",
+                    "write a grow distance in source units");
+    const auto words = "grown by steps of " + QString::fromStdString(brief(distance)) + " source units";
+    select({layer}, words, [&](const MeshModel&) -> Choose {
+        return [seed, distance](PointCloud& cloud, const Query& shown) {
+            return points_around(cloud, shown, seed.node, seed.point, distance);
+        };
+    });
+}
 
 void SelectTool::press(SelectPanel::Button button)
 {
@@ -456,7 +468,7 @@ void SelectTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
             operation_ = operation_of(event->modifiers(), panel_->operation());
         if (shape == Shape::rectangle) shape_ = {event->pos()};
         if (shape == Shape::lasso && shape_.empty()) shape_ = {event->pos()};
-        if (shape == Shape::brush) stroke_to(event->pos());
+        if (shape == Shape::brush) stroke_to(event->pos(), true);
     });
 }
 
@@ -482,7 +494,7 @@ void SelectTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
                 shape_.push_back(event->pos());
             draw();
         } else if (shape == Shape::brush && far >= std::max(1.0, stroke_share * panel_->brush_px())) {
-            stroke_to(event->pos());
+            stroke_to(event->pos(), false);
         }
     });
 }
@@ -511,7 +523,7 @@ void SelectTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
                 if (!picking_ && waiting_.empty()) finish_stroke();
                 return;
             case Shape::grow:
-                if (!dragged_) stroke_to(event->pos());
+                if (!dragged_) stroke_to(event->pos(), true);
         }
     });
 }

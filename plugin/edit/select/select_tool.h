@@ -59,7 +59,7 @@ private:
 
     std::vector<MeshModel*> layers_for_shapes() const;
     void finish_shape();
-    void stroke_to(const QPoint& place);
+    void stroke_to(const QPoint& place, bool first);
     void pick_next();
     void take_picked(const PickAnswer& answer);
     void finish_stroke();

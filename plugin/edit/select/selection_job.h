@@ -70,7 +70,4 @@ private:
     std::exception_ptr failure_;
 };
 
-// All points of the query as a set.
-PointSet points_of(PointCloud& cloud, const Query& query);
-
 }  // namespace pcm::host
