@@ -63,7 +63,7 @@ QMouseEvent with_left_button(const QMouseEvent& event)
 QStringList attribute_names(const PointCloud& cloud)
 {
     QStringList names{"x", "y", "z"};
-    for (const Attribute& attribute : cloud.info().schema.attributes()) {
+    for (const Attribute& attribute : cloud.info().schema) {
         if (attribute.components == 1) names << QString::fromStdString(attribute.name);
         for (std::uint32_t c = 0; attribute.components > 1 && c < attribute.components; ++c)
             names << QString("%1[%2]").arg(QString::fromStdString(attribute.name)).arg(c);
