@@ -11,5 +11,7 @@ QIcon first_person_icon();
 QIcon clip_box_icon();
 // A dashed rectangle around coloured points.
 QIcon select_points_icon();
+// Two point clouds, joined by lines.
+QIcon align_icon();
 
 }  // namespace pcm::host
