@@ -2,6 +2,7 @@
 
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
+#include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
 namespace pcm::host {
@@ -29,6 +30,11 @@ const std::vector<Tool>& tools()
          "from "
          "the view or from two points; a slab that moves through the clouds. The clouds are not changed.",
          clip_box_icon, make<ClipTool>},
+        {"Measure",
+         "Distances, heights, angles, areas, profiles and volumes between points that are clicked, with their "
+         "uncertainty, in source coordinates. The list of measures is kept in the project and exported as CSV, GeoJSON "
+         "and DXF.",
+         measure_icon, make<MeasureTool>},
     };
     return table;
 }
