@@ -3,6 +3,7 @@
 namespace pcm::cli {
 
 // Each in the source of its name.
+Run add_align(Options& options);
 Run add_append(Options& options);
 Run add_build(Options& options);
 Run add_compact(Options& options);
@@ -42,6 +43,7 @@ const std::vector<Command>& commands()
          add_normals},
         {"outliers", "Remove or label points that stand apart from the others", add_outliers},
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
+        {"align", "Move a tree to another one by pairs of points, and report how well they agree", add_align},
         {"merge", "Merge trees into a new tree", add_merge},
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},

@@ -79,7 +79,7 @@ void PointSet::put(NodeId node, Bits bits)
     nodes_[node] = std::move(part);
 }
 
-void PointSet::set(NodeId node, const std::vector<std::uint32_t>& points)
+PointSet::Bits PointSet::bits_for(NodeId node, const std::vector<std::uint32_t>& points) const
 {
     const std::uint32_t count = tree_->node(node).points;
     Bits bits((count + 63) / 64, 0);
@@ -91,8 +91,10 @@ void PointSet::set(NodeId node, const std::vector<std::uint32_t>& points)
                         "give ascending numbers of points that the node has");
         bits[points[i] / 64] |= std::uint64_t(1) << (points[i] % 64);
     }
-    put(node, std::move(bits));
+    return bits;
 }
+
+void PointSet::set(NodeId node, const std::vector<std::uint32_t>& points) { put(node, bits_for(node, points)); }
 
 void PointSet::set_all(NodeId node)
 {
@@ -130,28 +132,52 @@ void PointSet::combine(SetOperation operation, const PointSet& other)
         return;
     }
     for (NodeId node = 0; node < nodes_.size(); ++node) {
-        Bits bits = bits_of(node);
-        const Bits theirs = other.bits_of(node);
-        for (std::size_t w = 0; w < bits.size(); ++w)
-            bits[w] = operation == SetOperation::add        ? bits[w] | theirs[w]
-                      : operation == SetOperation::subtract ? bits[w] & ~theirs[w]
-                                                            : bits[w] & theirs[w];
-        put(node, std::move(bits));
+        const Part& theirs = other.nodes_[node];
+        // Most nodes are full or empty: no bit is looked at.
+        const bool none = theirs.count == 0, all = !none && !theirs.bits;
+        if (operation == SetOperation::add) {
+            if (none || has_all(node)) continue;
+            if (all || nodes_[node].count == 0)
+                replace(node, theirs);
+            else
+                merge(operation, node, *theirs.bits);
+        } else if (operation == SetOperation::subtract) {
+            if (none || nodes_[node].count == 0) continue;
+            if (all)
+                replace(node, {});
+            else
+                merge(operation, node, *theirs.bits);
+        } else {
+            if (all || nodes_[node].count == 0) continue;
+            if (none || has_all(node))
+                replace(node, theirs);
+            else
+                merge(operation, node, *theirs.bits);
+        }
     }
 }
 
-void PointSet::combine(SetOperation operation, NodeId node, const std::vector<std::uint32_t>& points)
+void PointSet::replace(NodeId node, Part part)
 {
-    PointSet other(tree_);
-    other.set(node, points);
+    size_ += part.count;
+    size_ -= nodes_[node].count;
+    nodes_[node] = std::move(part);
+}
+
+void PointSet::merge(SetOperation operation, NodeId node, const Bits& theirs)
+{
     Bits bits = bits_of(node);
-    const Bits theirs = other.bits_of(node);
     for (std::size_t w = 0; w < bits.size(); ++w)
         bits[w] = operation == SetOperation::replace    ? theirs[w]
                   : operation == SetOperation::add      ? bits[w] | theirs[w]
                   : operation == SetOperation::subtract ? bits[w] & ~theirs[w]
                                                         : bits[w] & theirs[w];
     put(node, std::move(bits));
+}
+
+void PointSet::combine(SetOperation operation, NodeId node, const std::vector<std::uint32_t>& points)
+{
+    merge(operation, node, bits_for(node, points));
 }
 
 std::size_t PointSet::bytes() const

@@ -60,6 +60,9 @@ private:
         std::shared_ptr<const Bits> bits;  // null: all points or none
     };
     Bits bits_of(NodeId node) const;
+    Bits bits_for(NodeId node, const std::vector<std::uint32_t>& points) const;
+    void replace(NodeId node, Part part);
+    void merge(SetOperation operation, NodeId node, const Bits& theirs);
     void put(NodeId node, Bits bits);
 
     std::shared_ptr<const Tree> tree_;

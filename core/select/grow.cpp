@@ -1,0 +1,242 @@
+#include "pcm/select/grow.h"
+
+#include "pcm/knn/unit_plan.h"
+#include "pcm/select/flood.h"
+#include "pcm/select/point_scan.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/for_each_index.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::uint64_t bytes_per_point = 128;  // of a unit
+
+Box3d grown(Box3d box, double distance)
+{
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double slack = distance * 1e-9 + 4e-16 * std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));
+        box.min[a] -= distance + slack;
+        box.max[a] += distance + slack;
+    }
+    return box;
+}
+
+Box3d intersection(const Box3d& a, const Box3d& b)
+{
+    Box3d both;
+    for (std::size_t k = 0; k < 3; ++k) {
+        both.min[k] = std::max(a.min[k], b.min[k]);
+        both.max[k] = std::min(a.max[k], b.max[k]);
+    }
+    return both;
+}
+
+// A box of the cloud, whose points are flooded together.
+struct Unit {
+    Box3d box, reach;  // reach: grown by the distance
+    bool queued = false, complete = false;
+    std::vector<std::size_t> neighbours;  // whose `reach` touches the box
+};
+
+class Growth {
+public:
+    Growth(const PointSet& seeds, double distance, const GrowOptions& options)
+        : tree_(seeds.tree()),
+          rounding_(tree_.info()),
+          distance_(distance),
+          options_(options),
+          threads_(thread_count(options.threads)),
+          watch_(options.progress),
+          reached_(seeds)
+    {
+    }
+
+    PointSet run()
+    {
+        watch_.report(stage, 0);
+        plan();
+        take_seeds();
+        for (;;) {
+            std::vector<std::size_t> wave;
+            for (std::size_t u = 0; u < units_.size(); ++u)
+                if (std::exchange(units_[u].queued, false) && !units_[u].complete) wave.push_back(u);
+            if (wave.empty()) return std::move(reached_);
+            for_each_index(
+                wave.size(), threads_, [&](std::size_t i) { visit(units_[wave[i]]); }, [&](std::size_t) { report(); });
+        }
+    }
+
+private:
+    static constexpr const char* stage = "Growing the selection";
+
+    struct Place {
+        NodeId node;
+        std::uint32_t number;
+    };
+
+    void report()
+    {
+        std::size_t complete = 0;
+        {
+            const std::lock_guard lock(mutex_);
+            for (const Unit& unit : units_) complete += unit.complete;
+        }
+        watch_.report(stage, 0.99 * static_cast<double>(complete) / static_cast<double>(units_.size()));
+    }
+
+    void plan()
+    {
+        const std::uint64_t points = options_.memory_bytes / threads_ / bytes_per_point;
+        for (const Box3i& box : plan_units(tree_, std::clamp<std::uint64_t>(points, 10000, 1000000))) {
+            Unit unit;
+            unit.box = source_box(tree_.info().grid, box, rounding_);
+            unit.reach = grown(unit.box, distance_);
+            units_.push_back(std::move(unit));
+        }
+        for (Unit& unit : units_)
+            for (std::size_t v = 0; v < units_.size(); ++v)
+                if (&units_[v] != &unit && units_[v].reach.intersects(unit.box)) unit.neighbours.push_back(v);
+    }
+
+    SelectOptions alone() const
+    {
+        SelectOptions options;
+        options.threads = 1;
+        return options;
+    }
+
+    // The seeds that the limit chooses, and the units that they are near.
+    void take_seeds()
+    {
+        PointSet seeds(reached_.shared_tree());
+        ScanOptions scan;
+        scan.within = &reached_;
+        scan.columns = ColumnSet::only_positions();
+        scan.select.threads = options_.threads;
+        scan_points(tree_, options_.limit, scan, [&](const ScannedPoints& found) {
+            Box3d box;
+            std::vector<Vec3d> positions;
+            for (const std::uint32_t i : found.indices) {
+                positions.push_back(position(found, i));
+                box.extend(positions.back());
+            }
+            const std::lock_guard lock(mutex_);
+            seeds.set(found.node, found.numbers);
+            for (Unit& unit : units_)
+                if (unit.reach.intersects(box)) queue(unit, positions);
+        });
+        reached_ = std::move(seeds);
+    }
+
+    Vec3d position(const ScannedPoints& found, std::uint32_t index) const
+    {
+        return rounding_(tree_.info().grid.to_source(found.part.chunk.positions->grid(index)));
+    }
+
+    // Held: mutex_.
+    static void queue(Unit& unit, const std::vector<Vec3d>& reached)
+    {
+        const auto near = [&](const Vec3d& p) { return unit.reach.contains(p); };
+        unit.queued = unit.queued || std::any_of(reached.begin(), reached.end(), near);
+    }
+
+    void visit(Unit& unit)
+    {
+        PointSet reached(reached_.shared_tree());
+        {
+            const std::lock_guard lock(mutex_);
+            reached = reached_;
+        }
+        std::vector<Place> places;
+        std::vector<Vec3d> points;
+        Selection here = options_.limit;
+        here.box = here.box ? intersection(*here.box, unit.box) : unit.box;
+        ScanOptions scan;
+        scan.columns = ColumnSet::only_positions();
+        scan.select = alone();
+        scan_points(tree_, here, scan, [&](const ScannedPoints& found) {
+            for (std::size_t i = 0; i < found.indices.size(); ++i) {
+                points.push_back(position(found, found.indices[i]));
+                places.push_back({found.node, found.numbers[i]});
+            }
+        });
+        std::vector<bool> known(points.size());
+        for (std::size_t i = 0; i < places.size(); ++i) known[i] = reached.contains(places[i].node, places[i].number);
+        const auto open = static_cast<std::size_t>(std::count(known.begin(), known.end(), false));
+        std::size_t found = 0;
+        if (open > 0) {
+            Flood flood(std::move(points), unit.box, distance_);
+            for (std::size_t i = 0; i < places.size(); ++i)
+                if (known[i]) flood.reach(i);
+            reach_from_outside(unit, reached, flood);
+            flood.run();
+            found = commit(unit, places, known, flood);
+        }
+        const std::lock_guard lock(mutex_);
+        unit.complete = found == open;
+    }
+
+    void reach_from_outside(const Unit& unit, const PointSet& reached, Flood& flood) const
+    {
+        Selection around;
+        around.box = unit.reach;
+        ScanOptions scan;
+        scan.within = &reached;
+        scan.columns = ColumnSet::only_positions();
+        scan.select = alone();
+        scan_points(tree_, around, scan, [&](const ScannedPoints& found) {
+            for (const std::uint32_t i : found.indices) {
+                const Vec3d p = position(found, i);
+                if (!unit.box.contains(p)) flood.reach_from(p);
+            }
+        });
+    }
+
+    // Returns the number of points that were not known to be reached before.
+    std::size_t commit(const Unit& unit, const std::vector<Place>& places, const std::vector<bool>& known,
+                       const Flood& flood)
+    {
+        std::map<NodeId, std::vector<std::uint32_t>> by_node;
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < places.size(); ++i)
+            if (!known[i] && flood.reached(i)) {
+                by_node[places[i].node].push_back(places[i].number);
+                positions.push_back(flood.point(i));
+            }
+        const std::lock_guard lock(mutex_);
+        for (const auto& [node, numbers] : by_node) reached_.combine(SetOperation::add, node, numbers);
+        for (const std::size_t v : unit.neighbours) queue(units_[v], positions);
+        return positions.size();
+    }
+
+    const Tree& tree_;
+    const SourceRounding rounding_;
+    const double distance_;
+    const GrowOptions& options_;
+    const unsigned threads_;
+    Watch watch_;
+    std::mutex mutex_;  // guards reached_ and the flags of units_
+    PointSet reached_;
+    std::vector<Unit> units_;
+};
+
+}  // namespace
+
+PointSet grow(const PointSet& seeds, double distance, const GrowOptions& options)
+{
+    if (!(distance > 0) || !std::isfinite(distance))
+        throw Error(ErrorCode::invalid_argument, seeds.tree().folder(),
+                    "the distance of a step is " + exact(distance) + "; it is a positive number of source units");
+    return Growth(seeds, distance, options).run();
+}
+
+}  // namespace pcm
