@@ -3,6 +3,7 @@
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
 #include "plugin/edit/measure/measure_tool.h"
+#include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
 namespace pcm::host {
@@ -35,6 +36,10 @@ const std::vector<Tool>& tools()
          "uncertainty, in source coordinates. The list of measures is kept in the project and exported as CSV, GeoJSON "
          "and DXF.",
          measure_icon, make<MeasureTool>},
+        {"Select Points",
+         "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
+         "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
+         select_points_icon, make<SelectTool>},
     };
     return table;
 }
