@@ -11,6 +11,7 @@ Filter voxel_grid_filter();
 Filter subsample_filter();
 Filter merge();
 Filter transform();
+Filter align();
 Filter tree_information();
 Filter measure_filter();
 Filter profile_filter();
@@ -22,10 +23,10 @@ Filter remove_outliers();
 const std::vector<Filter>& filters()
 {
     static const std::vector<Filter> table{
-        build_tree(),        append(),           delete_points(),   compact(),
-        voxel_grid_filter(), subsample_filter(), merge(),           transform(),
-        estimate_radii(),    estimate_normals(), remove_outliers(), tree_information(),
-        measure_filter(),    profile_filter(),   cut_volume()};
+        build_tree(),       append(),          delete_points(),    compact(),        voxel_grid_filter(),
+        subsample_filter(), merge(),           transform(),        align(),          estimate_radii(),
+        estimate_normals(), remove_outliers(), tree_information(), measure_filter(), profile_filter(),
+        cut_volume()};
     return table;
 }
 

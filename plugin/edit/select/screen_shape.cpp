@@ -13,10 +13,10 @@ ScreenShape rectangle_of(const QPointF& a, const QPointF& b) { return {a, {b.x()
 bool has_area(const ScreenShape& shape)
 {
     if (shape.size() < 3) return false;
-    const auto [left, right] =
-        std::minmax_element(shape.begin(), shape.end(), [](const QPointF& a, const QPointF& b) { return a.x() < b.x(); });
-    const auto [top, bottom] =
-        std::minmax_element(shape.begin(), shape.end(), [](const QPointF& a, const QPointF& b) { return a.y() < b.y(); });
+    const auto [left, right] = std::minmax_element(shape.begin(), shape.end(),
+                                                   [](const QPointF& a, const QPointF& b) { return a.x() < b.x(); });
+    const auto [top, bottom] = std::minmax_element(shape.begin(), shape.end(),
+                                                   [](const QPointF& a, const QPointF& b) { return a.y() < b.y(); });
     return right->x() - left->x() >= 1 && bottom->y() - top->y() >= 1;
 }
 
@@ -57,8 +57,7 @@ std::optional<Ball> ball_in(const Ball& scene, const std::optional<Affine>& plac
     const auto column = [&](std::size_t c) { return Vec3d{m[0][c], m[1][c], m[2][c]}; };
     Ball ball;
     for (std::size_t a = 0; a < 3; ++a)
-        ball.centre[a] =
-            dot(cross(column((a + 1) % 3), column((a + 2) % 3)), d) / determinant + placement->pivot[a];
+        ball.centre[a] = dot(cross(column((a + 1) % 3), column((a + 2) % 3)), d) / determinant + placement->pivot[a];
     ball.radius = scene.radius / std::cbrt(std::fabs(determinant));
     return ball;
 }

@@ -3,6 +3,7 @@
 
 #include "pcm/cloud/affine.h"
 #include "pcm/cloud/region.h"
+#include "plugin/edit/select/chosen_points.h"
 #include "plugin/edit/view_map.h"
 
 #include <QPointF>
@@ -29,10 +30,6 @@ Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optio
 
 // A ball of the scene in the coordinates of a cloud. A matrix that scales unequally makes an ellipsoid of it: the ball
 // has its volume then. Nothing for a matrix that cannot be inverted.
-struct Ball {
-    Vec3d centre{};
-    double radius = 0;
-};
 std::optional<Ball> ball_in(const Ball& scene, const std::optional<Affine>& placement);
 
 }  // namespace pcm::host

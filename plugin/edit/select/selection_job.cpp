@@ -12,21 +12,6 @@ constexpr int look_ms = 30;
 
 }  // namespace
 
-PointSet points_of(PointCloud& cloud, const Query& query)
-{
-    if (!query.selection().chooses_points()) return PointSet::all_of(cloud.tree());
-    PointSet set(cloud.tree());
-    PointCursor cursor = cloud.points(query);
-    PointView view;
-    std::vector<std::uint32_t> numbers;
-    while (cursor.getNextData(view)) {
-        numbers.resize(view.size());
-        for (std::size_t i = 0; i < view.size(); ++i) numbers[i] = view.number(i);
-        set.set(view.node(), numbers);
-    }
-    return set;
-}
-
 SelectionJob::SelectionJob()
 {
     timer_.setInterval(look_ms);
@@ -42,7 +27,8 @@ SelectionJob::~SelectionJob()
 void SelectionJob::start(std::vector<SelectionTask> tasks, Done done)
 {
     if (is_running())
-        throw Error(ErrorCode::invalid_argument, {}, "points are being selected", "wait until it is done, or press Esc");
+        throw Error(ErrorCode::invalid_argument, {}, "points are being selected",
+                    "wait until it is done, or press Esc");
     tasks_ = std::move(tasks);
     done_ = std::move(done);
     results_.clear();

@@ -64,13 +64,10 @@ private:
     QTimer timer_;  // while the worker runs
     std::atomic<bool> cancelled_{false}, finished_{false};
     std::atomic<double> fraction_{0};
-    std::mutex mutex_;   // of stage_
+    std::mutex mutex_;  // of stage_
     std::string stage_;
     std::vector<SelectionResult> results_;  // of the worker until it has finished
     std::exception_ptr failure_;
 };
-
-// All points of the query as a set.
-PointSet points_of(PointCloud& cloud, const Query& query);
 
 }  // namespace pcm::host
