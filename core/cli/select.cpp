@@ -2,6 +2,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/point_cloud.h"
+#include "pcm/select/front_points.h"
 #include "pcm/select/grow.h"
 #include "pcm/select/select_points.h"
 #include "pcm/select/set_changes.h"
@@ -26,6 +27,7 @@ struct Arguments {
     std::optional<std::uint16_t> level;
     std::vector<double> brush, grow_from;
     std::optional<double> radius, distance, within;
+    std::vector<double> front;
     bool grow = false, invert = false;
     std::string attribute, extract;
     bool erase = false, overwrite = false;
@@ -58,6 +60,7 @@ void check(const Arguments& a)
     if (!a.brush.empty() && !a.grow_from.empty())
         refuse("--brush and --grow-from cannot be combined; --grow grows the brush");
     if (a.within && a.grow_from.empty()) refuse("--within, of the seed, goes with --grow-from");
+    if (!a.front.empty() && (grows || !a.brush.empty())) refuse("--front goes with a lasso alone");
     if (a.level && grows) refuse("--level and growing cannot be combined: steps pass through all points");
 }
 
@@ -103,10 +106,33 @@ PointSet grown_from_point(const Arguments& arguments, const std::shared_ptr<cons
     return set;
 }
 
+// Of the lasso, the points that nothing hides.
+PointSet front_of_lasso(const Arguments& arguments, const std::shared_ptr<const Tree>& tree, Selection selection)
+{
+    const Region::View* const view = selection.region ? selection.region->view() : nullptr;
+    if (!view) refuse("--front needs a lasso: --region \"lasso ...\"");
+    Camera camera;
+    camera.modelview = view->modelview;
+    camera.projection = view->projection;
+    camera.origin = view->origin;
+    const auto pixels = [](double given) {
+        return given >= 1 && given <= 1e6 ? static_cast<int>(given) : 0;  // 0 is refused with the limits
+    };
+    camera.width = pixels(arguments.front[0]);
+    camera.height = pixels(arguments.front[1]);
+    const std::vector<Vec2d> polygon = view->polygon;
+    FrontOptions options;
+    selection.region.reset();
+    options.shown = std::move(selection);
+    options.select = options_of(arguments);
+    return front_points(tree, camera, polygon, options);
+}
+
 PointSet choose(const Arguments& arguments, const std::shared_ptr<const Tree>& tree)
 {
     const Selection selection = arguments.region.get();
     if (!arguments.grow_from.empty()) return grown_from_point(arguments, tree, selection);
+    if (!arguments.front.empty()) return front_of_lasso(arguments, tree, selection);
     if (!selection.chooses_points() && arguments.brush.empty() && !arguments.level)
         throw Error(ErrorCode::invalid_argument, arguments.tree, "no points were chosen",
                     "give a region, a condition, --brush or --grow-from");
@@ -256,6 +282,13 @@ void add_choices(Options& options, Arguments& arguments)
         .group(group);
     options.option("--within", arguments.within, "With --grow-from: no farther from the seed, source units")
         .not_negative()
+        .group(group);
+    options
+        .option(
+            "--front", arguments.front,
+            "Of a lasso (--region \"lasso ...\") only points that no others hide, in a view of so many pixels in width "
+            "and height")
+        .values(2)
         .group(group);
     options.flag("--invert", arguments.invert, "Select all other points instead").group(group);
 }

@@ -86,6 +86,27 @@ TEST_F(SelectCommand, BrushesAndGrows)
     refused("--grow-from 500 300 98 --distance 60 --clip-outside 'sphere 500 300 98 50'", 1, "not among");
 }
 
+// From straight above, orthographic: the surface hides nothing of itself; a lower copy of it would be hidden.
+TEST_F(SelectCommand, OfALassoTheFront)
+{
+    const std::string view = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0.001 0 0 0 0 0.001 0 0 0 0 -0.001 0 0 0 0 1 500 300 0 ";
+    const std::string lasso = "--region 'lasso " + view + "-0.2 -0.2 0.2 -0.2 0.2 0.2 -0.2 0.2' ";
+    const auto in = [&](const LasRecord& p) {
+        const Vec3d q = position(p);
+        return q[0] >= 300 && q[0] < 700 && q[1] >= 100 && q[1] < 500;
+    };
+    EXPECT_EQ(select(lasso)["points"], count(in));
+    EXPECT_EQ(select(lasso + "--front 800 800")["points"], count(in));
+    write_las(folder_ / "low.las", points_, {{0.01, 0.01, 0.01}, {0, 0, -200}});
+    ASSERT_EQ(pcmlab("append " + path("in.pct") + " " + path("low.las")).code, 0);
+    EXPECT_EQ(select(lasso)["points"], 2 * count(in));
+    const double front = select(lasso + "--front 800 800")["points"];
+    EXPECT_LT(front, 1.1 * static_cast<double>(count(in)));
+    EXPECT_GE(front, static_cast<double>(count(in)));
+    refused("--sphere 1 2 3 4 --front 800 800", 2, "needs a lasso");
+    refused(lasso + "--front 0 800", 1, "1 to 16384");
+}
+
 TEST_F(SelectCommand, SavesExtractsClassifiesAndDeletes)
 {
     const std::size_t in = count([&](const LasRecord& p) { return region_.contains(position(p)); });
