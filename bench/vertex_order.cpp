@@ -3,12 +3,12 @@
 // et al., arXiv 2104.07526). Prints a table; see README.md.
 #include "pcm/cloud/morton.h"
 #include "pcm/gl/l1_cache.h"
-#include "pcm/gl/point_sizes.h"
 #include "pcm/gl/splat_pass.h"
-#include "pcm/gl/vertex_discs.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
+#include "pcm/view/point_sizes.h"
+#include "pcm/view/vertex_discs.h"
 
 #include <GL/glew.h>
 #include <CLI/CLI.hpp>

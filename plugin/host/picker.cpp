@@ -1,69 +1,239 @@
 #include "plugin/host/picker.h"
 
-#include "pcm/cloud/matrix.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/pick/describe_point.h"
+#include "pcm/pick/point_picker.h"
+#include "pcm/system/error.h"
+#include "plugin/host/mesh_occlusion.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
 
 #include <meshlab/glarea.h>
 
-#include <cmath>
+#include <QCoreApplication>
+#include <QPointer>
+#include <QThreadPool>
+
+#include <atomic>
+#include <map>
+#include <utility>
 
 namespace pcm::host {
 
 namespace {
 
-constexpr double tolerance_px = 4;
+constexpr double tolerance = 4;  // Qt's pixels
 
-Vec3d image_of(const Matrix4d& m, const Vec3d& p)
+// A layer whose cloud may be hit.
+struct Target {
+    int mesh_id = -1;
+    TreeLayer tree;  // keeps a drawn copy's folder
+    std::shared_ptr<PointPicker> picker;
+    std::optional<Affine> placement;
+    PickRay ray;  // as the cloud sees it
+    PickOptions options;
+};
+
+struct Job {
+    std::vector<Target> targets;
+    QString nothing;  // the message if there is no point
+    QPointer<GLArea> area;
+    QPointer<QObject> context;  // used in the GUI thread only
+    std::function<void(const PickAnswer&)> answer;
+    std::atomic<bool> replaced{false};
+};
+
+// The job of each context; null after its end. GUI thread.
+std::map<const QObject*, std::shared_ptr<Job>>& jobs()
 {
-    Vec3d q;
-    for (std::size_t r = 0; r < 3; ++r) q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
-    return q;
+    static auto* const jobs = new std::map<const QObject*, std::shared_ptr<Job>>;
+    return *jobs;
 }
 
-// What a pixel sees, in the scene's coordinates less the origin.
-std::optional<Region> beam_of(const Camera& camera, double x, double y, const Vec3d& origin)
+// A picker knows the sizes of a tree's points, and boxes around them. GUI thread.
+std::shared_ptr<PointPicker> picker_of(const std::shared_ptr<PointCloud>& cloud)
 {
-    const auto back = affine_inverse(camera.modelview);
-    if (!back) return std::nullopt;
-    const Matrix4d& p = camera.projection;
-    const double u = 2 * x / camera.width - 1, v = 1 - 2 * y / camera.height;
-    const bool parallel = p[11] == 0;
-    const Vec3d eye = parallel ? Vec3d{(u - p[12]) / p[0], (v - p[13]) / p[5], 0} : Vec3d{0, 0, 0};
-    const Vec3d ahead = parallel ? Vec3d{0, 0, -1} : Vec3d{(u + p[8]) / p[0], (v + p[9]) / p[5], -1};
-    const Vec3d from = image_of(*back, eye), to = image_of(*back, eye + ahead);
-    const double radius = tolerance_px * 2 / (camera.height * p[5]);
-    if (parallel) return Region::ray(origin + from, to - from, radius);
-    return Region::cone(origin + from, to - from, std::atan(radius) * 180 / pi);
+    struct Entry {
+        std::weak_ptr<PointCloud> cloud;
+        std::shared_ptr<PointPicker> picker;
+    };
+    static auto* const pickers = new std::map<const PointCloud*, Entry>;
+    for (auto entry = pickers->begin(); entry != pickers->end();)
+        entry = entry->second.cloud.expired() ? pickers->erase(entry) : std::next(entry);
+    Entry& entry = (*pickers)[cloud.get()];
+    if (!entry.picker) entry = {cloud, std::make_shared<PointPicker>(cloud->cache())};
+    return entry.picker;
+}
+
+// The conditions that views apply to a cloud of this schema.
+std::vector<Condition> applicable(const std::vector<Condition>& where, const Schema& schema)
+{
+    std::vector<Condition> kept;
+    for (const Condition& condition : where) {
+        Selection one;
+        one.where = {condition};
+        try {
+            Selector(one, schema);
+            kept.push_back(condition);
+        } catch (const Error&) {  // views show all points then, and say so
+        }
+    }
+    return kept;
+}
+
+std::vector<Target> targets_of(GLArea& area, const Camera& camera, const ShownClouds& shown, double x, double y,
+                               double end)
+{
+    std::vector<Target> targets;
+    for (const int mesh_id : shown.layers) {
+        MeshModel* const layer = area.md()->getMesh(mesh_id);
+        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        if (!tree || !area.meshVisibilityMap.value(mesh_id)) continue;
+        Target target;
+        target.mesh_id = mesh_id;
+        target.tree = *tree;
+        target.placement = placement_of(*layer, *tree);
+        Camera in_scene = camera;
+        in_scene.origin = tree->origin;
+        auto ray = PickRay::through(in_scene, x, y);
+        if (!ray) continue;
+        ray->end = std::min(ray->end, end);
+        if (target.placement) ray = ray->before(*target.placement);
+        if (!ray) continue;
+        target.ray = *ray;
+        target.options.tolerance_px = tolerance * area.devicePixelRatioF();
+        target.options.size_scale = shown.size_scale;
+        target.options.where = applicable(shown.where, tree->cloud->info().schema);
+        if (const auto clip = clip_of(*layer)) target.options.clips.push_back(*clip);
+        target.picker = picker_of(tree->cloud);
+        targets.push_back(std::move(target));
+    }
+    return targets;
+}
+
+Picked picked_of(const Target& target, const PickHit& hit)
+{
+    Picked picked;
+    picked.mesh_id = target.mesh_id;
+    picked.cloud = target.tree.cloud;
+    picked.node = hit.node;
+    picked.point = hit.index;
+    picked.position = hit.position;
+    picked.shown_at = target.placement ? (*target.placement)(hit.position) : hit.position;
+    picked.spacing = hit.size;
+    const Vec3d& step = target.tree.cloud->info().grid.scale;
+    picked.grid_step = std::max({step[0], step[1], step[2]});
+    return picked;
+}
+
+void describe(const Target& target, Picked& picked)
+{
+    const PointDescription description =
+        describe_point(target.tree.cloud->cache(), target.picker->sizes(), picked.node, picked.point);
+    for (const DescribedAttribute& attribute : description.attributes)
+        picked.attributes.push_back({attribute.name, attribute.text()});
+}
+
+// The nearest hit of all clouds: with `known`, hits of the same targets, exactly; else of what is in memory.
+using Hits = std::vector<std::optional<PickHit>>;
+std::optional<std::size_t> search(const Job& job, Hits& hits, const Hits* known)
+{
+    std::optional<std::size_t> nearest;
+    double depth = std::numeric_limits<double>::infinity();  // scene units
+    for (std::size_t i = 0; i < job.targets.size(); ++i) {
+        const Target& target = job.targets[i];
+        PickOptions options = target.options;
+        options.most_depth = depth * target.ray.scale;
+        options.cancelled = [&job] { return job.replaced.load(); };
+        hits[i] = known ? target.picker->exact(target.ray, options, (*known)[i]).hit
+                        : target.picker->in_memory(target.ray, options).hit;
+        if (!hits[i] || !(hits[i]->depth / target.ray.scale < depth)) continue;
+        depth = hits[i]->depth / target.ray.scale;
+        nearest = i;
+    }
+    return nearest;
+}
+
+// In the GUI thread.
+void give(const std::shared_ptr<Job>& job, const PickAnswer& answer)
+{
+    const auto current = job->context ? jobs().find(job->context.data()) : jobs().end();
+    if (current == jobs().end() || current->second != job || !job->area) return;
+    if (answer.final) current->second = nullptr;
+    job->answer(answer);
+}
+
+void post(const std::shared_ptr<Job>& job, PickAnswer answer)
+{
+    if (QCoreApplication* const application = QCoreApplication::instance())
+        QMetaObject::invokeMethod(
+            application, [job, answer = std::move(answer)] { give(job, answer); }, Qt::QueuedConnection);
+}
+
+// On a thread of the pool.
+void run(const std::shared_ptr<Job>& job)
+{
+    PickAnswer last;
+    try {
+        Hits first(job->targets.size()), exact(job->targets.size());
+        if (const auto nearest = search(*job, first, nullptr)) {
+            PickAnswer answer;
+            answer.point = picked_of(job->targets[*nearest], *first[*nearest]);
+            answer.final = false;
+            post(job, answer);
+        }
+        if (const auto nearest = search(*job, exact, &first)) {
+            last.point = picked_of(job->targets[*nearest], *exact[*nearest]);
+            describe(job->targets[*nearest], *last.point);
+        } else {
+            last.message = job->nothing;
+        }
+    } catch (...) {
+        if (job->replaced) return;
+        last = {};
+        last.message = QString("The point could not be picked: %1").arg(QString::fromStdString(current_error()));
+    }
+    post(job, last);
 }
 
 }  // namespace
 
-void pick(GLArea& area, const QPoint& place, QObject&, const std::function<void(const PickAnswer&)>& answer)
+void pick(GLArea& area, const QPoint& place, QObject& context, const std::function<void(const PickAnswer&)>& answer)
 {
-    PickAnswer result;
-    result.message = "No point within 4 pixels of the cursor";
+    const auto job = std::make_shared<Job>();
+    job->area = &area;
+    job->context = &context;
+    job->answer = answer;
+    job->nothing = "No point within 4 pixels of the cursor";
+    const auto former = jobs().find(&context);
+    if (former == jobs().end())
+        QObject::connect(&context, &QObject::destroyed, qApp, [key = static_cast<const QObject*>(&context)] {
+            const auto found = jobs().find(key);
+            if (found == jobs().end()) return;
+            if (found->second) found->second->replaced = true;
+            jobs().erase(found);
+        });
+    else if (former->second)
+        former->second->replaced = true;
+    jobs()[&context] = job;
+
     const auto camera = camera_of(area);
+    const auto shown = shown_in(area);
     const double ratio = area.devicePixelRatioF();
-    double nearest = std::numeric_limits<double>::infinity();
-    for (MeshModel* layer : area.md()->meshList) {
-        const auto tree = Registry::instance().drawn(*layer);
-        if (!tree || !camera) continue;
-        const auto beam = beam_of(*camera, (place.x() + 0.5) * ratio, (place.y() + 0.5) * ratio, tree->origin);
-        if (!beam) continue;
-        const HitResult hit = tree->cloud->first_hit(*beam);
-        if (!hit.hit || !(hit.hit->along < nearest)) continue;
-        nearest = hit.hit->along;
-        Picked picked;
-        picked.mesh_id = layer->id();
-        picked.cloud = tree->cloud;
-        picked.node = hit.hit->node;
-        picked.point = hit.hit->index;
-        picked.position = picked.shown_at = hit.hit->position;
-        result.point = picked;
-        result.message.clear();
+    const double x = (place.x() + 0.5) * ratio, y = (place.y() + 0.5) * ratio;
+    const auto scene_ray = camera ? PickRay::through(*camera, x, y) : std::nullopt;
+    if (!scene_ray || !shown || shown->layers.empty()) {
+        job->nothing = "No point cloud is shown in this view";
+    } else {
+        const Occluder occluder = find_occluder(area, *scene_ray);
+        if (!occluder.layer.isNull())
+            job->nothing =
+                QString("No point within 4 pixels of the cursor in front of the layer %1").arg(occluder.layer);
+        job->targets = targets_of(area, *camera, *shown, x, y, occluder.along);
     }
-    answer(result);
+    QThreadPool::globalInstance()->start([job] { run(job); });
 }
 
 }  // namespace pcm::host

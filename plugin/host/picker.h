@@ -33,7 +33,7 @@ struct Picked {
     Vec3d shown_at{};      // where the view shows it: `position` moved by the layer's matrix; coordinates of the scene
     double spacing = 0;    // about the distance to its neighbours, source units; 0: not known
     double grid_step = 0;  // the largest step of the grid that positions are on, source units
-    std::vector<PickedValue> attributes;  // all of them
+    std::vector<PickedValue> attributes;  // all of them; none while the answer is not final
 };
 
 struct PickAnswer {
@@ -42,10 +42,13 @@ struct PickAnswer {
     bool final = true;  // false: found among the chunks in memory, and being confirmed on all of them
 };
 
-// Finds the nearest visible point under `place` (Qt's pixels in the view): hidden classes, conditions, the clip box and
-// MeshLab's other layers count. `answer` is called in the GUI thread: at once with what is in memory if there is a
-// point there (final == false), then with the exact answer; never after `context` or the view is destroyed, nor for a
-// pick that a later one of the same context has replaced.
+// Finds the nearest visible point under `place` (Qt's pixels in the view), as pick/point_picker.h defines it. What
+// counts is the view's last picture: its camera, the layers that are drawn in it with their matrices, hidden classes
+// and conditions, and the clip box. Faces of MeshLab's other layers hide points exactly (host/mesh_occlusion.h).
+//
+// `answer` is called in the GUI thread, after pick() has returned: as soon as possible with what is in memory, if there
+// is a point there (final == false), then once with the exact answer. It is not called after `context` or the view is
+// destroyed, nor for a pick that a later one of the same context has replaced.
 void pick(GLArea& area, const QPoint& place, QObject& context, const std::function<void(const PickAnswer&)>& answer);
 
 }  // namespace pcm::host

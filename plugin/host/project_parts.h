@@ -6,6 +6,7 @@
 
 #include <common/interfaces.h>
 
+#include <QByteArray>
 #include <QString>
 
 #include <functional>
@@ -24,5 +25,12 @@ struct ProjectPart {
 
 void add_project_part(ProjectPart part);
 const std::vector<ProjectPart>& project_parts();
+
+// The project file `project`, as MeshLab has written it, with the parts of the document in place of those that it has.
+// Returns it unchanged if there are none, or if it is no project. A part that has nothing to keep, and whose text in
+// the opened project could not be read, keeps that text. Errors are logged.
+QByteArray with_parts(const QByteArray& project, MeshDocument& document);
+// Gives the document the parts in the project file `project`. Errors are logged.
+void take_parts(const QByteArray& project, MeshDocument& document);
 
 }  // namespace pcm::host

@@ -1,5 +1,6 @@
 #include "plugin/render/project_settings.h"
 
+#include "plugin/host/project_parts.h"
 #include "plugin/host/registry.h"
 #include "plugin/render/settings.h"
 
@@ -106,7 +107,9 @@ void ProjectSettings::read(MeshDocument& document, RichParameterList& parameters
     State& state = known_[&document];
     if (file.isEmpty() || state.file == file) return;
     state = {file, QFileInfo(file).lastModified()};
-    if (take_settings(content_of(file), parameters))
+    const QByteArray project = content_of(file);
+    take_parts(project, document);
+    if (take_settings(project, parameters))
         document.Log.Log(GLLogStream::SYSTEM, qPrintable("Point Cloud: the settings of the view are those of " + file));
 }
 
@@ -119,13 +122,16 @@ void ProjectSettings::saved()
         if (views.empty() || file.isEmpty()) continue;
         if (state.file == file && state.changed == QFileInfo(file).lastModified()) continue;
         const QByteArray before = content_of(file);
-        const QByteArray after = with_settings(before, *views.front()->glas.currentGlobalParamSet);
+        MeshDocument& document = *views.front()->md();
+        const QByteArray after =
+            with_parts(with_settings(before, *views.front()->glas.currentGlobalParamSet), document);
         QSaveFile out(file);
         if (after != before && (!out.open(QIODevice::WriteOnly) || out.write(after) != after.size() || !out.commit()))
-            views.front()->md()->Log.Log(
-                GLLogStream::WARNING,
-                qPrintable("Point Cloud: " + file +
-                           ": the settings of the view cannot be added to the project: " + out.errorString()));
+            document.Log.Log(GLLogStream::WARNING,
+                             qPrintable("Point Cloud: " + file +
+                                        ": the settings of the view, measures and the like cannot be added to the "
+                                        "project: " +
+                                        out.errorString()));
         state = {file, QFileInfo(file).lastModified()};
     }
 }

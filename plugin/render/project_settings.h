@@ -1,6 +1,6 @@
 // The settings of the view in MeshLab's project files. MeshLab keeps the layers there and their own look, but no
 // settings of decorators. Ours are an element <PointCloudSettings> that MeshLab ignores, so the file stays a project
-// for a MeshLab without these plugins.
+// for a MeshLab without these plugins. So are what else belongs to a document (host/project_parts.h).
 #pragma once
 
 #include <common/interfaces.h>
@@ -26,8 +26,9 @@ class ProjectSettings : public QObject {
     Q_OBJECT
 
 public:
-    // A tree is being shown in `area`: if it comes from a project, the settings of the project apply from now on, and
-    // when the user saves a project, the settings are saved with it. Called as often as one likes.
+    // A tree is being shown in `area`: if it comes from a project, the settings of the project apply from now on and
+    // the document gets its parts, and when the user saves a project, both are saved with it. Called as often as one
+    // likes.
     static void follow(GLArea& area);
 
 private:

@@ -1,6 +1,7 @@
 #include "plugin/render/view.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/gl/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
@@ -62,11 +63,12 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
 
 // A snapshot of several times the view's resolution is drawn in tiles. Each is a part of the view, magnified to the
 // size of the view (glarea.cpp: setView, setTiledView). The vertical scale of the whole view depends on the fov alone.
-bool is_tile(const pcm::Camera& view, float fov)
+double magnification(const pcm::Camera& view, float fov)
 {
     const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * pi / 360);
-    return view.projection[5] > 1.5 * whole;
+    return view.projection[5] / whole;
 }
+bool is_tile(const pcm::Camera& view, float fov) { return magnification(view, fov) > 1.5; }
 
 // A framebuffer for frames that are not shown; bound during its lifetime.
 class Aside {
@@ -101,6 +103,17 @@ Matrix4d placement_of(const MeshModel& layer)
     return placement;
 }
 
+// For picking (host/picker.h).
+ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle& style)
+{
+    ShownClouds shown;
+    for (const MeshModel* layer : drawn) shown.layers.push_back(layer->id());
+    shown.where = style.where;
+    const bool sized = traits_of(style.splats).shape != SplatShape::pixels;
+    shown.size_scale = sized ? static_cast<double>(style.radius_scale * radius_of_paraboloid) : 0;
+    return shown;
+}
+
 }  // namespace
 
 View* View::find(GLArea* area) { return area->findChild<View*>(QString(), Qt::FindDirectChildrenOnly); }
@@ -132,9 +145,20 @@ QString View::draw(const Settings& settings)
     draw_scene(settings);
     for (MeshModel* shown : area_->md()->meshList)
         if (shown && layers_.count(shown->id()) && layers_[shown->id()].report) draw_selected_vertices(*area_, *shown);
+    draw_over_clouds();
     text_ = describe(settings);
     publish_state();
     return text_;
+}
+
+// What tools have drawn.
+void View::draw_over_clouds()
+{
+    const auto origin = Registry::instance().origin_of(*area_->md());
+    if (!origin) return;
+    pcm::Camera scene = tile_ ? scene_view() : shown_;
+    scene.origin = *origin;
+    annotations_.draw(*area_->md(), scene, area_->devicePixelRatioF(), tile_ ? magnification(scene, area_->fov) : 1);
 }
 
 QString View::describe(const Settings& settings) const
@@ -201,6 +225,7 @@ void View::draw_scene(const Settings& settings)
         tile_.reset();
         shown_ = or_the_same(view, shown_);
         keep_camera(*area_, shown_);
+        keep_shown(*area_, shown_clouds(drawn, settings.style));
         report_ = painter_->renderer().draw(picture_, shown_, items, settings.render);
     }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
@@ -295,6 +320,7 @@ void View::drop_picture()
 {
     for (auto& [mesh_id, layer] : layers_) PaintedCloud::give_back(layer.painted);
     picture_.release();
+    annotations_.release();
     if (tile_) tile_->release();
     tile_.reset();
     Painter::give_back(painter_);

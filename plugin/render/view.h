@@ -5,6 +5,7 @@
 #pragma once
 
 #include "plugin/host/registry.h"
+#include "plugin/render/annotation_pass.h"
 #include "plugin/render/legend_box.h"
 #include "plugin/render/painter.h"
 #include "plugin/render/settings.h"
@@ -69,6 +70,7 @@ private:
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
     void draw_scene(const Settings& settings);
+    void draw_over_clouds();
     QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
     void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
@@ -90,6 +92,7 @@ private:
     FrameReport report_;             // of the last paint event
     QString text_;                   // about report_
     bool look_again_ = false;
+    AnnotationPass annotations_;
     LegendBox legend_box_;
     std::vector<LayerLegend> legends_;  // of the last paint event
     QString problem_;                   // with the settings; logged once

@@ -114,7 +114,7 @@ TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
         EXPECT_NE(own.out.find("Usage: pcmlab " + name), std::string::npos) << own.out;
     }
     for (const char* expected : {"build", "convert", "info", "verify", "append", "compact", "delete", "repair", "query",
-                                 "set", "transform", "render", "generate"})
+                                 "set", "transform", "align", "render", "generate"})
         EXPECT_EQ(names.count(expected), 1u) << expected << " is missing in\n" << help.out;
 }
 

@@ -14,7 +14,7 @@ namespace {
 Splat paraboloid(const Camera& view, const Disc& disc)
 {
     const Eye eye = eye_of(view, disc);
-    const Clip clip = clip_of(view);
+    const ClipDepths clip = clip_of(view);
     const double side = std::max(1.0, 2 * 1.25 * disc.radius * eye.focal[1]);
     const double radius = side / 2 / eye.focal[1];
     return [=](double x, double y) {

@@ -1,5 +1,5 @@
 // Sizes of points as radii of splats.
-#include "pcm/gl/point_sizes.h"
+#include "pcm/view/point_sizes.h"
 
 #include "pcm/build/builder.h"
 #include "pcm/tree/point_size.h"

@@ -30,7 +30,7 @@ Splat dynamic_splat(const Camera& view, const Disc& disc)
 Splat affine_splat(const Camera& view, const Disc& disc)
 {
     const Eye eye = eye_of(view, disc);
-    const Clip clip = clip_of(view);
+    const ClipDepths clip = clip_of(view);
     const double r = disc.radius;
     return [=](double px, double py) {
         if (!(eye.depth > 0)) return infinity;

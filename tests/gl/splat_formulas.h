@@ -47,10 +47,10 @@ inline Eye eye_of(const Camera& view, const Disc& disc)
     return eye;
 }
 
-struct Clip {
+struct ClipDepths {
     double near, far;
 };
-inline Clip clip_of(const Camera& view)
+inline ClipDepths clip_of(const Camera& view)
 {
     const Matrix& p = view.projection;
     if (p[11] == 0) return {(1 + p[14]) / p[10], (p[14] - 1) / p[10]};
@@ -60,7 +60,7 @@ inline Clip clip_of(const Camera& view)
 inline Splat square(const Camera& view, const Disc& disc, double side)
 {
     const Eye eye = eye_of(view, disc);
-    const Clip clip = clip_of(view);
+    const ClipDepths clip = clip_of(view);
     return [=](double x, double y) {
         const bool inside = std::abs(x - eye.window[0]) <= side / 2 && std::abs(y - eye.window[1]) <= side / 2;
         return inside && eye.depth > clip.near && eye.depth < clip.far ? eye.depth : infinity;

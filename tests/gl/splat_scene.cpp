@@ -1,7 +1,7 @@
 #include "tests/gl/splat_scene.h"
 
 #include "pcm/gl/gl_state.h"
-#include "pcm/gl/vertex_discs.h"
+#include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "pcm/gl/vertex_format.h"
-#include "pcm/gl/vertex_discs.h"
+#include "pcm/view/vertex_discs.h"
 
 #include "pcm/gl/l1_cache.h"
 #include "tests/columns.h"

@@ -1,4 +1,4 @@
-#include "pcm/gl/vertex_discs.h"
+#include "pcm/view/vertex_discs.h"
 
 #include "pcm/cloud/with_type.h"
 

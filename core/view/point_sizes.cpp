@@ -1,7 +1,7 @@
-#include "pcm/gl/point_sizes.h"
+#include "pcm/view/point_sizes.h"
 
-#include "pcm/gl/vertex_discs.h"
 #include "pcm/tree/point_size.h"
+#include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,136 @@
+#include "pcm/measure/measure_values.h"
+
+#include "pcm/measure/exact_products.h"
+#include "pcm/measure/line_length.h"
+#include "pcm/system/error.h"
+
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double degrees = 180 / pi;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
+
+MeasureValue length_value(const char* name, const LineLength& line, const std::vector<MeasuredPoint>& points)
+{
+    return {name, line.value, propagated(points, line.gradient, line.variance_apart), ""};
+}
+
+MeasureValue vertical_value(const char* name, const std::vector<MeasuredPoint>& points)
+{
+    const MeasuredPoint &first = points.front(), &last = points.back();
+    return {name, last.position[2] - first.position[2], std::sqrt(first.variance() + last.variance()), ""};
+}
+
+// Of vertical / horizontal, by a function f(v, h): its derivatives by v and by h.
+double slope_uncertainty(const std::vector<MeasuredPoint>& points, const LineLength& horizontal, double by_v,
+                         double by_h)
+{
+    std::vector<Vec3d> gradient;
+    for (const Vec3d& g : horizontal.gradient) gradient.push_back(by_h * g);
+    gradient.front()[2] -= by_v;
+    gradient.back()[2] += by_v;
+    return propagated(points, gradient, by_h * by_h * horizontal.variance_apart);
+}
+
+void add_slopes(const std::vector<MeasuredPoint>& points, const LineLength& horizontal,
+                std::vector<MeasureValue>& values)
+{
+    const double h = horizontal.value, v = points.back().position[2] - points.front().position[2];
+    const double size = std::hypot(h, v);
+    if (!(size > 0)) return;
+    if (h > 0) {
+        const double slope = v / h;
+        values.push_back({"slope", 100 * slope, slope_uncertainty(points, horizontal, 100 / h, -100 * slope / h), "%"});
+    }
+    values.push_back({"slope angle", degrees * std::atan2(v, h),
+                      slope_uncertainty(points, horizontal, degrees * (h / size) / size, -degrees * (v / size) / size),
+                      "deg"});
+}
+
+// With legs a and b from the middle point and the angle t between them: the derivative by the end of a is 1 / |a|
+// across it, that by the end of b 1 / |b|, and the cosine between those two directions is -cos(t). So all is defined at
+// 0 and 180 degrees too.
+struct Leg {
+    Vec3d d, lost;  // what rounding took from d matters where the legs are nearly parallel
+};
+
+MeasureValue angle_value(const char* name, const std::vector<MeasuredPoint>& points, const Leg& first,
+                         const Leg& second)
+{
+    const Vec3d &a = first.d, &b = second.d;
+    const Vec3d across = exact_cross(a, b) + (cross(a, second.lost) + cross(first.lost, b));
+    const double radians = std::atan2(length(across), exact_dot(a, b));
+    const double by_a = 1 / length(a), by_b = 1 / length(b);
+    const double by_middle = by_a * by_a + by_b * by_b - 2 * by_a * by_b * std::cos(radians);
+    const double variance = points[0].variance() * by_a * by_a + points[2].variance() * by_b * by_b +
+                            points[1].variance() * std::max(by_middle, 0.0);
+    return {name, degrees * radians, degrees * std::sqrt(variance), "deg"};
+}
+
+}  // namespace
+
+std::vector<MeasureValue> point_values(const Measure& measure)
+{
+    const MeasuredPoint& point = measure.points[0];
+    const double uncertainty = std::sqrt(point.variance());
+    return {{"x", point.position[0], uncertainty, ""},
+            {"y", point.position[1], uncertainty, ""},
+            {"z", point.position[2], uncertainty, ""}};
+}
+
+std::vector<MeasureValue> distance_values(const Measure& measure)
+{
+    const std::vector<MeasuredPoint>& points = measure.points;
+    const LineLength horizontal = line_length(points, Seen::in_plan);
+    std::vector<MeasureValue> values{length_value("distance", line_length(points, Seen::in_space), points),
+                                     length_value("horizontal", horizontal, points),
+                                     vertical_value("vertical", points)};
+    add_slopes(points, horizontal, values);
+    if (points.size() > 2) {
+        const std::vector<MeasuredPoint> ends{points.front(), points.back()};
+        values.push_back(length_value("direct", line_length(ends, Seen::in_space), ends));
+    }
+    return values;
+}
+
+std::vector<MeasureValue> height_values(const Measure& measure)
+{
+    return {vertical_value("height", measure.points),
+            length_value("horizontal", line_length(measure.points, Seen::in_plan), measure.points)};
+}
+
+std::vector<MeasureValue> angle_values(const Measure& measure)
+{
+    const std::vector<MeasuredPoint>& points = measure.points;
+    const auto leg = [&](const MeasuredPoint& end) {
+        return Leg{end.position - points[1].position, lost_in_difference(end.position, points[1].position)};
+    };
+    Leg a = leg(points[0]), b = leg(points[2]);
+    if (!(length(a.d) > 0) || !(length(b.d) > 0))
+        refuse(std::string("there is no angle: the ") + (length(a.d) > 0 ? "third" : "first") +
+               " point is at the place of the second");
+    std::vector<MeasureValue> values{angle_value("angle", points, a, b)};
+    a.d[2] = b.d[2] = a.lost[2] = b.lost[2] = 0;
+    if (length(a.d) > 0 && length(b.d) > 0) values.push_back(angle_value("plan angle", points, a, b));
+    return values;
+}
+
+std::vector<MeasureValue> surface_values(const Measure& measure)
+{
+    if (!measure.surface) refuse("the measure 'surface' has no surface: a plane, sphere or cylinder is needed");
+    check(*measure.surface);
+    const MeasuredPoint& point = measure.points[0];
+    return {{"distance", distance_to(*measure.surface, point.position), std::sqrt(point.variance()), ""}};
+}
+
+std::vector<MeasureValue> profile_values(const Measure& measure)
+{
+    const LineLength line = line_length(measure.points, Seen::in_plan);
+    if (!(line.value > 0)) refuse("the line of the profile has no length in plan");
+    return {length_value("length", line, measure.points)};
+}
+
+}  // namespace pcm

@@ -1,0 +1,42 @@
+// The changes of a document's clip box, to be undone. GUI thread.
+#pragma once
+
+#include "plugin/host/scene_state.h"
+
+#include <QObject>
+
+#include <optional>
+#include <vector>
+
+namespace pcm::host {
+
+bool same(const std::optional<ClipBox>& a, const std::optional<ClipBox>& b);
+
+// One for each document. Changes by others, such as a project that was opened, are steps too.
+class ClipHistory : public QObject {
+    Q_OBJECT
+
+public:
+    static ClipHistory& of(MeshDocument& document);
+
+    // Shows a box without a step, as while one is dragged; the next keep() makes the step.
+    void show(const std::optional<ClipBox>& box);
+    void keep(const std::optional<ClipBox>& box);
+    bool can_undo() const { return done_ > 0; }
+    bool can_redo() const { return done_ + 1 < boxes_.size(); }
+    void undo();
+    void redo();
+
+private:
+    static constexpr std::size_t most_steps = 1000;
+    explicit ClipHistory(MeshDocument& document);
+    void set(const std::optional<ClipBox>& box);
+    void add(const std::optional<ClipBox>& box);
+
+    MeshDocument& document_;
+    std::vector<std::optional<ClipBox>> boxes_;  // the first is the one before all steps
+    std::size_t done_ = 0;                       // of boxes_, the one that is shown
+    bool setting_ = false;
+};
+
+}  // namespace pcm::host

@@ -1,0 +1,69 @@
+// The tool Clip Box: the box of the document as edges and handles in the view, and its panel.
+//
+// A handle is dragged; everything else goes to MeshLab's camera. Ending the tool keeps the box. GUI thread.
+#pragma once
+
+#include "plugin/edit/clip/box_handles.h"
+#include "plugin/edit/clip/clip_panel.h"
+
+#include <common/interfaces.h>
+
+#include <QPointer>
+
+#include <functional>
+#include <optional>
+
+namespace pcm::host {
+
+class ClipHistory;
+
+class ClipTool : public QObject, public MeshEditInterface {
+    Q_OBJECT
+    Q_INTERFACES(MeshEditInterface)
+
+public:
+    ~ClipTool() override;
+    QString pluginName() const override { return "EditPointCloud"; }
+
+    bool isSingleMeshEdit() const override { return false; }
+    bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+    void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override {}
+
+    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
+    void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
+
+protected:
+    // Moves without a button, double clicks, and Esc, which MeshLab has as a shortcut.
+    bool eventFilter(QObject* receiver, QEvent* event) override;
+
+private:
+    enum class Picking { nothing, box, section };
+    const std::optional<ClipBox>& box() const;
+    ClipHistory& history() const;
+    void guarded(const std::function<void()>& work);
+    void say(const QString& text);
+    void show();  // in the panel and in the view
+    void press(ClipPanel::Button button);
+    void take_box(const Box3d& bounds);
+    void step(double steps);
+    void begin_picking(Picking what);
+    void pick_at(const QPoint& place);
+    void take_point(const Vec3d& place);
+    bool cancel();  // what is being done; false if nothing is
+    void hover(const QPoint& place);
+
+    GLArea* view_ = nullptr;  // while the tool is on
+    QPointer<ClipPanel> panel_;
+    std::optional<BoxHandle> dragged_, hovered_;
+    ClipBox before_drag_;
+    QPoint pressed_at_;
+    bool tracked_mouse_ = false;
+    Picking picking_ = Picking::nothing;
+    std::optional<Vec3d> first_point_;
+};
+
+}  // namespace pcm::host

@@ -1,0 +1,132 @@
+// What a document has beside layers, in project files.
+#include "plugin/host/project_parts.h"
+
+#include "pcm/system/error.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+using namespace pcm;
+using namespace pcm::host;
+
+namespace {
+
+// Parts register themselves once in a process, so all tests share these two.
+std::map<QString, QString>& kept()
+{
+    static std::map<QString, QString> texts;
+    return texts;
+}
+
+void add_parts()
+{
+    if (!kept().empty()) return;
+    for (const QString name : {"TestPartOne", "TestPartTwo"}) {
+        kept()[name] = "";
+        add_project_part({name,
+                          [name](MeshDocument&) {
+                              if (kept()[name] == "unwritable") throw Error(ErrorCode::invalid_argument, {}, "no text");
+                              return kept()[name];
+                          },
+                          [name](MeshDocument&, const QString& text) {
+                              if (text == "unreadable") throw Error(ErrorCode::corrupt, {}, "not a list");
+                              kept()[name] = text;
+                          }});
+    }
+}
+
+class ProjectParts : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        add_parts();
+        for (auto& [name, text] : kept()) text.clear();
+    }
+    QString log()
+    {
+        QString all;
+        for (const auto& line : document.Log.logStringList()) all += line.second + "\n";
+        return all;
+    }
+    // Both texts, through a file.
+    void round_trip(const QString& one, const QString& two)
+    {
+        kept() = {{"TestPartOne", one}, {"TestPartTwo", two}};
+        const QByteArray file = with_parts(project, document);
+        kept() = {{"TestPartOne", "old"}, {"TestPartTwo", "old"}};
+        take_parts(file, document);
+        EXPECT_EQ(kept()["TestPartOne"], one);
+        EXPECT_EQ(kept()["TestPartTwo"], two);
+    }
+
+    const QByteArray project = "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup/>\n</MeshLabProject>\n";
+    MeshDocument document;
+};
+
+TEST_F(ProjectParts, AProjectWithoutPartsStaysAsItIs)
+{
+    EXPECT_EQ(with_parts(project, document), project);
+    kept()["TestPartOne"] = "text";
+    EXPECT_EQ(with_parts("v 1 2 3\n", document), "v 1 2 3\n");
+}
+
+TEST_F(ProjectParts, AnElementOfTheProject)
+{
+    kept()["TestPartOne"] = "a < b";
+    EXPECT_EQ(with_parts(project, document),
+              "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup/>\n<TestPartOne>a &lt; b</TestPartOne>\n"
+              "</MeshLabProject>\n");
+}
+
+TEST_F(ProjectParts, AnyTextComesBack)
+{
+    round_trip("{\"name\":\"</TestPartOne>\\n & <TestPartTwo>\"}",
+               QString::fromUtf8("Straße\r\n\t\"ü\" \U0001F600  ]]>"));
+}
+
+TEST_F(ProjectParts, ANewTextTakesThePlaceOfTheOldOne)
+{
+    kept() = {{"TestPartOne", "first"}, {"TestPartTwo", "stays"}};
+    const QByteArray first = with_parts(project, document);
+    kept()["TestPartOne"] = "second";
+    const QByteArray second = with_parts(first, document);
+    EXPECT_EQ(second.count("<TestPartOne>"), 1);
+    EXPECT_EQ(second.count("<TestPartTwo>"), 1);
+    take_parts(second, document);
+    EXPECT_EQ(kept()["TestPartOne"], "second");
+    kept()["TestPartOne"] = "";
+    kept()["TestPartTwo"] = "";
+    EXPECT_EQ(with_parts(second, document), project);
+}
+
+TEST_F(ProjectParts, WhatCannotBeReadIsLoggedAndKept)
+{
+    const QByteArray file = QByteArray(project).replace(
+        "</MeshLabProject>",
+        "<TestPartOne>unreadable</TestPartOne>\n<TestPartTwo>good</TestPartTwo>\n</MeshLabProject>");
+    take_parts(file, document);
+    EXPECT_EQ(kept()["TestPartOne"], "");
+    EXPECT_EQ(kept()["TestPartTwo"], "good");
+    EXPECT_TRUE(log().contains("<TestPartOne> of the project cannot be read")) << log().toStdString();
+    EXPECT_TRUE(log().contains("not a list"));
+    EXPECT_TRUE(with_parts(project, document).contains("<TestPartOne>unreadable</TestPartOne>"));
+    kept()["TestPartOne"] = "new";
+    EXPECT_TRUE(with_parts(project, document).contains("<TestPartOne>new</TestPartOne>"));
+}
+
+TEST_F(ProjectParts, WhatCannotBeWrittenIsLoggedAndTheOthersAreKept)
+{
+    kept() = {{"TestPartOne", "unwritable"}, {"TestPartTwo", "good"}};
+    const QByteArray file = with_parts(project, document);
+    EXPECT_TRUE(file.contains("<TestPartTwo>good</TestPartTwo>"));
+    EXPECT_TRUE(log().contains("<TestPartOne> of the project cannot be saved"));
+}
+
+TEST_F(ProjectParts, WhatIsNoProjectGivesNothing)
+{
+    take_parts("<MeshLabProject><TestPartOne>text", document);
+    EXPECT_EQ(kept()["TestPartOne"], "");
+}
+
+}  // namespace
