@@ -137,7 +137,7 @@ TEST_F(FrontPoints, AreThoseOfADepthBufferOfAllPoints)
         check(camera, corners, options);
     }
     EXPECT_LE(differences_, 2u);  // rounding, where a point is on the border of a pixel
-    EXPECT_GT(front_, 700u);
+    EXPECT_GT(front_, 400u);
     EXPECT_GT(behind_, 2 * front_);
 }
 
