@@ -11,9 +11,11 @@ Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
+Run add_measure(Options& options);
 Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
+Run add_profile(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
@@ -21,6 +23,7 @@ Run add_set(Options& options);
 Run add_subsample(Options& options);
 Run add_transform(Options& options);
 Run add_verify(Options& options);
+Run add_volume(Options& options);
 Run add_voxel(Options& options);
 void start_render(char** arguments);
 
@@ -48,6 +51,10 @@ const std::vector<Command>& commands()
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
+        {"measure", "Measure at points: distance, height, angle, area, distance to a plane; lists of measures as files",
+         add_measure},
+        {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},
+        {"volume", "Volume between a tree's surface and a height, a plane or another tree: cut and fill", add_volume},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

@@ -93,6 +93,9 @@ public:
     const Box3d& bounds() const { return bounds_; }
     Kind kind() const { return kind_; }
     const Vec3d& centre() const { return centre_; }
+    // The half-spaces, relative to centre(), whose intersection the region is; none where it is everything. Absent for
+    // a region that is not such an intersection.
+    std::optional<std::vector<Plane>> half_spaces() const;
     // In the form that parse_region() reads, with all digits.
     std::string text() const { return text_; }
 

@@ -13,5 +13,7 @@ QIcon clip_box_icon();
 QIcon select_points_icon();
 // Two point clouds, joined by lines.
 QIcon align_icon();
+// A line between two crosses above a ruler.
+QIcon measure_icon();
 
 }  // namespace pcm::host
