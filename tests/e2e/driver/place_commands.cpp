@@ -7,6 +7,7 @@
 #include <QJsonArray>
 #include <QJsonDocument>
 #include <QJsonObject>
+#include <QLineEdit>
 #include <QMainWindow>
 #include <QMouseEvent>
 #include <QTableWidget>
@@ -106,12 +107,21 @@ Done wait_rows(TestDriver& driver, const QString& argument)
     return driver.until(found, "the table '" + argument + "'");
 }
 
+// set-text OBJECT TEXT: a field of the window
+Done set_text(TestDriver& driver, const QString& argument)
+{
+    auto* field = driver.window()->findChild<QLineEdit*>(argument.section(' ', 0, 0));
+    if (!field) driver.fail("no field '" + argument + "'");
+    field->setText(argument.section(' ', 1));
+    return Done::yes;
+}
+
 }  // namespace
 
 std::vector<Command> place_commands()
 {
     return {
         {"click-place", click_place}, {"click-cell", click_cell}, {"check-cell", check_cell},
-        {"print-table", print_table}, {"wait-rows", wait_rows},
+        {"print-table", print_table}, {"wait-rows", wait_rows},   {"set-text", set_text},
     };
 }
