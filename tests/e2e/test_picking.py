@@ -73,7 +73,7 @@ def t_and_s(camera, direction, point):
 class Picking(MeshLabTest):
     def picked(self, places):
         """Driver commands that click and wait for the exact answer."""
-        return "".join(f"click {x} {y}\nwait-label PickPointMessage , \nprint-property pcm_pick\n"
+        return "".join(f"click {x} {y}\nwait-label PickPointMessage ,\nprint-property pcm_pick\n"
                        for x, y in places)
 
     def test_a_real_scan_at_map_coordinates(self):
@@ -149,7 +149,7 @@ class Picking(MeshLabTest):
             trigger Pick Point
             wait-log Pick Point: click a point
             click 0.4 0.5
-            wait-label PickPointMessage , 
+            wait-label PickPointMessage ,
             print-property pcm_pick
             click 0.6 0.5
             wait-label PickPointMessage in front of the layer
@@ -159,7 +159,7 @@ class Picking(MeshLabTest):
             show-layer 1 off
             wait-status complete
             click 0.6 0.5
-            wait-label PickPointMessage , 
+            wait-label PickPointMessage ,
             print-property pcm_pick
             click 0.02 0.02
             wait-label PickPointMessage No point within 4 pixels
@@ -171,7 +171,7 @@ class Picking(MeshLabTest):
             pause 200
             escape
             click 0.4 0.5
-            wait-label PickPointMessage , 
+            wait-label PickPointMessage ,
             quit
             """)
         self.assertDriven(run)

@@ -46,7 +46,9 @@ void PickPanel::show_point(const std::vector<PickedLine>& lines, bool complete)
     for (std::size_t i = 0; i < lines.size(); ++i) {
         const int row = static_cast<int>(i);
         table_->setItem(row, 0, new QTableWidgetItem(lines[i].name));
-        table_->setItem(row, 1, new QTableWidgetItem(lines[i].value));
+        auto* value = new QTableWidgetItem(lines[i].value);
+        value->setToolTip(lines[i].value);  // where the column is too narrow
+        table_->setItem(row, 1, value);
     }
     table_->setEnabled(complete);
     copy_->setEnabled(complete);
