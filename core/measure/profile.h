@@ -68,7 +68,8 @@ Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const Pr
 // The profile for a plot: of the finest level (no finer than options.level) that has at most `most` points of it.
 struct ProfileSample {
     std::vector<ProfilePoint> points;
-    std::vector<std::vector<double>> attributes;  // values in the attributes' units: [attribute][point], component 0
+    // Values in the attributes' units, a column for each component of each attribute: [column][point].
+    std::vector<std::vector<double>> attributes;
     std::optional<std::uint16_t> level;           // absent: the whole cloud, or options.level
     Outcome outcome;                              // error: as of visit_profile()
 };

@@ -245,17 +245,19 @@ void MeasureTool::finish()
     measure.kind = draft_.kind();
     measure.points = draft_.points();
     try {
+        if (measure.kind == MeasureKind::profile) measure.width = width_for(measure);
         values_of(measure);  // refuses points that determine nothing
-        if (measure.kind == MeasureKind::profile || measure.kind == MeasureKind::volume)
-            measure_cloud(measure);
-        else
-            keep(measure);
     } catch (...) {
         draft_.reopen();
         show_draft();
         throw;
     }
+    const auto layer = first_layer_;
     clear_draft();
+    keep(std::move(measure));
+    first_layer_ = layer;
+    measure_cloud(book().list().size() - 1);
+    first_layer_.reset();
 }
 
 void MeasureTool::keep(Measure measure)
@@ -266,10 +268,6 @@ void MeasureTool::keep(Measure measure)
     const Measure& kept = book().list()[index];
     say(QString::fromStdString(kept.name + ": " + label_of(kept, book().unit().symbol)));
 }
-
-void MeasureTool::measure_cloud(Measure) {}
-
-void MeasureTool::plot(const Measure&) {}
 
 void MeasureTool::write()
 {
@@ -319,7 +317,7 @@ void MeasureTool::press(MeasurePanel::Button button)
         case Button::save:
             return write();
         case Button::plot:
-            if (selected) plot(book().list()[*selected]);
+            if (selected) measure_cloud(*selected);
             return;
     }
 }
