@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/measure/draft.h"
+#include "plugin/edit/measure/measure_book.h"
 #include "plugin/host/text.h"
 
 #include <QComboBox>
@@ -249,7 +250,7 @@ void MeasurePanel::show_values(const Measure* measure, const std::string& unit)
     }
     if (measure->width > 0) add("width", QString::fromStdString(exact(measure->width) + " " + unit));
     for (std::size_t i = 0; i < measure->points.size(); ++i)
-        add(QString("point %1").arg(i + 1), QString::fromStdString(exact(measure->points[i].position)));
+        add(QString("point %1").arg(i + 1), coordinates_of(measure->points[i]));
 }
 
 void MeasurePanel::item_changed(QTreeWidgetItem* item, int column)
