@@ -144,6 +144,16 @@ void SelectPanel::add_uses(QGridLayout& rows)
     buttons_[Button::stop]->hide();
     add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
     add_button(rows, row++, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row, 0, Button::to_layer, "To a layer",
+               "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
+    add_button(rows, row, 1, Button::to_file, "To a file",
+               "Writes the selected points to a file; the extension chooses the format.");
+    add_button(rows, row++, 2, Button::remove, "Delete points",
+               "Deletes the selected points: makes a copy of the tree without them, or changes the tree in place.");
+    add_button(rows, row, 0, Button::classify, "Classify", "Gives the selected points a class.");
+    add_button(rows, row++, 1, Button::save, "Save as attribute",
+               "Saves the selection in the tree: an attribute that is 1 for selected points and 0 for all others. The "
+               "condition NAME=1 selects them again.");
     show_steps({}, {});
 }
 
