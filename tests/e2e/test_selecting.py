@@ -2,8 +2,7 @@
 
 import csv
 import json
-import math
-import shutil
+import re
 import unittest
 
 from meshlab import NO_TIME_LIMIT, MeshLabTest, different, pcmlab, sample
@@ -62,7 +61,7 @@ class Selecting(MeshLabTest):
         tree = self.folder / "scan.pct"
         pcmlab("build", sample(f"las/{name}"), "-o", tree)
         text = self.folder / "scan.csv"
-        pcmlab("convert", tree, "-o", text)
+        pcmlab("convert", tree, text)
         with open(text, newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         points = [((float(r["x"]), float(r["y"]), float(r["z"])), int(float(r["classification"]))) for r in rows]
@@ -70,11 +69,8 @@ class Selecting(MeshLabTest):
 
     def counts(self, run):
         """What the panel showed, as numbers of points."""
-        found = []
-        for text in run.labels("PointCloudSelectCount"):
-            words_ = text.split(" ")
-            found.append(0 if text.startswith("Nothing") else int(words_[words_.index("of") - 1].replace(",", "")))
-        return found
+        found = [re.search(r"([\d,]+) of [\d,]+ points selected", text) for text in run.labels("PointCloudSelectCount")]
+        return [int(match[1].replace(",", "")) if match else 0 for match in found]
 
     def test_shapes(self):
         tree, points = self.scan()
@@ -113,13 +109,13 @@ class Selecting(MeshLabTest):
             {done}
             key-down Ctrl+Shift+Z
             {done}
-            press Invert
+            press Invert selection
             wait-label PointCloudSelectMessage inverted
             {done}
-            press None
+            press Select none
             wait-label PointCloudSelectMessage none
             {done}
-            press All shown
+            press Select shown
             wait-label PointCloudSelectMessage all shown
             {done}
             set Condition = classification=2
