@@ -62,7 +62,7 @@ public:
 
     PointSet run()
     {
-        watch_.report(stage, 0);
+        watch_.report(stage, 0, true);
         plan();
         take_seeds();
         for (;;) {

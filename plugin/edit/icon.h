@@ -11,5 +11,9 @@ QIcon first_person_icon();
 QIcon clip_box_icon();
 // A dashed rectangle around coloured points.
 QIcon select_points_icon();
+// Two point clouds, joined by lines.
+QIcon align_icon();
+// A line between two crosses above a ruler.
+QIcon measure_icon();
 
 }  // namespace pcm::host

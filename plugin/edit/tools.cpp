@@ -1,7 +1,9 @@
 #include "plugin/edit/tools.h"
 
+#include "plugin/edit/align/align_tool.h"
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
+#include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
@@ -30,10 +32,19 @@ const std::vector<Tool>& tools()
          "from "
          "the view or from two points; a slab that moves through the clouds. The clouds are not changed.",
          clip_box_icon, make<ClipTool>},
+        {"Measure",
+         "Distances, heights, angles, areas, profiles and volumes between points that are clicked, with their "
+         "uncertainty, in source coordinates. The list of measures is kept in the project and exported as CSV, GeoJSON "
+         "and DXF.",
+         measure_icon, make<MeasureTool>},
         {"Select Points",
          "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
          "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
          select_points_icon, make<SelectTool>},
+        {"Align by Picked Pairs",
+         "Moves one point cloud to another by three or more pairs of points that are picked in the view: residuals, "
+         "uncertainty, the layer's matrix with undo, or a new tree moved in double.",
+         align_icon, make<AlignTool>},
     };
     return table;
 }
