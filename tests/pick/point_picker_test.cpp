@@ -77,13 +77,16 @@ protected:
         Schema schema;
         schema.add({"classification", ScalarType::u8, 1, 1, 0, ""});
         if (kind == Cloud::groups) {
-            // Three points each, far from the others: sizes far above the spacings of their levels. Chunks of several
-            // segments.
+            // Groups of three points, far from the others, and a dense patch that makes fine levels: sizes of points in
+            // groups are far above the spacings of their levels. Chunks of several segments.
             MemoryCloud cloud = random_cloud(schema, std::nullopt, 36000, 5, 100);
             for (std::size_t i = 0; i < 36000; ++i)
-                for (std::size_t a = 0; a < 3 && i % 3 != 0; ++a) {
+                for (std::size_t a = 0; a < 3; ++a) {
                     double& c = cloud.points.xyz[a][i];
-                    c = cloud.points.xyz[a][i - i % 3] + std::fmod(c, 1.0) * 0.05;
+                    if (i >= 18000)
+                        c = a == 2 ? 0 : c * 0.015;
+                    else if (i % 3 != 0)
+                        c = cloud.points.xyz[a][i - i % 3] + std::fmod(c, 1.0) * 0.05;
                 }
             MemoryReader reader(cloud);
             options.chunk_points = 20000;
