@@ -21,6 +21,12 @@
 #include <tuple>
 #include <vector>
 
+#if defined(__x86_64__)
+#define PCM_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define PCM_CLONES
+#endif
+
 namespace {
 
 using namespace pcm;
@@ -60,7 +66,7 @@ struct Best {
 
 // The rays by coordinate, so that a loop over them is vectors.
 struct Columns {
-    std::vector<double> start[3], direction[3], pixel, growth, begin, end;
+    std::vector<double> start[3], direction[3], pixel, growth;
     std::vector<std::uint8_t> near;
 
     explicit Columns(const std::vector<PickRay>& rays) : near(rays.size())
@@ -72,12 +78,10 @@ struct Columns {
             }
             pixel.push_back(ray.pixel);
             growth.push_back(ray.pixel_growth);
-            begin.push_back(ray.begin);
-            end.push_back(ray.end);
         }
     }
     // Marks the rays that the point, relative to their centre, may be a hit of.
-    void mark(const Vec3d& p, double limit, double tolerance, double largest)
+    PCM_CLONES void mark(const Vec3d& p, double limit, double tolerance, double largest)
     {
         for (std::size_t r = 0; r < near.size(); ++r) {
             const double x = p[0] - start[0][r], y = p[1] - start[1][r], z = p[2] - start[2][r];
@@ -86,8 +90,7 @@ struct Columns {
             const double size = pixel[r] + t * growth[r];
             const double wide = limit > tolerance * size ? limit : tolerance * size;
             const double reach = wide < largest * size ? wide : largest * size;
-            near[r] = static_cast<std::uint8_t>((ax * ax + ay * ay + az * az <= reach * reach * (1 + 1e-12)) &
-                                                (t >= begin[r]) & (t <= end[r]));
+            near[r] = static_cast<std::uint8_t>(ax * ax + ay * ay + az * az <= reach * reach * (1 + 1e-9));
         }
     }
 };

@@ -38,7 +38,7 @@ TEST(DescribePoint, SaysEveryDigitOfEveryAttribute)
     const TemporaryFolder folder;
     MemoryReader reader(cloud);
     BuildOptions options;
-    options.chunk_points = 2000;
+    options.chunk_points = 20000;  // several levels in a chunk
     build_tree(reader, {"memory"}, folder / "t.pct", options);
     const auto opened = PointCloud::open(folder / "t.pct");
     L2Cache& cache = opened->cache();
@@ -52,7 +52,10 @@ TEST(DescribePoint, SaysEveryDigitOfEveryAttribute)
         const Chunk chunk = cache.tree().read_chunk(id, ColumnSet::whole(schema));
         if (node.points) sizes.find_radii(id, chunk, radii);
         for (std::uint32_t p = 0; p < node.points; p += 7) {
-            if (p % 2) cache.get(id, ColumnSet::whole(schema));
+            if (p % 2)
+                cache.get(id, ColumnSet::whole(schema));
+            else
+                cache.clear();
             const PointDescription described = describe_point(cache, sizes, id, p);
             ASSERT_EQ(described.attributes.size(), 6u);
             ASSERT_EQ(by_number.count(described.attributes[0].text()), 1u);

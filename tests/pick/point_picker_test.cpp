@@ -32,12 +32,25 @@ struct Record {
     double size, classification;
 };
 
-enum class Cloud { surface, volume, line, duplicates, coincident, clusters, full_range, wide, tiny, radii, single };
+enum class Cloud {
+    surface,
+    volume,
+    line,
+    duplicates,
+    coincident,
+    clusters,
+    full_range,
+    wide,
+    tiny,
+    radii,
+    groups,
+    single
+};
 
 const char* name(Cloud cloud)
 {
     static const char* names[] = {"surface",    "volume", "line", "duplicates", "coincident", "clusters",
-                                  "full_range", "wide",   "tiny", "radii",      "single"};
+                                  "full_range", "wide",   "tiny", "radii",      "groups",     "single"};
     return names[static_cast<int>(cloud)];
 }
 
@@ -63,6 +76,23 @@ protected:
         options.memory_bytes = 64 << 20;
         Schema schema;
         schema.add({"classification", ScalarType::u8, 1, 1, 0, ""});
+        if (kind == Cloud::groups) {
+            // Groups of three points, far from the others, and a dense patch that makes fine levels: sizes of points in
+            // groups are far above the spacings of their levels. Chunks of several segments.
+            MemoryCloud cloud = random_cloud(schema, std::nullopt, 36000, 5, 100);
+            for (std::size_t i = 0; i < 36000; ++i)
+                for (std::size_t a = 0; a < 3; ++a) {
+                    double& c = cloud.points.xyz[a][i];
+                    if (i >= 18000)
+                        c = a == 2 ? 0 : c * 0.015;
+                    else if (i % 3 != 0)
+                        c = cloud.points.xyz[a][i - i % 3] + std::fmod(c, 1.0) * 0.05;
+                }
+            MemoryReader reader(cloud);
+            options.chunk_points = 20000;
+            build_tree(reader, {"memory"}, out, options);
+            return;
+        }
         if (kind == Cloud::wide || kind == Cloud::tiny || kind == Cloud::radii) {
             if (kind == Cloud::radii) schema.add({"radius", ScalarType::f32, 1, 0.01, 0, ""});
             const double extent = kind == Cloud::wide ? 1e9 : kind == Cloud::tiny ? 1e-6 : 10;
@@ -327,7 +357,7 @@ TEST_P(PointPickerTest, ManyThreadsPickAtOnce)
 INSTANTIATE_TEST_SUITE_P(Clouds, PointPickerTest,
                          testing::Values(Cloud::surface, Cloud::volume, Cloud::line, Cloud::duplicates,
                                          Cloud::coincident, Cloud::clusters, Cloud::full_range, Cloud::wide,
-                                         Cloud::tiny, Cloud::radii, Cloud::single),
+                                         Cloud::tiny, Cloud::radii, Cloud::groups, Cloud::single),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 // A wall of points in front of another: none of the second wall is ever picked, though its points lie nearer to the
