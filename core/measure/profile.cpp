@@ -143,13 +143,17 @@ ProfileSample read_sample(PointCloud& cloud, const ProfileOptions& options, std:
     for (const std::string& name : options.attributes)
         for (const Attribute& attribute : cloud.info().schema)
             if (attribute.name == name) attributes.push_back(attribute);
-    sample.attributes.resize(attributes.size());
+    std::size_t columns = 0;
+    for (const Attribute& attribute : attributes) columns += attribute.components;
+    sample.attributes.resize(columns);
     sample.outcome =
         visit_profile(cloud, options, [&](const ProfilePoint& point, const PointView& view, std::size_t i) {
             if (sample.points.size() == most) throw TooMany{};
             sample.points.push_back(point);
+            auto column = sample.attributes.begin();
             for (std::size_t k = 0; k < attributes.size(); ++k)
-                sample.attributes[k].push_back(view.value(i, k) * attributes[k].scale + attributes[k].offset);
+                for (std::uint32_t c = 0; c < attributes[k].components; ++c, ++column)
+                    column->push_back(view.value(i, k, c) * attributes[k].scale + attributes[k].offset);
         });
     return sample;
 }

@@ -71,7 +71,8 @@ Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const Pr
 // million.
 struct ProfileSample {
     std::vector<ProfilePoint> points;
-    std::vector<std::vector<double>> attributes;  // values in the attributes' units: [attribute][point], component 0
+    // Values in the attributes' units, a column for each component of each attribute: [column][point].
+    std::vector<std::vector<double>> attributes;
     std::optional<std::uint16_t> level;           // absent: the whole cloud, or options.level
     Outcome outcome;                              // error: as of visit_profile()
 };

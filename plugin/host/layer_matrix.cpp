@@ -47,6 +47,19 @@ Affine map_of(const Matrix44m& matrix, const Vec3d& origin)
     return map;
 }
 
+Affine after(const Affine& outer, const Affine& inner)
+{
+    Affine both;
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t c = 0; c < 3; ++c) {
+            both.linear[r][c] = 0;
+            for (std::size_t k = 0; k < 3; ++k) both.linear[r][c] += outer.linear[r][k] * inner.linear[k][c];
+        }
+    both.pivot = inner.pivot;
+    both.target = outer(inner.target);
+    return both;
+}
+
 double matrix_rounding(const Affine& map, const Vec3d& origin, const Box3d& box)
 {
     const Matrix44m matrix = matrix_of(map, origin);

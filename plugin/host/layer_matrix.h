@@ -28,6 +28,9 @@ double matrix_rounding(const Affine& map, const Vec3d& origin, const Box3d& box)
 // What the matrix does to source coordinates; of a layer with a sample, placement_of() counts a frozen matrix too.
 Affine map_of(const Matrix44m& matrix, const Vec3d& origin);
 
+// The map `inner`, then `outer`.
+Affine after(const Affine& outer, const Affine& inner);
+
 // One for each document.
 class LayerMatrices : public QObject {
     Q_OBJECT

@@ -4,8 +4,10 @@
 #include "pcm/make_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "plugin/host/bookmarks.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/layer_matrix.h"
+#include "plugin/host/layer_visibility.h"
 #include "plugin/host/placement.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
@@ -186,6 +188,64 @@ TEST_F(AlignInMeshLab, ALockedLayerKeepsItsMatrixAndItsPoints)
     matrices.lock(*layer, false);
     EXPECT_NO_THROW(matrices.undo(*layer));
     EXPECT_TRUE(call.apply()) << call.log();
+}
+
+TEST_F(AlignInMeshLab, OneMapAfterAnother)
+{
+    const Affine second = Affine::rotation({1, 0, 0}, 0.3, {10, 20, 30}, 2);
+    const Affine both = after(second, motion_);
+    for (const PointPair& pair : pairs_) EXPECT_LT(length(both(pair.moving) - second(pair.fixed)), 1e-7);
+}
+
+TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
+{
+    MeshDocument document;
+    MeshModel* const one = document.addNewMesh("", "one");
+    MeshModel* const two = document.addNewMesh("", "two");
+    MeshModel* const three = document.addNewMesh("", "three");
+    two->visible = false;
+    auto& solo = SoloLayers::of(document);
+    solo.set(*two, true);
+    EXPECT_TRUE(two->visible && !one->visible && !three->visible);
+    solo.set(*three, true);
+    EXPECT_TRUE(two->visible && !one->visible && three->visible);
+    solo.set(*two, false);
+    EXPECT_TRUE(!two->visible && three->visible && solo.is_solo(*three));
+    document.delMesh(three);  // the last one: all others are as they were
+    EXPECT_TRUE(one->visible && !two->visible);
+}
+
+TEST_F(AlignInMeshLab, BookmarksHaveNamesOfTheirOwnAndAreReadBack)
+{
+    MeshDocument document, other;
+    auto& bookmarks = Bookmarks::of(document);
+    CameraFrame frame;
+    frame.eye = {500000.123456789, 4800000, 200};
+    frame.target = {500000, 4800010, 100};
+    frame.angle = 60;
+    EXPECT_EQ(bookmarks.text(), "");
+    EXPECT_EQ(bookmarks.add(frame, "gate"), "gate");
+    EXPECT_EQ(bookmarks.add(frame, " gate "), "gate 2");
+    EXPECT_EQ(bookmarks.add(frame, ""), "View");
+    bookmarks.rename(1, "gate");
+    EXPECT_EQ(bookmarks.all()[1].name, "gate 2");
+    bookmarks.rename(1, "tower <&>");
+    bookmarks.rename(7, "nothing");
+    bookmarks.remove(2);
+    bookmarks.remove(7);
+    Bookmarks::of(other).add_text(bookmarks.text(), "text");
+    ASSERT_EQ(Bookmarks::of(other).all().size(), 2u);
+    EXPECT_EQ(Bookmarks::of(other).all()[0].eye, frame.eye);
+    EXPECT_EQ(Bookmarks::of(other).all()[1].name, "tower <&>");
+    EXPECT_THROW(Bookmarks::of(other).add_text("{}", "text"), Error);
+    EXPECT_THROW(Bookmarks::of(other).add_text(
+                     R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
+                        {"eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "angle": 60}]})",
+                     "text"),
+                 Error);
+    EXPECT_EQ(Bookmarks::of(other).all().size(), 2u);
+    frame.up = frame.eye - frame.target;
+    EXPECT_THROW(bookmarks.add(frame, "up"), Error);
 }
 
 }  // namespace

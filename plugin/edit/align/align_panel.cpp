@@ -2,8 +2,8 @@
 
 #include "pcm/system/text.h"
 #include "plugin/edit/align/write_moved.h"
-#include "plugin/host/annotations.h"
 #include "plugin/host/layer_matrix.h"
+#include "plugin/host/layer_visibility.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
@@ -28,19 +28,15 @@ namespace {
 const char* const object_name = "PointCloudAlignDock";
 const char* const pair_files = "Pairs of points (*.txt);;All files (*)";
 
-QString place_text(const std::optional<PickedEnd>& end)
+// Short enough for a panel; the tooltip has all digits.
+QTableWidgetItem* cell_of(const std::optional<PickedEnd>& end)
 {
-    return end ? QString::fromStdString(exact(end->position)) : QString("pick it in the view");
-}
-
-void set_visible(MeshDocument& document, MeshModel* layer, bool on)
-{
-    if (!layer) return;
-    layer->visible = on;
-    for (GLArea* view : views_of(document)) {
-        view->meshVisibilityMap[layer->id()] = on;
-        view->update();
-    }
+    if (!end) return new QTableWidgetItem("pick it in the view");
+    QStringList numbers;
+    for (const double x : end->position) numbers << QString::number(x, 'f', 2);
+    auto* cell = new QTableWidgetItem(numbers.join(" "));
+    cell->setToolTip(QString::fromStdString(exact(end->position)));
+    return cell;
 }
 
 }  // namespace
@@ -115,7 +111,7 @@ void AlignPanel::add_pairs(QGridLayout& rows)
     rows.addWidget(message_, rows.rowCount(), 0, 1, 3);
     table_ = new QTableWidget(0, 3);
     table_->setObjectName("PointCloudAlignPairs");
-    table_->setHorizontalHeaderLabels({"Moving point", "Fixed point", "Residual"});
+    table_->setHorizontalHeaderLabels({"Residual", "Moving point", "Fixed point"});
     table_->setToolTip(
         "The pairs in source coordinates, and how far apart each is after the motion, source units. The "
         "points of a chosen row are replaced by the next picks.");
@@ -214,9 +210,9 @@ void AlignPanel::fill_table()
         const QString residual = session_->fit() && number >= 0
                                      ? QString::fromStdString(brief(session_->fit()->residuals[std::size_t(number)]))
                                      : QString("-");
-        table_->setItem(row, 0, new QTableWidgetItem(place_text(pairs[i].moving)));
-        table_->setItem(row, 1, new QTableWidgetItem(place_text(pairs[i].fixed)));
-        table_->setItem(row, 2, new QTableWidgetItem(residual));
+        table_->setItem(row, 0, new QTableWidgetItem(residual));
+        table_->setItem(row, 1, cell_of(pairs[i].moving));
+        table_->setItem(row, 2, cell_of(pairs[i].fixed));
     }
     if (session_->selected() >= 0)
         table_->selectRow(session_->selected());
@@ -250,8 +246,8 @@ void AlignPanel::choose()
 void AlignPanel::show_only()
 {
     if (!session_) return;
-    set_visible(session_->document(), session_->moving(), shown_->currentIndex() != 2);
-    set_visible(session_->document(), session_->fixed(), shown_->currentIndex() != 1);
+    if (session_->moving()) show_layer(*session_->moving(), shown_->currentIndex() != 2);
+    if (session_->fixed()) show_layer(*session_->fixed(), shown_->currentIndex() != 1);
     QMetaObject::invokeMethod(parent(), "updateLayerDialog");
 }
 

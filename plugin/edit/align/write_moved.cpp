@@ -3,10 +3,9 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/align/align_session.h"
+#include "plugin/host/layer_visibility.h"
 #include "plugin/host/moved_tree.h"
 #include "plugin/host/operation.h"
-
-#include <meshlab/glarea.h>
 
 #include <QFileInfo>
 
@@ -85,10 +84,7 @@ void write_moved_layer(AlignSession& session, const QString& file, const std::fu
                       " points; largest position error " + exact(written.outcome.error) + " source units.")
                          .c_str());
     for (const std::string& line : add_layer_of(document, output)) document.Log.Log(GLLogStream::FILTER, line.c_str());
-    if (MeshModel* former = document.getMesh(mesh_id)) {
-        former->visible = false;
-        for (GLArea* view : views_of(document)) view->meshVisibilityMap[mesh_id] = false;
-    }
+    if (MeshModel* former = document.getMesh(mesh_id)) show_layer(*former, false);
     say("The moved tree " + QString::fromStdString(output.filename().string()) +
         " is shown; the layer that it was made " + "from is hidden.");
 }
