@@ -74,10 +74,12 @@ int run(const Arguments& arguments)
         for (std::size_t i = 0; i < list.size(); ++i) json["measures"].push_back(json_of(list[i], unit));
         if (cloud) json["largest_move"] = moved;
         json["unit"] = unit;
+        if (const std::string caution = caution_of(system); !caution.empty()) json["notes"] = {caution};
         json["files"] = arguments.files.outputs;
         std::printf("%s\n", json.dump(2).c_str());
         return 0;
     }
+    if (const std::string caution = caution_of(system); !caution.empty()) std::printf("note: %s\n", caution.c_str());
     for (std::size_t i = 0; i < list.size(); ++i) print(list[i], unit);
     if (cloud) std::printf("places were moved to the nearest points, at most %s\n", brief(moved).c_str());
     for (const std::string& output : arguments.files.outputs)

@@ -107,6 +107,8 @@ int run(Arguments& arguments)
     const VolumeReport report = measure_volume(*cloud, options);
     end_progress(arguments.common);
     const auto system = system_of(*cloud);
+    if (const std::string caution = caution_of(system); !caution.empty() && !arguments.common.json)
+        std::printf("note: %s\n", caution.c_str());
     MeasureList list;
     list.add(measure_of(arguments, report, *cloud));
     arguments.files.write(list, system);

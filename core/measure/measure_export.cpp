@@ -201,6 +201,14 @@ std::string length_unit_of(const std::optional<CoordinateSystem>& system)
     return unit.per_unit == 1 ? "m" : unit.name;
 }
 
+std::string caution_of(const std::optional<CoordinateSystem>& system)
+{
+    if (!system || system->kind != CrsKind::geographic) return {};
+    return "the coordinates are longitude and latitude: lengths, areas and volumes mix degrees with the unit of "
+           "heights; "
+           "convert the cloud to a projected system to measure it";
+}
+
 void write_measures(const MeasureList& list, const std::filesystem::path& file, const MeasureFileOptions& options)
 {
     const std::string extension = lower_extension(file);

@@ -37,5 +37,7 @@ inline constexpr const char* measure_extensions[] = {".json", ".csv", ".geojson"
 
 // "m", "ft" or what the system's horizontal unit is called; empty where it is not known, or an angle.
 std::string length_unit_of(const std::optional<CoordinateSystem>& system);
+// For users: that lengths mean little where coordinates are longitude and latitude; empty in other systems.
+std::string caution_of(const std::optional<CoordinateSystem>& system);
 
 }  // namespace pcm

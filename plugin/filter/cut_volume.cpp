@@ -106,6 +106,8 @@ void run(const FilterRun& run)
     log_measure(run, list[0], length_unit_of(file_options.system));
     run.log(grouped(report.outcome.points_out) + " points in " + grouped(report.cells) + " cells, " +
             grouped(report.cells_without_data) + " of them without points, in " + brief(report.outcome.seconds) + " s");
+    if (const std::string caution = caution_of(file_options.system); !caution.empty())
+        run.log("Note: " + caution + ".");
     if (output.empty()) return;
     write_measures(list, output, file_options);
     run.log(output.string() + " written");

@@ -91,6 +91,7 @@ void run(const FilterRun& run)
     values_of(measure);  // before anything is written
     const std::size_t added = list.add(measure);
     log_measure(run, list[added], length_unit_of(options.system));
+    if (const std::string caution = caution_of(options.system); !caution.empty()) run.log("Note: " + caution + ".");
     if (output.empty()) return;
     write_measures(list, output, options);
     run.log(output.string() + ": " + grouped(list.size()) + (list.size() == 1 ? " measure" : " measures"));

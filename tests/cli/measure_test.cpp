@@ -63,7 +63,7 @@ TEST_F(MeasureCommands, SnapsToTheNearestPoints)
         char query[400];
         std::snprintf(query, sizeof query, "query '%s' --nearest %.17g %.17g %.17g", (folder_ / "a.pct").c_str(),
                       point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
-        EXPECT_EQ(json_of(query)["points"][0]["distance"], 0);
+        EXPECT_EQ(json_of(query)["neighbours"][0]["distance"], 0);
     }
     EXPECT_GT(json["largest_move"], 0);
     const double uncertainty = json["measures"][0]["values"]["distance"]["uncertainty"];
@@ -111,8 +111,8 @@ TEST_F(MeasureCommands, ProfileOfATree)
     const Json coarse = json_of(line + " --level 1");
     EXPECT_LT(coarse["points"], all["points"]);
     EXPECT_GT(coarse["spacing"], 0);
-    EXPECT_LT(json_of(line + " --heights 90 97")["points"], all["points"]);
-    EXPECT_LT(json_of(line + " --where classification=2")["points"], all["points"]);
+    EXPECT_LT(json_of(line + " --heights 90 93.5")["points"], all["points"]);
+    EXPECT_LT(json_of(line + " --where \"z<=93.5\"")["points"], all["points"]);
     expect_refused(line + " -o " + path("p.csv"), 1, "exists already");
     expect_refused(line + " --level 99", 1, "no level 99");
     expect_refused(line + " -a none", 1, "none");

@@ -11,9 +11,13 @@ def flag(on):
     return ("RichBool", "true" if on else "false")
 
 
+def choice(value, count):
+    return ("RichEnum", value, {"enum_cardinality": count, **{f"enum_val{i}": str(i) for i in range(count)}})
+
+
 def measure(points, kind=0, snap=False, tree="", surface="", name="", listed="", output="", overwrite=False):
     return ("Measure", {
-        "Kind": ("RichEnum", kind), "Points": ("RichString", points), "Snap": flag(snap), "Tree": ("RichString", tree),
+        "Kind": choice(kind, 7), "Points": ("RichString", points), "Snap": flag(snap), "Tree": ("RichString", tree),
         "Surface": ("RichString", surface), "Name": ("RichString", name), "ListFile": ("RichString", listed),
         "OutputFile": ("RichString", output), "Overwrite": flag(overwrite)})
 
@@ -28,9 +32,9 @@ def profile(tree, line, width=1, heights="", level=-1, where="", attributes="", 
 
 def volume(tree, polygon="", reference=0, height="0", plane="", before="", side=0, interpolate=False, output=""):
     return ("Cut Volume", {
-        "Tree": ("RichString", tree), "Polygon": ("RichString", polygon), "Reference": ("RichEnum", reference),
+        "Tree": ("RichString", tree), "Polygon": ("RichString", polygon), "Reference": choice(reference, 3),
         "Height": ("RichString", height), "Plane": ("RichString", plane), "TreeBefore": ("RichString", before),
-        "Side": ("RichFloat", side), "CellHeight": ("RichEnum", 0), "Interpolate": flag(interpolate),
+        "Side": ("RichFloat", side), "CellHeight": choice(0, 3), "Interpolate": flag(interpolate),
         "Level": ("RichInt", -1), "Where": ("RichString", ""), "Name": ("RichString", ""),
         "OutputFile": ("RichString", output), "Overwrite": flag(False)})
 

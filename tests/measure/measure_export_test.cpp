@@ -125,6 +125,11 @@ TEST(MeasureExport, UnitsOfSystems)
     EXPECT_EQ(unit(R"(PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["metre",1]])"), "m");
     EXPECT_EQ(unit(R"(GEOGCS["b",UNIT["degree",0.0174532925199433]])"), "");
     EXPECT_EQ(length_unit_of({}), "");
+    EXPECT_NE(caution_of(coordinate_system_of_text(R"(GEOGCS["b",UNIT["degree",0.0174532925199433]])", "test"))
+                  .find("degrees"),
+              std::string::npos);
+    EXPECT_EQ(caution_of(coordinate_system_of_text("EPSG:26915", "test")), "");
+    EXPECT_EQ(caution_of({}), "");
 }
 
 }  // namespace

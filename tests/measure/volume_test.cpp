@@ -191,6 +191,12 @@ TEST_F(Volumes, BetweenTwoClouds)
     EXPECT_NEAR(report.net(), 36 - 4.0 / 3, 0.2);
     EXPECT_GT(report.points[0], report.points[1]);
     EXPECT_LT(report.values()[0].uncertainty, 1);
+    const double coarser = (report.cut_measured - report.fill_measured) - (report.cut_coarse - report.fill_coarse);
+    EXPECT_DOUBLE_EQ(report.values()[0].uncertainty, std::hypot(report.net_spread, coarser));
+    EXPECT_DOUBLE_EQ(report.values()[1].uncertainty,
+                     std::hypot(report.cut_spread, report.cut_measured - report.cut_coarse));
+    EXPECT_GT(report.net_spread, 1e-3);
+    EXPECT_NE(coarser, 0);
     // In the other order the signs change.
     options.before = new_cloud;
     const VolumeReport back = measure_volume(*old_cloud, options);
@@ -212,6 +218,9 @@ TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
     EXPECT_GT(left_out.area_without_data, pi * std::pow(3 - 0.5 * std::sqrt(2.0), 2));
     EXPECT_NEAR(left_out.area_counted + left_out.area_without_data, 256, 1e-9);
     EXPECT_EQ(left_out.area_interpolated, 0);
+    EXPECT_EQ(left_out.cut_measured, left_out.cut);
+    // Over the same area: of a slope, wider cells have the same volume.
+    EXPECT_NEAR(left_out.cut_coarse, left_out.cut, 1e-3 * left_out.cut);
     options.empty = EmptyCells::interpolated;
     const VolumeReport filled = measure_volume(*cloud, options);
     EXPECT_EQ(filled.area_without_data, left_out.area_without_data);
