@@ -1,5 +1,6 @@
 // The filters that select points and work on them, in one document as MeshLab has it, without its window.
 #include "pcm/make_cloud.h"
+#include "pcm/system/text.h"
 #include "pcm/tree/verify.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/scene_state.h"
