@@ -9,6 +9,7 @@
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/view/camera.h"
 
 #include <algorithm>
 #include <chrono>

@@ -18,7 +18,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t bytes_per_point = 128;  // of a unit
+constexpr std::uint64_t bytes_per_point = 192;  // of a unit
 
 Box3d grown(Box3d box, double distance)
 {

@@ -19,14 +19,37 @@ Filter cut_volume();
 Filter estimate_radii();
 Filter estimate_normals();
 Filter remove_outliers();
+Filter select_points_filter();
+Filter save_selected();
+Filter extract_selected();
+Filter classify_selected();
+Filter delete_selected();
 
 const std::vector<Filter>& filters()
 {
     static const std::vector<Filter> table{
-        build_tree(),       append(),          delete_points(),    compact(),        voxel_grid_filter(),
-        subsample_filter(), merge(),           transform(),        align(),          estimate_radii(),
-        estimate_normals(), remove_outliers(), tree_information(), measure_filter(), profile_filter(),
-        cut_volume()};
+        build_tree(),
+        append(),
+        delete_points(),
+        compact(),
+        voxel_grid_filter(),
+        subsample_filter(),
+        merge(),
+        transform(),
+        align(),
+        estimate_radii(),
+        estimate_normals(),
+        remove_outliers(),
+        select_points_filter(),
+        save_selected(),
+        extract_selected(),
+        classify_selected(),
+        delete_selected(),
+        measure_filter(),
+        profile_filter(),
+        cut_volume(),
+        tree_information(),
+    };
     return table;
 }
 

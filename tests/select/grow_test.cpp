@@ -72,6 +72,21 @@ TEST(Flood, ReachesWhatStepsReach)
     EXPECT_GT(some, 30u);
 }
 
+// In one cube of any size that holds both, they would be reached together.
+TEST(Flood, PointsJustFartherApartThanAStepAreNotReached)
+{
+    for (const double distance : {1.38, 1.39}) {
+        Flood flood({{0, 0, 0}, {0.8, 0.8, 0.8}}, {{0, 0, 0}, {0.8, 0.8, 0.8}}, distance);  // sqrt(1.92) = 1.3856 apart
+        flood.reach(0);
+        flood.run();
+        EXPECT_EQ(flood.reached(1), distance > 1.3857);
+    }
+    Flood flood({{0, 0, 0}, {0.8, 0.8, 0.8}}, {{0, 0, 0}, {0.8, 0.8, 0.8}}, 1.2);
+    flood.reach(0);
+    flood.run();
+    EXPECT_FALSE(flood.reached(1));
+}
+
 // Far apart beside the distance: cells would be too many.
 TEST(Flood, TinyStepsInAWideBox)
 {

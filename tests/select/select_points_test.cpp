@@ -36,7 +36,7 @@ TEST_F(SelectPoints, AreThoseThatMeetEveryCondition)
         if (round % 7 == 0) selection.box = Box3d{m - Vec3d{20, 20, 100}, m + Vec3d{50, 50, 100}};
         SelectOptions options;
         options.threads = 1 + random() % 4;
-        if (round % 11 == 10) options.level = 1;
+        if (round % 4 == 3) options.level = static_cast<std::uint16_t>(random() % tree_->info().levels);
         const PointSet found = select_points(tree_, selection, options);
         const PointSet wanted = expected([&](const KnownPoint& p) {
             bool holds = (!selection.region || selection.region->contains(p.position)) &&

@@ -1,0 +1,164 @@
+// The filters that select points and work on them, in one document as MeshLab has it, without its window.
+#include "pcm/make_cloud.h"
+#include "pcm/system/text.h"
+#include "pcm/tree/verify.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/scene_state.h"
+#include "tests/plugin/filter_call.h"
+#include "tests/plugin/scenes.h"
+
+namespace pcm::host {
+namespace {
+
+const char* const select_name = "Select Points of Point Cloud Tree";
+
+class SelectFilters : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        tree_ = tree_of(scene(folder_, "a.las", 8000, far_away), 1000);
+        layer_ = document_.addNewMesh(QString::fromStdString(tree_.string()), "tree");
+        show_tree(*layer_, Registry::instance().open(tree_));
+        document_.setCurrentMesh(layer_->id());
+        const auto cloud = PointCloud::open(tree_);
+        const Vec3d middle = cloud->info().bounds().centre();
+        sphere_ = Region::sphere(middle, cloud->info().bounds().diagonal() / 4).text();
+        wanted_ = count(tree_, sphere_, "");
+        ASSERT_GT(wanted_, 100u);
+        ASSERT_LT(wanted_, 7900u);
+    }
+    static std::uint64_t count(const fs::path& tree, const std::string& region, const std::string& where)
+    {
+        Query query;
+        if (!region.empty()) query.region = parse_region(region);
+        if (!where.empty()) query.where.push_back(parse_condition(where));
+        std::uint64_t points = 0;
+        const auto cloud = PointCloud::open(tree);
+        auto cursor = cloud->points(query);
+        for (PointView view; cursor.getNextData(view);) points += view.size();
+        return points;
+    }
+    using Values = std::vector<std::pair<const char*, std::string>>;
+    // Text and numbers as a script gives them.
+    bool apply(const char* filter, const Values& texts, const std::vector<std::pair<const char*, int>>& numbers = {},
+               const std::vector<std::pair<const char*, bool>>& flags = {})
+    {
+        QAction* const action = action_of(filter);
+        RichParameterList parameters;
+        plugin().initParameterSet(action, document_, parameters);
+        for (const auto& [name, text] : texts) parameters.setValue(name, StringValue(QString::fromStdString(text)));
+        for (const auto& [name, number] : numbers) parameters.setValue(name, IntValue(number));
+        for (const auto& [name, flag] : flags) parameters.setValue(name, BoolValue(flag));
+        plugin().setLog(&document_.Log);
+        return plugin().applyFilter(action, document_, parameters, nullptr);
+    }
+    std::string log() const
+    {
+        std::string text;
+        for (const auto& line : document_.Log.logStringList()) text += line.second.toStdString() + "\n";
+        return text;
+    }
+    std::uint64_t selected()
+    {
+        const auto points = SceneState::of(document_).selection(*layer_);
+        return points ? points->size() : 0;
+    }
+    const test::TemporaryFolder folder_;
+    MeshDocument document_;
+    MeshModel* layer_ = nullptr;
+    fs::path tree_;
+    std::string sphere_;
+    std::uint64_t wanted_ = 0;
+};
+
+TEST_F(SelectFilters, RegionsAndConditionsAreCombined)
+{
+    ASSERT_TRUE(apply(select_name, {{"Region", sphere_}})) << log();
+    EXPECT_EQ(selected(), wanted_);
+    const std::uint64_t ground = count(tree_, sphere_, "classification=2");
+    ASSERT_TRUE(apply(select_name, {{"Where", "classification = 2"}}, {{"Operation", 2}}));  // subtract
+    EXPECT_EQ(selected(), wanted_ - ground);
+    ASSERT_TRUE(apply(select_name, {{"Where", "classification = 2"}, {"Region", sphere_}}, {{"Operation", 1}}));  // add
+    EXPECT_EQ(selected(), wanted_);
+    ASSERT_TRUE(apply(select_name, {{"Where", "classification = 2"}}, {{"Operation", 3}}));  // intersect
+    EXPECT_EQ(selected(), ground);
+    ASSERT_TRUE(apply(select_name, {}, {{"Operation", 4}}));  // invert
+    EXPECT_EQ(selected(), 8000 - ground);
+    SceneState::of(document_).undo(*layer_);
+    EXPECT_EQ(selected(), ground);
+    ASSERT_TRUE(apply(select_name, {}, {{"Operation", 5}}));  // nothing
+    EXPECT_EQ(selected(), 0u);
+    EXPECT_FALSE(apply(select_name, {}));
+    EXPECT_NE(log().find("neither a region nor a condition"), std::string::npos) << log();
+    EXPECT_FALSE(apply(select_name, {{"Region", "ball 1 2 3 4"}}));
+    EXPECT_NE(log().find("'ball' is not a known shape"), std::string::npos) << log();
+}
+
+TEST_F(SelectFilters, TheClipBoxLimitsTheSelection)
+{
+    ClipBox box;  // a half of the scene
+    const Box3d cloud = PointCloud::open(tree_)->info().bounds();
+    box.half = {cloud.extent(0) / 4, cloud.extent(1), cloud.extent(2)};
+    const Vec3d origin = *Registry::instance().origin_of(document_);
+    for (std::size_t a = 0; a < 3; ++a) box.centre[a] = cloud.centre()[a] - origin[a];
+    box.centre[0] -= cloud.extent(0) / 4;
+    SceneState::of(document_).set_clip(box);
+    ASSERT_TRUE(apply(select_name, {{"Where", "intensity >= 0"}})) << log();
+    const auto clip = clip_of(*layer_);
+    ASSERT_TRUE(clip);
+    const std::uint64_t shown = count(tree_, clip->region.text(), "");
+    EXPECT_GT(shown, 500u);
+    EXPECT_EQ(selected(), shown);
+    ASSERT_TRUE(apply(select_name, {{"Where", "intensity >= 0"}}, {}, {{"InClip", false}})) << log();
+    EXPECT_EQ(selected(), 8000u);
+}
+
+TEST_F(SelectFilters, GrowsFromAPlace)
+{
+    const Vec3d place = PointCloud::open(tree_)->nearest({500005, 4800005, 100}, 1).points[0].position;
+    const std::string from = exact(place);
+    EXPECT_FALSE(apply(select_name, {{"GrowFrom", from}}));
+    EXPECT_NE(log().find("Longest step"), std::string::npos) << log();
+    ASSERT_TRUE(apply(select_name, {{"GrowFrom", from}, {"GrowDistance", "1e6"}})) << log();
+    EXPECT_EQ(selected(), 8000u);
+    ASSERT_TRUE(apply(select_name, {{"GrowFrom", from}, {"GrowDistance", "1e6"}, {"Where", "classification=2"}}));
+    EXPECT_LT(selected(), 8000u);
+}
+
+TEST_F(SelectFilters, WhatIsSelectedIsSavedExtractedClassifiedAndDeleted)
+{
+    EXPECT_FALSE(apply("Selected Points: Delete", {}, {}, {{"InPlace", true}}));
+    EXPECT_NE(log().find("no point of the current layer is selected"), std::string::npos) << log();
+    ASSERT_TRUE(apply(select_name, {{"Region", sphere_}})) << log();
+    const std::string copy = (folder_ / "copy.pct").string(), part = (folder_ / "part.pct").string();
+
+    ASSERT_TRUE(apply("Selected Points: Save as Attribute", {{"Attribute", "yard"}, {"Output", copy}})) << log();
+    EXPECT_EQ(count(copy, "", "yard=1"), wanted_);
+    EXPECT_EQ(document_.meshList.size(), 2);
+    document_.setCurrentMesh(layer_->id());
+
+    ASSERT_TRUE(apply("Selected Points: Extract", {{"Output", part}})) << log();
+    EXPECT_EQ(count(part, "", ""), wanted_);
+    EXPECT_EQ(document_.meshList.size(), 3);
+    document_.setCurrentMesh(layer_->id());
+    ASSERT_TRUE(apply("Selected Points: Extract", {{"Output", (folder_ / "part.laz").string()}})) << log();
+    EXPECT_EQ(open_reader(folder_ / "part.laz")->info().points, wanted_);
+    EXPECT_FALSE(apply("Selected Points: Extract", {{"Output", part}}));
+    EXPECT_NE(log().find("exists already"), std::string::npos) << log();
+
+    ASSERT_TRUE(apply("Selected Points: Classify", {}, {{"Value", 77}}, {{"InPlace", true}})) << log();
+    EXPECT_EQ(count(tree_, "", "classification=77"), wanted_);
+    EXPECT_EQ(selected(), 0u);  // the tree has changed
+    ASSERT_TRUE(apply(select_name, {{"Where", "classification=77"}})) << log();
+    EXPECT_EQ(selected(), wanted_);
+    ASSERT_TRUE(apply("Selected Points: Delete", {}, {}, {{"InPlace", true}})) << log();
+    EXPECT_EQ(count(tree_, "", ""), 8000 - wanted_);
+    EXPECT_TRUE(verify_tree(tree_, 1).faults.empty());
+    // Neither in place nor a copy: nothing happens.
+    ASSERT_TRUE(apply(select_name, {{"Where", "intensity >= 0"}})) << log();
+    EXPECT_FALSE(apply("Selected Points: Delete", {}));
+    EXPECT_EQ(count(tree_, "", ""), 8000 - wanted_);
+}
+
+}  // namespace
+}  // namespace pcm::host
