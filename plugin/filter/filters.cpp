@@ -15,12 +15,14 @@ Filter tree_information();
 Filter estimate_radii();
 Filter estimate_normals();
 Filter remove_outliers();
+Filter set_clip_box();
 
 const std::vector<Filter>& filters()
 {
     static const std::vector<Filter> table{
-        build_tree(), append(),    delete_points(),  compact(),          voxel_grid_filter(), subsample_filter(),
-        merge(),      transform(), estimate_radii(), estimate_normals(), remove_outliers(),   tree_information()};
+        build_tree(),  append(),    delete_points(),  compact(),          voxel_grid_filter(), subsample_filter(),
+        merge(),       transform(), estimate_radii(), estimate_normals(), remove_outliers(),   tree_information(),
+        set_clip_box()};
     return table;
 }
 
