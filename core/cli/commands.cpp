@@ -11,16 +11,21 @@ Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
+Run add_measure(Options& options);
 Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
+Run add_pick(Options& options);
+Run add_profile(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
+Run add_select(Options& options);
 Run add_set(Options& options);
 Run add_subsample(Options& options);
 Run add_transform(Options& options);
 Run add_verify(Options& options);
+Run add_volume(Options& options);
 Run add_voxel(Options& options);
 void start_render(char** arguments);
 
@@ -37,6 +42,12 @@ const std::vector<Command>& commands()
         {"delete", "Delete points of a tree", add_delete},
         {"repair", "Rebuild a tree's index from its chunks, without damaged chunks", add_repair},
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
+        {"pick", "Pick the point that a view shows at a pixel, or that a ray meets, and list all its attributes",
+         add_pick},
+        {"select",
+         "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
+         "delete them",
+         add_select},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
@@ -48,6 +59,10 @@ const std::vector<Command>& commands()
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
+        {"measure", "Measure at points: distance, height, angle, area, distance to a plane; lists of measures as files",
+         add_measure},
+        {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},
+        {"volume", "Volume between a tree's surface and a height, a plane or another tree: cut and fill", add_volume},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

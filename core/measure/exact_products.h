@@ -32,4 +32,15 @@ inline double exact_dot(const Vec3d& a, const Vec3d& b)
     return sum + error;
 }
 
+// What a - b loses when it is rounded: (a - b) + lost_in_difference(a, b) is the difference exactly (Knuth's two-sum).
+inline Vec3d lost_in_difference(const Vec3d& a, const Vec3d& b)
+{
+    Vec3d lost;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double d = a[k] - b[k], part = d - a[k];
+        lost[k] = (a[k] - (d - part)) - (b[k] + part);
+    }
+    return lost;
+}
+
 }  // namespace pcm

@@ -53,9 +53,16 @@ void add_slopes(const std::vector<MeasuredPoint>& points, const LineLength& hori
 // With legs a and b from the middle point and the angle t between them: the derivative by the end of a is 1 / |a|
 // across it, that by the end of b 1 / |b|, and the cosine between those two directions is -cos(t). So all is defined at
 // 0 and 180 degrees too.
-MeasureValue angle_value(const char* name, const std::vector<MeasuredPoint>& points, const Vec3d& a, const Vec3d& b)
+struct Leg {
+    Vec3d d, lost;  // what rounding took from d matters where the legs are nearly parallel
+};
+
+MeasureValue angle_value(const char* name, const std::vector<MeasuredPoint>& points, const Leg& first,
+                         const Leg& second)
 {
-    const double radians = std::atan2(length(exact_cross(a, b)), exact_dot(a, b));
+    const Vec3d &a = first.d, &b = second.d;
+    const Vec3d across = exact_cross(a, b) + (cross(a, second.lost) + cross(first.lost, b));
+    const double radians = std::atan2(length(across), exact_dot(a, b));
     const double by_a = 1 / length(a), by_b = 1 / length(b);
     const double by_middle = by_a * by_a + by_b * by_b - 2 * by_a * by_b * std::cos(radians);
     const double variance = points[0].variance() * by_a * by_a + points[2].variance() * by_b * by_b +
@@ -98,13 +105,16 @@ std::vector<MeasureValue> height_values(const Measure& measure)
 std::vector<MeasureValue> angle_values(const Measure& measure)
 {
     const std::vector<MeasuredPoint>& points = measure.points;
-    Vec3d a = points[0].position - points[1].position, b = points[2].position - points[1].position;
-    if (!(length(a) > 0) || !(length(b) > 0))
-        refuse(std::string("there is no angle: the ") + (length(a) > 0 ? "third" : "first") +
+    const auto leg = [&](const MeasuredPoint& end) {
+        return Leg{end.position - points[1].position, lost_in_difference(end.position, points[1].position)};
+    };
+    Leg a = leg(points[0]), b = leg(points[2]);
+    if (!(length(a.d) > 0) || !(length(b.d) > 0))
+        refuse(std::string("there is no angle: the ") + (length(a.d) > 0 ? "third" : "first") +
                " point is at the place of the second");
     std::vector<MeasureValue> values{angle_value("angle", points, a, b)};
-    a[2] = b[2] = 0;
-    if (length(a) > 0 && length(b) > 0) values.push_back(angle_value("plan angle", points, a, b));
+    a.d[2] = b.d[2] = a.lost[2] = b.lost[2] = 0;
+    if (length(a.d) > 0 && length(b.d) > 0) values.push_back(angle_value("plan angle", points, a, b));
     return values;
 }
 

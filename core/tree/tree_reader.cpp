@@ -60,14 +60,32 @@ void copy_points(const Column& column, const std::uint32_t* points, std::size_t 
 
 TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level,
                        const Selection& selection, unsigned chunks_ahead)
+    : TreeReader(std::move(tree), level, selection, nullptr, chunks_ahead)
+{
+}
+
+TreeReader::TreeReader(std::shared_ptr<const Tree> tree, std::shared_ptr<const PointChoice> choice,
+                       unsigned chunks_ahead)
+    : TreeReader(std::move(tree), std::nullopt, {}, std::move(choice), chunks_ahead)
+{
+}
+
+TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level,
+                       const Selection& selection, std::shared_ptr<const PointChoice> choice, unsigned chunks_ahead)
     : tree_(std::move(tree)),
       level_(level),
       selector_(selection, tree_->info().schema),
+      choice_(std::move(choice)),
       rounding_(tree_->info()),
       chunks_ahead_(std::max(1u, chunks_ahead))
 {
     const TreeInfo& tree_info = tree_->info();
     nodes_ = selected_nodes(*tree_, selector_, level);
+    if (choice_) {
+        for (SelectedNode& node : nodes_) node.points = choice_->count(node.node);
+        nodes_.erase(std::remove_if(nodes_.begin(), nodes_.end(), [](const SelectedNode& n) { return n.points == 0; }),
+                     nodes_.end());
+    }
     std::uint64_t points = 0;
     for (const SelectedNode& node : nodes_) {
         first_.push_back(points);
@@ -129,21 +147,30 @@ bool TreeReader::next_chunk()
         ahead_.pop_front();
         const SelectedNode node = nodes_[next_node_++];
         chunk_ = next.get();
-        chunk_points_ = node.points;
-        all_ = node.relation == BoxRelation::inside && !selector_.tests_attributes();
-        next_point_ = 0;
-        if (!all_) {
-            std::vector<const Column*> columns(chunk_.attributes.size(), nullptr);
-            for (const std::size_t k : selector_.tested()) columns[k] = chunk_.attributes[k].get();
-            selected_.resize(chunk_points_);
-            std::iota(selected_.begin(), selected_.end(), 0u);
-            selector_.narrow(
-                columns, [this](std::size_t i) { return position(i); }, selected_, node.relation);
-            chunk_points_ = selected_.size();
-        }
+        choose(node);
         if (chunk_points_ > 0) return true;
     }
     return false;
+}
+
+void TreeReader::choose(const SelectedNode& node)
+{
+    chunk_points_ = node.points;
+    next_point_ = 0;
+    if (choice_) {
+        all_ = node.points == chunk_.points;
+        if (!all_) selected_ = choice_->points(node.node);
+        return;
+    }
+    all_ = node.relation == BoxRelation::inside && !selector_.tests_attributes();
+    if (all_) return;
+    std::vector<const Column*> columns(chunk_.attributes.size(), nullptr);
+    for (const std::size_t k : selector_.tested()) columns[k] = chunk_.attributes[k].get();
+    selected_.resize(chunk_points_);
+    std::iota(selected_.begin(), selected_.end(), 0u);
+    selector_.narrow(
+        columns, [this](std::size_t i) { return position(i); }, selected_, node.relation);
+    chunk_points_ = selected_.size();
 }
 
 bool TreeReader::read(PointBatch& batch, std::size_t max_points)

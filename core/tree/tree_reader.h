@@ -17,6 +17,15 @@
 
 namespace pcm {
 
+// Which points of a tree are wanted, one by one. Any number of threads.
+class PointChoice {
+public:
+    virtual ~PointChoice() = default;
+    virtual std::uint32_t count(NodeId node) const = 0;
+    // The numbers of the node's points that are wanted, ascending: so many as count() says.
+    virtual std::vector<std::uint32_t> points(NodeId node) const = 0;
+};
+
 // Points come in node order, so coarser levels come first, with the tree's metadata and exact source coordinates:
 // integers on the tree's grid where the source had integers and they fit in 32 bits, else doubles. Only the columns
 // that are kept or tested are read; nodes outside of box and region are not read. Memory: `chunks_ahead` + 1 decoded
@@ -28,19 +37,26 @@ public:
     TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
                unsigned chunks_ahead = 1);
 
+    // The points of a choice. Their number is known; chunks without any are not read.
+    TreeReader(std::shared_ptr<const Tree> tree, std::shared_ptr<const PointChoice> choice, unsigned chunks_ahead = 1);
+
     const FileInfo& info() const override { return info_; }
     bool read(PointBatch& batch, std::size_t max_points) override;
-    bool seekable() const override { return !selector_.tests_points(); }
+    bool seekable() const override { return !selector_.tests_points() && !choice_; }
     void seek(std::uint64_t index) override;
     double fraction_read() const override;
 
 private:
+    TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
+               std::shared_ptr<const PointChoice> choice, unsigned chunks_ahead);
     bool next_chunk();
+    void choose(const SelectedNode& node);
     Vec3d position(std::size_t i) const;
 
     std::shared_ptr<const Tree> tree_;
     std::optional<std::uint16_t> level_;
     Selector selector_;
+    std::shared_ptr<const PointChoice> choice_;  // null: all that the selector chooses
     const SourceRounding rounding_;
     FileInfo info_;
     ColumnSet columns_;

@@ -33,7 +33,7 @@ public:
 
     ColumnSet columns() const override { return tested_; }
 
-    bool touches(const Node& node) const override
+    bool touches(NodeId, const Node& node) const override
     {
         return selector_.relation(source_box(grid_, node.box, rounding_)) != BoxRelation::outside;
     }
@@ -181,7 +181,7 @@ public:
         std::vector<bool> touched(tree_->nodes().size(), false);
         for (NodeId id = 0; id < touched.size(); ++id) {
             const Node& node = tree_->node(id);
-            touched[id] = (node.parent == no_node || touched[node.parent]) && test_->touches(node);
+            touched[id] = (node.parent == no_node || touched[node.parent]) && test_->touches(id, node);
         }
         std::vector<std::size_t> to_examine;  // children before their parents
         for (std::size_t n = nodes_.size(); n-- > 0;)

@@ -21,7 +21,7 @@ public:
     // What chosen() reads of a chunk; the positions are always among them.
     virtual ColumnSet columns() const { return ColumnSet::only_positions(); }
     // Whether the node's subtree may have points to delete; the chunks of others are not read.
-    virtual bool touches(const Node&) const { return true; }
+    virtual bool touches(NodeId, const Node&) const { return true; }
     // The points of a node's chunk that are to be deleted, by index, ascending.
     virtual std::vector<std::uint32_t> chosen(NodeId node, const Chunk& chunk) const = 0;
 };

@@ -1,6 +1,7 @@
 #include "plugin/edit/edit_plugin.h"
 
 #include "plugin/edit/clip/clip_text.h"
+#include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/tools.h"
 
 using namespace pcm::host;
@@ -8,6 +9,7 @@ using namespace pcm::host;
 PointCloudTools::PointCloudTools()
 {
     keep_clip_boxes_in_projects();
+    keep_measures_in_projects();
     for (const Tool& tool : tools()) {
         auto* action = new QAction(tool.icon(), tool.name, this);
         action->setCheckable(true);

@@ -1,7 +1,11 @@
 #include "plugin/edit/tools.h"
 
+#include "plugin/edit/align/align_tool.h"
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
+#include "plugin/edit/measure/measure_tool.h"
+#include "plugin/edit/pick/pick_tool.h"
+#include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
 namespace pcm::host {
@@ -24,11 +28,28 @@ const std::vector<Tool>& tools()
          "the "
          "speed. The speed is proportional to the distance of the nearest points.",
          first_person_icon, make<FirstPersonTool>},
+        {"Pick Point",
+         "A click shows all that a cloud knows about the visible point under the cursor, at full resolution: source "
+         "coordinates with every digit, every attribute, spacing. Ctrl+C copies it.",
+         pick_point_icon, make<PickTool>},
         {"Clip Box",
          "A box in the view that hides all points outside or inside of it: dragged by its handles, typed, or taken "
          "from "
          "the view or from two points; a slab that moves through the clouds. The clouds are not changed.",
          clip_box_icon, make<ClipTool>},
+        {"Measure",
+         "Distances, heights, angles, areas, profiles and volumes between points that are clicked, with their "
+         "uncertainty, in source coordinates. The list of measures is kept in the project and exported as CSV, GeoJSON "
+         "and DXF.",
+         measure_icon, make<MeasureTool>},
+        {"Select Points",
+         "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
+         "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
+         select_points_icon, make<SelectTool>},
+        {"Align by Picked Pairs",
+         "Moves one point cloud to another by three or more pairs of points that are picked in the view: residuals, "
+         "uncertainty, the layer's matrix with undo, or a new tree moved in double.",
+         align_icon, make<AlignTool>},
     };
     return table;
 }

@@ -8,6 +8,7 @@
 #include <QCoreApplication>
 #include <QMouseEvent>
 #include <QTimer>
+#include <QVariantMap>
 #include <QWheelEvent>
 
 namespace pcm::host {
@@ -28,6 +29,24 @@ private:
 };
 
 }  // namespace
+
+void publish_camera(GLArea& view)
+{
+    const auto map = map_of(view);
+    if (!map) return;
+    const Camera& camera = map->camera();
+    const auto list = [](const auto& numbers) {
+        QVariantList values;
+        for (const double number : numbers) values << number;
+        return values;
+    };
+    QVariantMap state;
+    state["modelview"] = list(camera.modelview);
+    state["projection"] = list(camera.projection);
+    state["origin"] = list(camera.origin);
+    state["size"] = QVariantList{view.width(), view.height()};
+    view.setProperty("pcm_camera", state);
+}
 
 std::optional<ViewMap> map_of(const GLArea& view)
 {

@@ -16,6 +16,9 @@ namespace pcm::host {
 // The camera of the picture that the view shows; nothing until it has painted a cloud.
 std::optional<ViewMap> map_of(const GLArea& view);
 
+// For observers such as tests: the camera as the property pcm_camera of the view.
+void publish_camera(GLArea& view);
+
 // MeshLab handles a mouse or wheel event as if no tool was on: the trackball turns, the wheel zooms, and a double click
 // makes a point the pivot.
 void give_to_camera(GLArea& view, const QEvent& event);

@@ -29,6 +29,7 @@ FUNCTION_LINES = 60
 PACKAGES = {
     r"<(GL|EGL)/": {"gl", "offscreen", "tests", "bench", "plugin/render", "examples"},
     r"<png.h>": {"offscreen"},
+    r"<dxflib/": {"cad"},
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
     r"<pcl/": {"bench"},

@@ -1,10 +1,10 @@
 #include "plugin/edit/clip/clip_tool.h"
 
 #include "plugin/edit/clip/clip_drawing.h"
-#include "plugin/edit/clip/clip_history.h"
 #include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
+#include "plugin/host/clip_history.h"
 #include "plugin/host/picker.h"
 #include "plugin/host/text.h"
 
@@ -124,6 +124,7 @@ void ClipTool::show()
     if (!view_) return;
     Annotations::of(*view_->md())
         .set(owner, box() ? drawing_of(*box(), dragged_ ? dragged_ : hovered_) : std::vector<Annotation>());
+    publish_camera(*view_);
     if (!panel_) return;
     panel_->show_box(box(), bounds_of_shown(*view_));
     panel_->show_steps(history().can_undo(), history().can_redo());

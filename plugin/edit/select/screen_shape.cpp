@@ -13,10 +13,10 @@ ScreenShape rectangle_of(const QPointF& a, const QPointF& b) { return {a, {b.x()
 bool has_area(const ScreenShape& shape)
 {
     if (shape.size() < 3) return false;
-    const auto [left, right] =
-        std::minmax_element(shape.begin(), shape.end(), [](const QPointF& a, const QPointF& b) { return a.x() < b.x(); });
-    const auto [top, bottom] =
-        std::minmax_element(shape.begin(), shape.end(), [](const QPointF& a, const QPointF& b) { return a.y() < b.y(); });
+    const auto [left, right] = std::minmax_element(shape.begin(), shape.end(),
+                                                   [](const QPointF& a, const QPointF& b) { return a.x() < b.x(); });
+    const auto [top, bottom] = std::minmax_element(shape.begin(), shape.end(),
+                                                   [](const QPointF& a, const QPointF& b) { return a.y() < b.y(); });
     return right->x() - left->x() >= 1 && bottom->y() - top->y() >= 1;
 }
 
@@ -35,15 +35,20 @@ Camera camera_for(const ViewMap& view, const std::optional<Affine>& placement)
     return camera;
 }
 
-Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optional<Affine>& placement)
+std::vector<Vec2d> polygon_of(const ScreenShape& shape, const ViewMap& view)
 {
     if (!has_area(shape))
         throw Error(ErrorCode::invalid_argument, {}, "the shape on the screen has no area",
                     "drag farther, or click three corners at least");
     std::vector<Vec2d> corners;
     for (const QPointF& pixel : shape) corners.push_back(view.device(pixel));
+    return corners;
+}
+
+Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optional<Affine>& placement)
+{
     const Camera camera = camera_for(view, placement);
-    return Region::lasso(camera.modelview, camera.projection, camera.origin, corners);
+    return Region::lasso(camera.modelview, camera.projection, camera.origin, polygon_of(shape, view));
 }
 
 std::optional<Ball> ball_in(const Ball& scene, const std::optional<Affine>& placement)
@@ -57,8 +62,7 @@ std::optional<Ball> ball_in(const Ball& scene, const std::optional<Affine>& plac
     const auto column = [&](std::size_t c) { return Vec3d{m[0][c], m[1][c], m[2][c]}; };
     Ball ball;
     for (std::size_t a = 0; a < 3; ++a)
-        ball.centre[a] =
-            dot(cross(column((a + 1) % 3), column((a + 2) % 3)), d) / determinant + placement->pivot[a];
+        ball.centre[a] = dot(cross(column((a + 1) % 3), column((a + 2) % 3)), d) / determinant + placement->pivot[a];
     ball.radius = scene.radius / std::cbrt(std::fabs(determinant));
     return ball;
 }

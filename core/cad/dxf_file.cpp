@@ -1,0 +1,237 @@
+#include "pcm/cad/dxf_file.h"
+
+#include "pcm/cad/dxf_text.h"
+#include "pcm/system/error.h"
+
+#ifdef PCM_HAVE_DXFLIB
+
+#include "pcm/system/output_file.h"
+#include "pcm/system/text.h"
+
+#include <dxflib/dl_dxf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pcm {
+namespace {
+
+// dxflib's writer, with the bytes going where errors are noticed, and numbers with all digits. Its own stream is not
+// used.
+class Writer : public DL_WriterA {
+public:
+    explicit Writer(const std::filesystem::path& path) : DL_WriterA("/dev/null", DL_VERSION_2000), file_(path) {}
+
+    void dxfReal(int code, double value) const override { put(code, exact(value)); }
+    void dxfInt(int code, int value) const override { put(code, std::to_string(value)); }
+    void dxfHex(int code, int value) const override
+    {
+        char text[16];
+        std::snprintf(text, sizeof text, "%X", static_cast<unsigned>(value));
+        put(code, text);
+    }
+    void dxfString(int code, const char* value) const override { put(code, value); }
+    void dxfString(int code, const std::string& value) const override { put(code, value); }
+
+    OutputFile& file() { return file_; }
+
+private:
+    void put(int code, const std::string& value) const
+    {
+        const std::string number = std::to_string(code);
+        file_.append(std::string(number.size() < 3 ? 3 - number.size() : 0, ' ') + number + "\n" + value + "\n");
+    }
+    mutable OutputFile file_;
+};
+
+void check_finite(const Vec3d& p)
+{
+    if (!is_finite(p)) throw Error(ErrorCode::invalid_argument, {}, "a coordinate for the DXF file is not finite");
+}
+
+}  // namespace
+
+bool writes_dxf() { return true; }
+
+struct DxfFile::State {
+    explicit State(const std::filesystem::path& path) : writer(path) {}
+
+    // The beginning of an entity of a layer.
+    void begin(const char* entity, const std::string& layer)
+    {
+        const std::string name = dxf_layer_name(layer);
+        if (std::find(layers.begin(), layers.end(), name) == layers.end())
+            throw Error(ErrorCode::invalid_argument, writer.file().path(), "the DXF file has no layer '" + layer + "'");
+        writer.entity(entity);
+        put_layer(name);
+    }
+    void put_layer(const std::string& name)
+    {
+        writer.dxfString(100, "AcDbEntity");
+        writer.dxfString(8, name);
+    }
+    void put_tables(const std::vector<DxfLayer>& given);
+    void put_layers(const std::vector<DxfLayer>& given);
+    void put_blocks();
+
+    DL_Dxf library;
+    Writer writer;
+    std::vector<std::string> layers;
+};
+
+void DxfFile::State::put_layers(const std::vector<DxfLayer>& given)
+{
+    std::vector<DxfLayer> table{{"0", 7}};
+    for (const DxfLayer& layer : given) {
+        const std::string name = dxf_layer_name(layer.name);
+        if (std::none_of(table.begin(), table.end(), [&](const DxfLayer& other) { return other.name == name; }))
+            table.push_back({name, layer.colour});
+    }
+    writer.tableLayers(static_cast<int>(table.size()));
+    for (const DxfLayer& layer : table) {
+        library.writeLayer(writer, DL_LayerData(layer.name, 0), DL_Attributes("", layer.colour, -1, "CONTINUOUS", 1.0));
+        layers.push_back(layer.name);
+    }
+    writer.tableEnd();
+}
+
+void DxfFile::State::put_tables(const std::vector<DxfLayer>& given)
+{
+    writer.sectionTables();
+    library.writeVPort(writer);
+    writer.tableLinetypes(3);
+    for (const char* type : {"BYBLOCK", "BYLAYER", "CONTINUOUS"})
+        library.writeLinetype(writer, DL_LinetypeData(type, "", 0, 0, 0.0));
+    writer.tableEnd();
+    put_layers(given);
+    writer.tableStyle(1);
+    library.writeStyle(writer, DL_StyleData("Standard", 0, 0.0, 1.0, 0.0, 0, 2.5, "txt", ""));
+    writer.tableEnd();
+    library.writeView(writer);
+    library.writeUcs(writer);
+    writer.tableAppid(1);
+    library.writeAppid(writer, "ACAD");
+    writer.tableEnd();
+    library.writeDimStyle(writer, 2.5, 1.25, 0.625, 0.625, 2.5);
+    library.writeBlockRecord(writer);
+    writer.tableEnd();
+    writer.sectionEnd();
+}
+
+void DxfFile::State::put_blocks()
+{
+    writer.sectionBlocks();
+    for (const char* name : {"*Model_Space", "*Paper_Space", "*Paper_Space0"}) {
+        library.writeBlock(writer, DL_BlockData(name, 0, 0.0, 0.0, 0.0));
+        library.writeEndBlock(writer, name);
+    }
+    writer.sectionEnd();
+}
+
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers)
+    : state_(std::make_unique<State>(path))
+{
+    State& state = *state_;
+    state.library.writeHeader(state.writer);
+    state.writer.dxfString(9, "$INSUNITS");
+    state.writer.dxfInt(70, 0);
+    state.writer.sectionEnd();
+    state.put_tables(layers);
+    state.put_blocks();
+    state.writer.sectionEntities();
+}
+
+DxfFile::~DxfFile() = default;
+
+void DxfFile::point(const std::string& layer, const Vec3d& p)
+{
+    check_finite(p);
+    state_->begin("POINT", layer);
+    state_->writer.dxfString(100, "AcDbPoint");
+    state_->writer.coord(10, p[0], p[1], p[2]);
+}
+
+void DxfFile::line(const std::string& layer, const Vec3d& from, const Vec3d& to)
+{
+    check_finite(from);
+    check_finite(to);
+    state_->begin("LINE", layer);
+    state_->writer.dxfString(100, "AcDbLine");
+    state_->writer.coord(10, from[0], from[1], from[2]);
+    state_->writer.coord(11, to[0], to[1], to[2]);
+}
+
+void DxfFile::polyline(const std::string& layer, const std::vector<Vec3d>& points, bool closed)
+{
+    // dxflib writes polylines of this version without z.
+    constexpr int in_space = 8, vertex_in_space = 32;
+    if (points.size() < 2)
+        throw Error(ErrorCode::invalid_argument, state_->writer.file().path(), "a polyline has two or more points");
+    for (const Vec3d& p : points) check_finite(p);
+    Writer& writer = state_->writer;
+    state_->begin("POLYLINE", layer);
+    writer.dxfString(100, "AcDb3dPolyline");
+    writer.dxfInt(66, 1);
+    writer.coord(10, 0, 0, 0);
+    writer.dxfInt(70, in_space + (closed ? 1 : 0));
+    const std::string name = dxf_layer_name(layer);
+    for (const Vec3d& p : points) {
+        writer.entity("VERTEX");
+        state_->put_layer(name);
+        writer.dxfString(100, "AcDbVertex");
+        writer.dxfString(100, "AcDb3dPolylineVertex");
+        writer.coord(10, p[0], p[1], p[2]);
+        writer.dxfInt(70, vertex_in_space);
+    }
+    writer.entity("SEQEND");
+    state_->put_layer(name);
+}
+
+void DxfFile::text(const std::string& layer, const Vec3d& p, double height, const std::string& words)
+{
+    check_finite(p);
+    if (!(height > 0 && std::isfinite(height)))
+        throw Error(ErrorCode::invalid_argument, state_->writer.file().path(), "the height of a text is not above 0");
+    state_->begin("TEXT", layer);
+    state_->writer.dxfString(100, "AcDbText");
+    state_->writer.coord(10, p[0], p[1], p[2]);
+    state_->writer.dxfReal(40, height);
+    state_->writer.dxfString(1, dxf_text(words));
+    state_->writer.dxfString(100, "AcDbText");
+}
+
+void DxfFile::finish()
+{
+    state_->writer.sectionEnd();
+    state_->library.writeObjects(state_->writer);
+    state_->library.writeObjectsEnd(state_->writer);
+    state_->writer.dxfEOF();
+    state_->writer.file().finish();
+}
+
+}  // namespace pcm
+
+#else
+
+namespace pcm {
+
+bool writes_dxf() { return false; }
+
+struct DxfFile::State {};
+
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&)
+{
+    throw Error(ErrorCode::unsupported, path, "DXF cannot be written: the library was built without dxflib",
+                "install libdxflib-dev and build it again, or choose another format");
+}
+DxfFile::~DxfFile() = default;
+void DxfFile::point(const std::string&, const Vec3d&) {}
+void DxfFile::line(const std::string&, const Vec3d&, const Vec3d&) {}
+void DxfFile::polyline(const std::string&, const std::vector<Vec3d>&, bool) {}
+void DxfFile::text(const std::string&, const Vec3d&, double, const std::string&) {}
+void DxfFile::finish() {}
+
+}  // namespace pcm
+
+#endif

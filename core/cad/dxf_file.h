@@ -1,0 +1,49 @@
+// Drawings for CAD programs: DXF, the version of AutoCAD 2000 (AC1015), which all of them read.
+//
+// Written by dxflib, but for its numbers: coordinates are written with all digits, so that they read back as the same
+// doubles. A file has no units ($INSUNITS is 0): lengths are source units.
+#pragma once
+
+#include "pcm/cloud/vector.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// Whether this library was built with dxflib.
+bool writes_dxf();
+
+struct DxfLayer {
+    std::string name;  // characters that no layer's name may have (<>/\":;?*|=` and control characters) become "_"
+    int colour = 7;    // AutoCAD's colour index: 1 red, 2 yellow, 3 green, 4 cyan, 5 blue, 6 magenta, 7 black or white
+};
+
+// Streaming, in bounded memory; one thread. The file is in place after finish() only, and replaces an existing one:
+// whether it may is for the caller to decide. All functions throw what OutputFile throws; Error(invalid_argument) for
+// coordinates that are not finite and for a layer that was not given to the constructor.
+class DxfFile {
+public:
+    // Throws Error(unsupported) where writes_dxf() is false.
+    DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers);
+    ~DxfFile();
+    DxfFile(const DxfFile&) = delete;
+    DxfFile& operator=(const DxfFile&) = delete;
+
+    void point(const std::string& layer, const Vec3d& p);
+    void line(const std::string& layer, const Vec3d& from, const Vec3d& to);
+    // A polyline in space; two or more points.
+    void polyline(const std::string& layer, const std::vector<Vec3d>& points, bool closed);
+    // One line of UTF-8, whose lower left corner is at `p`, seen from above; height in source units, above 0.
+    void text(const std::string& layer, const Vec3d& p, double height, const std::string& words);
+
+    void finish();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace pcm

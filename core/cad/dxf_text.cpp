@@ -1,0 +1,79 @@
+#include "pcm/cad/dxf_text.h"
+
+#include <cstdint>
+#include <cstdio>
+
+namespace pcm {
+namespace {
+
+// The character at `place`, which moves behind it; '?' for what is no UTF-8.
+std::uint32_t next_character(const std::string& text, std::size_t& place)
+{
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    const std::uint32_t first = byte(place++);
+    if (first < 0x80) return first;
+    const std::size_t more = first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : first >= 0xc2 ? 1 : 0;
+    if (!more || first > 0xf4 || place + more > text.size()) return '?';
+    std::uint32_t character = first & (0x3fu >> more);
+    for (std::size_t i = 0; i < more; ++i) {
+        if ((byte(place + i) & 0xc0) != 0x80) return '?';
+        character = character << 6 | (byte(place + i) & 0x3f);
+    }
+    place += more;
+    return character;
+}
+
+void append_code(std::string& out, std::uint32_t unit)
+{
+    char code[16];
+    std::snprintf(code, sizeof code, "\\U+%04X", static_cast<unsigned>(unit));
+    out += code;
+}
+
+std::string without_other_characters(const std::string& utf8)
+{
+    std::string out;
+    for (std::size_t place = 0; place < utf8.size();) {
+        const std::uint32_t c = next_character(utf8, place);
+        if (c < 0x20 || c == 0x7f) {
+            out += ' ';
+        } else if (c < 0x80) {
+            out += static_cast<char>(c);
+        } else if (c < 0x10000) {
+            append_code(out, c);
+        } else {  // a pair of UTF-16 units
+            append_code(out, 0xd800 + ((c - 0x10000) >> 10));
+            append_code(out, 0xdc00 + ((c - 0x10000) & 0x3ff));
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string dxf_text(const std::string& utf8)
+{
+    std::string out;
+    for (const char c : without_other_characters(utf8)) {
+        if (c == '^')
+            out += "^ ";
+        else if (c == '%')
+            out += "%%%";
+        else
+            out += c;
+    }
+    return out;
+}
+
+std::string dxf_layer_name(const std::string& name)
+{
+    std::string plain;
+    for (const char c : name) {
+        const bool refused =
+            static_cast<unsigned char>(c) < 0x20 || std::string("<>/\\\":;?*|=`").find(c) != std::string::npos;
+        plain += refused ? '_' : c;
+    }
+    return plain.empty() ? "0" : without_other_characters(plain);
+}
+
+}  // namespace pcm

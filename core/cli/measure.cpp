@@ -1,0 +1,112 @@
+#include "pcm/measure/measure.h"
+
+#include "pcm/cli/measure_output.h"
+#include "pcm/measure/snap.h"
+#include "pcm/system/error.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    MeasureFiles files;
+    std::string kind, name, list, surface, from;
+    std::vector<double> points;
+};
+
+// What takes a pass over clouds has commands of its own.
+bool is_computed(MeasureKind kind) { return kind == MeasureKind::volume || kind == MeasureKind::profile; }
+
+std::vector<std::string> kinds()
+{
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < measure_kinds; ++k)
+        if (!is_computed(static_cast<MeasureKind>(k))) names.push_back(name_of(static_cast<MeasureKind>(k)));
+    return names;
+}
+
+Measure measure_of(const Arguments& arguments, PointCloud* cloud, double& moved)
+{
+    Measure measure;
+    measure.kind = *measure_kind(arguments.kind);
+    measure.name = arguments.name;
+    if (!arguments.surface.empty()) {
+        if (measure.kind != MeasureKind::surface) throw UsageError("--surface goes with the kind surface");
+        measure.surface = parse_surface(arguments.surface);
+    }
+    for (const Vec3d& place : points_of(arguments.points, "--points")) {
+        MeasuredPoint point;
+        point.position = place;
+        if (cloud) {
+            const SnappedPoint snapped = snap(*cloud, place);
+            moved = std::max(moved, snapped.distance);
+            point = snapped.point;
+        }
+        measure.points.push_back(point);
+    }
+    values_of(measure);
+    return measure;
+}
+
+int run(const Arguments& arguments)
+{
+    if (arguments.kind.empty() && arguments.list.empty())
+        throw UsageError("what to measure: give a kind with --points, or --list FILE");
+    if (arguments.kind.empty() && !(arguments.points.empty() && arguments.from.empty() && arguments.surface.empty()))
+        throw UsageError("points are of no use without a kind of measure");
+    arguments.files.check();
+    MeasureList list;
+    if (!arguments.list.empty()) list = MeasureList::read(arguments.list);
+    std::shared_ptr<PointCloud> cloud;
+    if (!arguments.from.empty()) cloud = PointCloud::open(arguments.from);
+    const auto system = cloud ? system_of(*cloud) : std::nullopt;
+    const std::string unit = length_unit_of(system);
+    double moved = 0;
+    if (!arguments.kind.empty()) list.add(measure_of(arguments, cloud.get(), moved));
+    arguments.files.write(list, system);
+    if (arguments.common.json) {
+        Json json;
+        json["measures"] = Json::array();
+        for (std::size_t i = 0; i < list.size(); ++i) json["measures"].push_back(json_of(list[i], unit));
+        if (cloud) json["largest_move"] = moved;
+        json["unit"] = unit;
+        json["files"] = arguments.files.outputs;
+        std::printf("%s\n", json.dump(2).c_str());
+        return 0;
+    }
+    for (std::size_t i = 0; i < list.size(); ++i) print(list[i], unit);
+    if (cloud) std::printf("places were moved to the nearest points, at most %s\n", brief(moved).c_str());
+    for (const std::string& output : arguments.files.outputs)
+        std::printf("%s: %zu %s\n", output.c_str(), list.size(), list.size() == 1 ? "measure" : "measures");
+    return 0;
+}
+
+}  // namespace
+
+Run add_measure(Options& options)
+{
+    auto arguments = std::make_shared<Arguments>();
+    options
+        .positional("kind", arguments->kind,
+                    "point, distance (along two or more points), height (two), angle (three), area (of a polygon), "
+                    "plane (the first point's distance to the plane through three or more others), or surface (a "
+                    "point's distance to --surface)")
+        .one_of(kinds());
+    options.option("-p,--points", arguments->points, "Points x0 y0 z0 x1 y1 z1 ..., source coordinates")
+        .values(3, 1 << 20);
+    options.option("--from", arguments->from,
+                   "A tree: the points are moved to its nearest ones, whose spacing and grid give the uncertainty");
+    options.option("--surface", arguments->surface,
+                   "\"plane X Y Z NX NY NZ\", \"sphere X Y Z RADIUS\" or \"cylinder X Y Z AX AY AZ RADIUS\"");
+    options.option("--name", arguments->name, "Name of the measure (default: its kind and a number)");
+    options.option("--list", arguments->list, "A list of measures (.json): shown, and written, before the new one");
+    arguments->files.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pcm::cli

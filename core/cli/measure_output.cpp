@@ -1,0 +1,106 @@
+#include "pcm/cli/measure_output.h"
+
+#include "pcm/measure/new_output.h"
+#include "pcm/system/error.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace pcm::cli {
+namespace {
+
+std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const char* option, std::size_t size, double z)
+{
+    if (numbers.empty() || numbers.size() % size)
+        throw UsageError(std::string(option) + " takes " + (size == 3 ? "x y z" : "x y") + " of each point, not " +
+                         std::to_string(numbers.size()) + " numbers");
+    std::vector<Vec3d> points;
+    for (std::size_t i = 0; i < numbers.size(); i += size)
+        points.push_back({numbers[i], numbers[i + 1], size == 3 ? numbers[i + 2] : z});
+    return points;
+}
+
+}  // namespace
+
+std::vector<Vec3d> points_of(const std::vector<double>& numbers, const char* option)
+{
+    return grouped_points(numbers, option, 3, 0);
+}
+
+std::vector<Vec3d> plan_points_of(const std::vector<double>& numbers, const char* option, double z)
+{
+    return grouped_points(numbers, option, 2, z);
+}
+
+std::optional<CoordinateSystem> system_of(const PointCloud& cloud)
+{
+    return coordinate_system_of(cloud.info().metadata);
+}
+
+Json json_of(const Measure& measure, const std::string& length_unit)
+{
+    Json json{{"name", measure.name}, {"kind", name_of(measure.kind)}, {"values", Json::object()}};
+    try {
+        for (const MeasureValue& value : values_of(measure)) {
+            const bool is_length = value.unit.empty() || value.unit[0] == '^';
+            json["values"][value.name] = {{"value", value.value},
+                                          {"uncertainty", value.uncertainty},
+                                          {"unit", is_length ? length_unit + value.unit : value.unit}};
+        }
+    } catch (const Error& error) {
+        json["error"] = error.what();
+    }
+    for (const MeasuredPoint& point : measure.points) json["points"].push_back(point.position);
+    return json;
+}
+
+void print(const Measure& measure, const std::string& length_unit)
+{
+    std::printf("%s (%s)\n", measure.name.c_str(), name_of(measure.kind));
+    try {
+        for (const MeasureValue& value : values_of(measure))
+            std::printf("  %-18s %s\n", value.name.c_str(), text_of(value, length_unit).c_str());
+    } catch (const Error& error) {
+        std::printf("  %s\n", error.what());
+    }
+}
+
+void MeasureFiles::add_to(Options& options)
+{
+    options
+        .option("-o,--output", outputs,
+                "File to write the measures to: .json (a list to be read again), .csv, .geojson or .dxf; may be given "
+                "several times")
+        .one_value_each();
+    options.flag("--overwrite", overwrite, "Replace existing output files");
+}
+
+void MeasureFiles::check() const
+{
+    for (const std::string& output : outputs) {
+        const auto is_known = [&](const char* known) { return lower_extension(output) == known; };
+        if (std::none_of(std::begin(measure_extensions), std::end(measure_extensions), is_known))
+            throw Error(ErrorCode::invalid_argument, output, "the extension says no format of measures",
+                        "use .json, .csv, .geojson or .dxf");
+        check_output(output, overwrite);
+    }
+}
+
+void MeasureFiles::write(const MeasureList& list, const std::optional<CoordinateSystem>& system) const
+{
+    MeasureFileOptions options;
+    options.overwrite = overwrite;
+    options.system = system;
+    for (const std::string& output : outputs) write_measures(list, output, options);
+}
+
+void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level)
+{
+    const std::uint16_t levels = cloud.info().levels;
+    if (level && levels > 0 && *level >= levels)
+        throw Error(ErrorCode::invalid_argument, cloud.tree()->folder(),
+                    "there is no level " + std::to_string(*level) + "; this tree has levels 0 to " +
+                        std::to_string(levels - 1));
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,152 @@
+#include "pcm/measure/volume.h"
+
+#include "pcm/cli/measure_output.h"
+#include "pcm/system/error.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    Common common;
+    MeasureFiles files;
+    std::string tree, before, height = "mean", name;
+    std::vector<double> polygon, plane;
+    std::optional<double> reference;
+    std::vector<std::string> where;
+    bool interpolate = false;
+    VolumeOptions options;
+};
+
+void set_reference(Arguments& arguments)
+{
+    const int given =
+        int(arguments.reference.has_value()) + int(!arguments.plane.empty()) + int(!arguments.before.empty());
+    if (given != 1) throw UsageError("what to compare with: give one of --reference, --plane and --before");
+    const std::vector<double>& n = arguments.plane;
+    if (arguments.reference)
+        arguments.options.reference.height = *arguments.reference;
+    else if (!n.empty())
+        arguments.options.reference = plane_of({n[0], n[1], n[2]}, {n[3], n[4], n[5]});
+    else
+        arguments.options.before = PointCloud::open(arguments.before);
+}
+
+Measure measure_of(const Arguments& arguments, const VolumeReport& report, const PointCloud& cloud)
+{
+    Measure measure;
+    measure.kind = MeasureKind::volume;
+    measure.name = arguments.name;
+    measure.computed = report.values();
+    std::vector<Vec3d> polygon = arguments.options.polygon;
+    if (polygon.empty()) polygon = plan_rectangle(cloud.info().bounds());
+    for (const Vec3d& p : polygon) measure.points.push_back({p, 0, 0, arguments.tree});
+    return measure;
+}
+
+Json json_of(const Arguments& arguments, const VolumeReport& report, const std::string& unit)
+{
+    Json json;
+    json["tree"] = arguments.tree;
+    if (!arguments.before.empty()) json["before"] = arguments.before;
+    put_outcome(json, report.outcome);
+    for (const MeasureValue& value : report.values()) {
+        if (value.unit != "^3") continue;
+        json[value.name] = value.value;
+        json[value.name + "_uncertainty"] = value.uncertainty;
+    }
+    json["spread"] = {{"net", report.net_spread}, {"cut", report.cut_spread}, {"fill", report.fill_spread}};
+    json["coarser"] = {{"cut", report.cut_coarse}, {"fill", report.fill_coarse}, {"side", 2 * report.side}};
+    json["side"] = report.side;
+    json["cells"] = report.cells;
+    json["cells_without_data"] = report.cells_without_data;
+    json["area"] = report.area;
+    json["area_counted"] = report.area_counted;
+    json["area_without_data"] = report.area_without_data;
+    json["area_interpolated"] = report.area_interpolated;
+    json["points_of_tree"] = report.points[0];
+    if (!arguments.before.empty()) json["points_before"] = report.points[1];
+    json["unit"] = unit;
+    json["files"] = arguments.files.outputs;
+    return json;
+}
+
+void print(const Arguments& arguments, const VolumeReport& report, const std::string& unit)
+{
+    for (const MeasureValue& value : report.values())
+        if (value.unit == "^3") std::printf("%-11s %s\n", value.name.c_str(), text_of(value, unit).c_str());
+    std::printf("cells       %s of %s wide; %s points\n", grouped(report.cells).c_str(), brief(report.side).c_str(),
+                grouped(report.outcome.points_out).c_str());
+    std::printf("area        %s in plan, %s of it counted, %s without points%s\n", brief(report.area).c_str(),
+                brief(report.area_counted).c_str(), brief(report.area_without_data).c_str(),
+                report.area_interpolated > 0 ? " (interpolated)" : "");
+    std::printf("uncertainty spread in cells %s; cells twice as wide change the net volume by %s\n",
+                brief(report.net_spread).c_str(),
+                brief(report.cut_coarse - report.fill_coarse - (report.cut_measured - report.fill_measured)).c_str());
+    for (const std::string& output : arguments.files.outputs) std::printf("%s written\n", output.c_str());
+}
+
+int run(Arguments& arguments)
+{
+    arguments.files.check();
+    set_reference(arguments);
+    const auto cloud = PointCloud::open(arguments.tree);
+    VolumeOptions& options = arguments.options;
+    check_level(*cloud, options.level);
+    if (!arguments.polygon.empty())
+        options.polygon =
+            plan_points_of(arguments.polygon, "--polygon", cloud->info().points ? cloud->info().bounds().min[2] : 0);
+    options.height = arguments.height == "mean"     ? CellHeight::mean
+                     : arguments.height == "lowest" ? CellHeight::lowest
+                                                    : CellHeight::highest;
+    if (arguments.interpolate) options.empty = EmptyCells::interpolated;
+    for (const std::string& condition : arguments.where) options.where.push_back(parse_condition(condition));
+    options.progress = console_progress(arguments.common);
+    const VolumeReport report = measure_volume(*cloud, options);
+    end_progress(arguments.common);
+    const auto system = system_of(*cloud);
+    MeasureList list;
+    list.add(measure_of(arguments, report, *cloud));
+    arguments.files.write(list, system);
+    if (arguments.common.json)
+        std::printf("%s\n", json_of(arguments, report, length_unit_of(system)).dump(2).c_str());
+    else
+        print(arguments, report, length_unit_of(system));
+    return 0;
+}
+
+}  // namespace
+
+Run add_volume(Options& options)
+{
+    auto arguments = std::make_shared<Arguments>();
+    options.positional("tree", arguments->tree, "The tree, whose points are the surface").required();
+    options
+        .option("--polygon", arguments->polygon,
+                "Corners in plan, x0 y0 x1 y1 x2 y2 ..., source coordinates (default: the tree's box)")
+        .values(6, 1 << 20);
+    options.option("--reference", arguments->reference, "Height that the surface is compared with, source units");
+    options.option("--plane", arguments->plane, "Plane to compare with: a point x y z and a normal nx ny nz").values(6);
+    options.option("--before", arguments->before, "Tree whose surface is compared with: what was there before");
+    options
+        .option("-s,--side", arguments->options.side,
+                "Side of the square cells, source units (default: so that a cell has about 9 points)")
+        .positive();
+    options.option("--height", arguments->height, "Height of a cell: of its points the mean, lowest or highest")
+        .one_of({"mean", "lowest", "highest"})
+        .show_default();
+    options.flag("--interpolate", arguments->interpolate,
+                 "Give cells without points heights from those around them (default: they are left out)");
+    options.option("-l,--level", arguments->options.level, "Only the clouds at this level (default: all points)");
+    options.option("--where", arguments->where, "Only points that satisfy a condition, such as classification=2")
+        .one_value_each();
+    options.option("-m,--memory", arguments->options.memory, "Memory for the cells, e.g. 2G (default 512M)").bytes();
+    options.option("--name", arguments->name, "Name of the measure in files (default: Volume 1)");
+    arguments->files.add_to(options);
+    add_common(options, arguments->common);
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace pcm::cli

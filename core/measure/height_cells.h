@@ -1,0 +1,33 @@
+// The heights of points in the cells of a grid.
+#pragma once
+
+#include "pcm/measure/volume.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// What is known of the points of one cell. Heights are relative to a plane near them, so that few digits cancel.
+struct HeightCell {
+    std::uint64_t points = 0;
+    double mean = 0, squares = 0;  // of deviations from the mean (Welford)
+    double lowest = 0, highest = 0;
+
+    void add(double height);
+    void add(const HeightCell& other);  // as if its points had been added (Chan, Golub and LeVeque)
+};
+
+// Heights of the cells and their variances; for cells without points until they are filled, NaN.
+struct Surface2d {
+    std::vector<double> height, variance;
+};
+// A single point has the mean variance of the cells with more.
+Surface2d surface_of(const std::vector<HeightCell>& cells, CellHeight kind);
+
+// Fills cells that are NaN and have an area: each becomes the mean of its neighbours of area (Laplace's equation, by
+// successive over-relaxation until nothing changes by more than 1e-6 of the range of the heights, at most 2000 rounds).
+// Cells that no known cell is connected with stay NaN. `areas` and `height` by rows of `columns` cells.
+void fill_gaps(std::vector<double>& height, const std::vector<double>& areas, std::size_t columns);
+
+}  // namespace pcm

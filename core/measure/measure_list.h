@@ -1,0 +1,62 @@
+// Measures with names: added, renamed, hidden, deleted, undone, and kept as text.
+//
+// Files of a list are written by measure/measure_export.h.
+#pragma once
+
+#include "pcm/measure/measure.h"
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// One thread. Every change is one step of undo(); the last 1000 steps are kept. All functions throw
+// Error(invalid_argument) for an index that the list does not have, and then change nothing.
+class MeasureList {
+public:
+    std::size_t size() const { return measures_.size(); }
+    bool empty() const { return measures_.empty(); }
+    const Measure& operator[](std::size_t index) const { return *measures_[index]; }  // index < size()
+    const Measure& at(std::size_t index) const;
+
+    // At the end; returns its index. A measure without a name gets that of its kind and the first free number:
+    // "Distance 1". Throws what rename() throws.
+    std::size_t add(Measure measure);
+    // Names are no key: two measures may have the same. Throws Error(invalid_argument) for a name that is empty, longer
+    // than 1000 bytes, or has control characters.
+    void rename(std::size_t index, const std::string& name);
+    void hide(std::size_t index, bool hidden);
+    // Another one in its place: its points were moved, say.
+    void replace(std::size_t index, Measure measure);
+    void remove(std::size_t index);
+    void clear();
+
+    bool can_undo() const { return !undone_.empty(); }
+    bool can_redo() const { return !redone_.empty(); }
+    void undo();  // does nothing when there is nothing to undo
+    void redo();
+
+    // All of it as JSON, numbers with all digits; parse() gives the same list back, without steps to undo. Throws
+    // Error(invalid_argument) for numbers that are not finite, which JSON lacks.
+    std::string text() const;
+    // Throws Error(bad_format), naming the measure and the field, for text that is not such a list.
+    static MeasureList parse(const std::string& text);
+    // Of a file; at most 256 MB. Throws what parse() throws, with the path, and Error(not_found | permission | io).
+    static MeasureList read(const std::filesystem::path& file);
+
+private:
+    using Measures = std::vector<std::shared_ptr<const Measure>>;
+    void change(Measures measures);
+    void check_index(std::size_t index) const;
+    std::string free_name(MeasureKind kind) const;
+
+    Measures measures_;
+    std::deque<Measures> undone_;  // the states before, the last one last
+    std::vector<Measures> redone_;
+};
+
+}  // namespace pcm

@@ -1,0 +1,28 @@
+// The unit of the lengths in a document's scene.
+#pragma once
+
+#include "pcm/io/crs/coordinate_system.h"
+
+#include <common/interfaces.h>
+
+#include <QString>
+
+#include <optional>
+#include <string>
+
+namespace pcm::host {
+
+struct LengthUnit {
+    std::string symbol;  // "m"; empty: not known
+    // The system that the document's clouds state, if they agree.
+    std::optional<CoordinateSystem> system;
+    QString warning;  // why lengths may mean nothing; empty: they mean what they say
+};
+
+// Of all layers whose clouds state a coordinate system. GUI thread.
+LengthUnit length_unit_of(const MeshDocument& document);
+
+// The same for the systems that are stated, in any order.
+LengthUnit common_unit(const std::vector<CoordinateSystem>& systems);
+
+}  // namespace pcm::host

@@ -1,0 +1,61 @@
+// The measures of a document. Views show them whichever tool is active, and project files keep them. GUI thread.
+//
+// Positions are those of the scene (host/annotations.h): source coordinates, or what a layer's matrix makes of them.
+#pragma once
+
+#include "pcm/measure/measure_list.h"
+#include "plugin/edit/measure/length_unit.h"
+
+#include <common/interfaces.h>
+
+#include <QObject>
+
+#include <functional>
+#include <optional>
+
+namespace pcm::host {
+
+class MeasureBook : public QObject {
+    Q_OBJECT
+
+public:
+    // One for each document.
+    static MeasureBook& of(MeshDocument& document);
+
+    const MeasureList& list() const { return list_; }
+    // Passes on what `step` throws; the list is then as it was.
+    void change(const std::function<void(MeasureList& list)>& step);
+    // In place of all that are there, which cannot be had back.
+    void replace(MeasureList list);
+
+    // The one that is shown in another colour, whose numbers the panels show.
+    std::optional<std::size_t> selected() const { return selected_; }
+    void select(std::optional<std::size_t> index);
+
+    // As it was when the list was shown last, or refresh_unit() was called.
+    const LengthUnit& unit() const { return unit_; }
+    void refresh_unit();
+
+signals:
+    void changed();  // the list, the selection or the unit
+
+private:
+    explicit MeasureBook(MeshDocument& document);
+    void show();
+
+    MeshDocument& document_;
+    MeasureList list_;
+    std::optional<std::size_t> selected_;
+    LengthUnit unit_;
+};
+
+// All values of a measure as lines "name<tab>value", its points with all digits included; for the clipboard.
+QString text_of(const Measure& measure, const std::string& unit);
+
+// The coordinates of a point, without the noise that the steps of its grid have in double: 636798.2 of 63679820 * 0.01.
+QString coordinates_of(const MeasuredPoint& point);
+
+// Makes project files keep the measures of documents, as the element PointCloudMeasures. Once per program.
+void keep_measures_in_projects();
+
+}  // namespace pcm::host

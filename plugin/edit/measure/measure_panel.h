@@ -1,0 +1,89 @@
+// The panel of the tool Measure: what is measured, the list of measures, and the numbers of one of them. It shows what
+// it is given and reports what a user does; the tool decides. GUI thread.
+#pragma once
+
+#include "pcm/measure/measure_list.h"
+
+#include <QDockWidget>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+class QComboBox;
+class QGridLayout;
+class QLabel;
+class QLineEdit;
+class QProgressBar;
+class QPushButton;
+class QTreeWidget;
+class QTreeWidgetItem;
+class QVBoxLayout;
+
+namespace pcm::host {
+
+class MeasurePanel : public QDockWidget {
+    Q_OBJECT
+
+public:
+    enum class Button { look_at, remove, clear, undo, redo, copy, save, plot, end, cancel };
+    Q_ENUM(Button)
+
+    // A layer whose cloud profiles and volumes may be taken from.
+    struct Cloud {
+        int mesh_id;
+        QString label;
+    };
+
+    explicit MeasurePanel(QWidget* window);
+
+    MeasureKind kind() const;
+    void choose_kind(MeasureKind kind);
+    void show_list(const MeasureList& list, std::optional<std::size_t> selected, const std::string& unit);
+    void show_clouds(const std::vector<Cloud>& clouds);
+    void show_hint(const QString& text);  // what to do next
+    void say(const QString& text);        // what happened
+    // While something runs: what it is, and how much of it is done (0 to 1). Nothing: it has ended.
+    void show_progress(const std::optional<std::pair<QString, double>>& progress);
+
+    // What is typed; nothing where it is empty. Throws Error(invalid_argument) for text that is no number above 0 (a
+    // level may be any number).
+    std::optional<double> width() const;
+    std::optional<double> level() const;
+    std::optional<double> cell() const;
+    void propose_width(const QString& text);  // shown where nothing is typed
+    void propose_cell(const QString& text);
+    std::optional<int> cloud() const;           // that is measured; nothing: the one that the points were picked on
+    std::optional<int> compared_cloud() const;  // of a volume; nothing: a level
+
+signals:
+    void kind_chosen();
+    void pressed(MeasurePanel::Button button);
+    void renamed(int index, const QString& name);
+    void hidden(int index, bool hidden);
+    void selected(int index);  // -1: none
+
+private:
+    QPushButton* add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
+                            const char* tooltip);
+    QLineEdit* add_field(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
+    QComboBox* add_choice(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
+    void add_fields(QVBoxLayout& column);
+    void add_list(QVBoxLayout& column);
+    void show_fields();
+    void show_values(const Measure* measure, const std::string& unit);
+    void item_changed(QTreeWidgetItem* item, int column);
+
+    QComboBox *kind_ = nullptr, *cloud_ = nullptr, *compared_ = nullptr;
+    QLineEdit *width_ = nullptr, *level_ = nullptr, *cell_ = nullptr;
+    QTreeWidget *list_ = nullptr, *values_ = nullptr;
+    QLabel *hint_ = nullptr, *words_ = nullptr;
+    QProgressBar* progress_ = nullptr;
+    QWidget* fields_ = nullptr;
+    std::map<Button, QPushButton*> buttons_;
+    std::map<QWidget*, std::vector<QWidget*>> rows_;   // of each field: its label too
+    std::vector<std::pair<std::string, bool>> shown_;  // names and whether hidden, as the list shows them
+};
+
+}  // namespace pcm::host

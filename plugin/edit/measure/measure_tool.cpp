@@ -1,0 +1,345 @@
+#include "plugin/edit/measure/measure_tool.h"
+
+#include "pcm/cloud/vector.h"
+#include "pcm/measure/measure_export.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "plugin/edit/measure/drawn_measures.h"
+#include "plugin/edit/measure/look_at.h"
+#include "plugin/edit/measure/measure_book.h"
+#include "plugin/edit/scene_bounds.h"
+#include "plugin/edit/tool_dock.h"
+#include "plugin/edit/view_events.h"
+#include "plugin/host/annotations.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QClipboard>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QGuiApplication>
+#include <QMainWindow>
+#include <QMouseEvent>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm::host {
+
+namespace {
+
+const char* const name = "Measure";
+const char* const draft_owner = "measure draft";
+
+// The point in the coordinates of the scene.
+MeasuredPoint measured(const Picked& picked, const MeshDocument& document)
+{
+    MeasuredPoint point{picked.shown_at, picked.spacing, picked.grid_step, {}};
+    if (picked.cloud) point.cloud = picked.cloud->tree()->folder().string();
+    MeshModel* const layer = const_cast<MeshDocument&>(document).getMesh(picked.mesh_id);
+    const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+    if (tree && tree->is_copy()) point.cloud.clear();  // a temporary tree
+    const auto placement = tree ? placement_of(*layer, *tree) : std::nullopt;
+    if (!placement) return point;
+    const double scale = std::cbrt(std::abs(placement->determinant()));
+    point.spacing *= scale;
+    point.grid_step *= scale;
+    return point;
+}
+
+// What the points that are known give already.
+QString so_far(const Draft& draft, const std::string& unit)
+{
+    Measure measure;
+    measure.kind = draft.kind();
+    measure.points = draft.points();
+    if (measure.points.empty()) return {};
+    const QString count = QString("\n%1 points").arg(measure.points.size());
+    try {
+        return count + ": " + QString::fromStdString(text_of(values_of(measure).at(0), unit));
+    } catch (...) {  // too few points, or such that more are needed
+        return count;
+    }
+}
+
+}  // namespace
+
+MeasureTool::MeasureTool() : picks_(std::make_unique<QObject>())
+{
+    connect(&work_, &CloudWork::progressed, this, [this](const QString& stage, double fraction) {
+        if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
+    });
+    connect(&work_, &CloudWork::ended, this, [this](const QString& error) {
+        if (panel_) panel_->show_progress(std::nullopt);
+        if (!error.isEmpty()) say(error);
+    });
+}
+
+MeasureTool::~MeasureTool() { delete panel_; }
+
+MeasureBook& MeasureTool::book() const { return MeasureBook::of(*view_->md()); }
+
+// Qt does not allow exceptions in event handlers.
+void MeasureTool::guarded(const std::function<void()>& work)
+{
+    try {
+        work();
+    } catch (...) {
+        say(QString::fromStdString(current_error()));
+    }
+}
+
+void MeasureTool::say(const QString& text)
+{
+    if (panel_) panel_->say(text);
+    if (view_ && !text.isEmpty())
+        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
+}
+
+bool MeasureTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    view_ = view;
+    setParent(view);  // the view does not delete its tools otherwise
+    if (bounds_of_shown(*view).empty()) {
+        say("no layer shows a point cloud");
+        view_ = nullptr;
+        return false;
+    }
+    if (!panel_) make_panel();
+    show_dock(*view, *panel_);
+    connect(&MeasureBook::of(document), &MeasureBook::changed, this, &MeasureTool::show_panel, Qt::UniqueConnection);
+    tracked_mouse_ = view->hasMouseTracking();
+    view->setMouseTracking(true);
+    view->installEventFilter(this);
+    view->setFocus();
+    view->setCursor(Qt::CrossCursor);
+    keep_unmodified(document);
+    guarded([&] {
+        book().refresh_unit();
+        change_kind();
+        show_panel();
+    });
+    say("click points in the view; Backspace takes the last one back, Enter, a double click or the right button ends a "
+        "line or polygon, Esc cancels it, Ctrl+Z takes a change of the list back. Dragging and the wheel move the "
+        "camera");
+    if (!book().unit().warning.isEmpty()) say(book().unit().warning);
+    return true;
+}
+
+void MeasureTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (view != view_) return;
+    cancel();
+    disconnect(&MeasureBook::of(document), nullptr, this, nullptr);
+    view->removeEventFilter(this);
+    view->setMouseTracking(tracked_mouse_);
+    pressed_.reset();
+    MeasureBook::of(document).select(std::nullopt);
+    if (panel_) panel_->hide();
+    view_ = nullptr;
+}
+
+void MeasureTool::make_panel()
+{
+    panel_ = new MeasurePanel(window_of(*view_));
+    connect(panel_, &MeasurePanel::kind_chosen, this, [this] {
+        if (view_) guarded([&] { change_kind(); });
+    });
+    connect(panel_, &MeasurePanel::pressed, this, [this](MeasurePanel::Button button) {
+        if (view_) guarded([&] { press(button); });
+    });
+    connect(panel_, &MeasurePanel::renamed, this, [this](int index, const QString& text) {
+        if (!view_) return;
+        guarded([&] {
+            book().change([&](MeasureList& list) { list.rename(static_cast<std::size_t>(index), text.toStdString()); });
+        });
+        show_panel();  // a name that was refused is put back
+    });
+    connect(panel_, &MeasurePanel::hidden, this, [this](int index, bool hidden) {
+        if (view_)
+            guarded(
+                [&] { book().change([&](MeasureList& list) { list.hide(static_cast<std::size_t>(index), hidden); }); });
+    });
+    connect(panel_, &MeasurePanel::selected, this, [this](int index) {
+        if (view_) book().select(index < 0 ? std::nullopt : std::make_optional(static_cast<std::size_t>(index)));
+    });
+}
+
+void MeasureTool::show_panel()
+{
+    if (!view_ || !panel_) return;
+    panel_->show_list(book().list(), book().selected(), book().unit().symbol);
+    std::vector<MeasurePanel::Cloud> clouds;
+    for (const MeshModel* layer : view_->md()->meshList)
+        if (layer && Registry::instance().drawn(*layer)) clouds.push_back({layer->id(), layer->label()});
+    panel_->show_clouds(clouds);
+}
+
+void MeasureTool::change_kind()
+{
+    cancel();
+    draft_ = Draft(panel_->kind());
+    panel_->show_hint(hint_of(draft_.kind()));
+    view_->setFocus();
+}
+
+void MeasureTool::show_draft()
+{
+    const auto points = draft_.points();
+    std::vector<Annotation> drawn;
+    if (!points.empty()) drawn.push_back(drawn_draft(draft_.kind(), points));
+    Annotations::of(*view_->md()).set(draft_owner, std::move(drawn));
+    if (!panel_) return;
+    panel_->show_hint(hint_of(draft_.kind()) + so_far(draft_, book().unit().symbol));
+    if (points.empty()) return;
+    const std::string number = brief(10 * points.front().spacing), cell = brief(4 * points.front().spacing);
+    panel_->propose_width(points.front().spacing > 0 ? QString::fromStdString(number) : QString());
+    panel_->propose_cell(points.front().spacing > 0 ? QString::fromStdString(cell) : QString());
+}
+
+void MeasureTool::click(const QPoint& place)
+{
+    const auto number = draft_.click();
+    if (!number) return say("the measure is not complete yet: a click has not been answered");
+    say({});
+    // Each click has a context of its own, so that the next one does not replace it.
+    auto* context = new QObject(picks_.get());
+    pick(*view_, place, *context, [this, context, number = *number](const PickAnswer& answer) {
+        if (answer.final) context->deleteLater();
+        if (view_) guarded([&] { take(number, answer); });
+    });
+}
+
+void MeasureTool::take(int click, const PickAnswer& answer)
+{
+    if (answer.point) {
+        draft_.answer(click, measured(*answer.point, *view_->md()), answer.final);
+        if (!first_layer_) first_layer_ = answer.point->mesh_id;
+    } else if (answer.final) {
+        draft_.miss(click);
+        say(answer.message);
+    }
+    show_draft();
+    finish();
+}
+
+void MeasureTool::end()
+{
+    if (draft_.empty()) return;
+    const QString refusal = draft_.end();
+    if (!refusal.isEmpty()) return say(refusal);
+    finish();
+}
+
+bool MeasureTool::cancel()
+{
+    const bool did = !draft_.empty() || work_.running();
+    work_.cancel();
+    picks_ = std::make_unique<QObject>();
+    clear_draft();
+    return did;
+}
+
+void MeasureTool::clear_draft()
+{
+    draft_.clear();
+    first_layer_.reset();
+    if (view_) show_draft();
+}
+
+bool MeasureTool::take_back()
+{
+    if (!draft_.take_back()) return false;
+    show_draft();
+    return true;
+}
+
+void MeasureTool::finish()
+{
+    if (!draft_.complete()) return;
+    Measure measure;
+    measure.kind = draft_.kind();
+    measure.points = draft_.points();
+    try {
+        if (measure.kind == MeasureKind::profile) measure.width = width_for(measure);
+        values_of(measure);  // refuses points that determine nothing
+    } catch (...) {
+        draft_.reopen();
+        show_draft();
+        throw;
+    }
+    const auto layer = first_layer_;
+    clear_draft();
+    keep(std::move(measure));
+    first_layer_ = layer;
+    measure_cloud(book().list().size() - 1);
+    first_layer_.reset();
+}
+
+void MeasureTool::keep(Measure measure)
+{
+    std::size_t index = 0;
+    book().change([&](MeasureList& list) { index = list.add(std::move(measure)); });
+    book().select(index);
+    const Measure& kept = book().list()[index];
+    say(QString::fromStdString(kept.name + ": " + label_of(kept, book().unit().symbol)));
+}
+
+void MeasureTool::write()
+{
+    const QString filter =
+        "Comma-separated values (*.csv);;GeoJSON (*.geojson);;Drawing (*.dxf);;List of measures (*.json)";
+    QString kind;
+    QString file = QFileDialog::getSaveFileName(panel_, "Export measures", "measures.csv", filter, &kind,
+                                                QFileDialog::DontUseNativeDialog);
+    if (file.isEmpty()) return;
+    MeasureFileOptions options;
+    options.system = book().unit().system;
+    // The dialog asks before it replaces the file that was typed, and no other.
+    options.overwrite = !QFileInfo(file).suffix().isEmpty();
+    if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');
+    write_measures(book().list(), file.toStdString(), options);
+    say(QString("wrote %1 measures to %2").arg(book().list().size()).arg(file));
+}
+
+void MeasureTool::press(MeasurePanel::Button button)
+{
+    using Button = MeasurePanel::Button;
+    const auto selected = book().selected();
+    say({});
+    switch (button) {
+        case Button::end:
+            return end();
+        case Button::cancel:
+            cancel();
+            return;
+        case Button::look_at:
+            if (selected) look_at(*view_, book().list()[*selected].points);
+            return;
+        case Button::remove:
+            if (selected) book().change([&](MeasureList& list) { list.remove(*selected); });
+            return;
+        case Button::clear:
+            return book().change([](MeasureList& list) { list.clear(); });
+        case Button::undo:
+            return book().change([](MeasureList& list) { list.undo(); });
+        case Button::redo:
+            return book().change([](MeasureList& list) { list.redo(); });
+        case Button::copy: {
+            QString text;
+            for (std::size_t i = 0; i < book().list().size(); ++i)
+                if (!selected || *selected == i) text += text_of(book().list()[i], book().unit().symbol);
+            QGuiApplication::clipboard()->setText(text);
+            return say("copied");
+        }
+        case Button::save:
+            return write();
+        case Button::plot:
+            if (selected) measure_cloud(*selected);
+            return;
+    }
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,222 @@
+#include "plugin/edit/select/select_panel.h"
+
+#include "pcm/system/error.h"
+
+#include <QComboBox>
+#include <QGridLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QScrollArea>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr double least_brush_px = 1, largest_brush_px = 1000;
+
+double positive(const QString& text, const char* what)
+{
+    bool good = false;
+    const double number = text.trimmed().toDouble(&good);
+    if (good && std::isfinite(number) && number > 0) return number;
+    throw Error(ErrorCode::invalid_argument, {}, "'" + text.toStdString() + "' is no " + what,
+                "write a number above 0, as in 0.25");
+}
+
+}  // namespace
+
+SelectPanel::SelectPanel(QWidget* window) : QDockWidget("Select Points", window)
+{
+    setObjectName("PointCloudSelectDock");
+    auto* form = new QWidget;
+    auto* rows = new QGridLayout(form);
+    add_ways(*rows);
+    add_uses(*rows);
+    words_ = new QLabel;
+    words_->setObjectName("PointCloudSelectMessage");
+    words_->setWordWrap(true);
+    rows->addWidget(words_, rows->rowCount(), 0, 1, 3);
+    rows->setRowStretch(rows->rowCount(), 1);
+    auto* scroll = new QScrollArea;
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setWidget(form);
+    scroll->setMinimumWidth(form->sizeHint().width() + 24);
+    setWidget(scroll);
+}
+
+QComboBox* SelectPanel::add_choice(QGridLayout& rows, const char* label, const QStringList& choices,
+                                   const char* tooltip)
+{
+    auto* box = new QComboBox;
+    box->addItems(choices);
+    box->setToolTip(tooltip);
+    auto* words = new QLabel(label);
+    words->setToolTip(tooltip);
+    const int row = rows.rowCount();
+    rows.addWidget(words, row, 0);
+    rows.addWidget(box, row, 1, 1, 2);
+    return box;
+}
+
+QLineEdit* SelectPanel::add_field(QGridLayout& rows, const char* label, const char* text, const char* tooltip)
+{
+    auto* edit = new QLineEdit(text);
+    edit->setToolTip(tooltip);
+    auto* words = new QLabel(label);
+    words->setToolTip(tooltip);
+    const int row = rows.rowCount();
+    rows.addWidget(words, row, 0);
+    rows.addWidget(edit, row, 1, 1, 2);
+    return edit;
+}
+
+void SelectPanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
+                             const char* tooltip)
+{
+    auto* widget = buttons_[button] = new QPushButton(text);
+    widget->setToolTip(tooltip);
+    connect(widget, &QPushButton::clicked, this, [this, button] { emit pressed(button); });
+    rows.addWidget(widget, row, column);
+}
+
+void SelectPanel::add_ways(QGridLayout& rows)
+{
+    shape_ = add_choice(rows, "Select by", {"Rectangle", "Polygon or lasso", "Brush", "Grow"},
+                        "Rectangle: drag. Polygon or lasso: click corners, double click or Enter closes it; or drag "
+                        "around the points. Brush: drag over a surface. Grow: click a point; all points that can be "
+                        "reached from it in short steps. Only points that the view shows are selected: those that the "
+                        "clip box, hidden classes or conditions hide are not. Default Rectangle.");
+    operation_ = add_choice(rows, "Operation", {"Replace", "Add", "Subtract", "Intersect"},
+                            "What is done with the points selected before. Keys: Shift adds, Ctrl subtracts, both "
+                            "intersect. Default Replace.");
+    reach_ = add_choice(rows, "Depth", {"Through the cloud", "Front only"},
+                        "Whether a rectangle or polygon selects all points that it covers, or only those that are "
+                        "visible from here, in front of all others. Default Through the cloud.");
+    layers_ = add_choice(rows, "Layers", {"Current layer", "All shown layers"},
+                         "Which clouds a selection is made in: the current layer (the one that is clicked, for brush "
+                         "and grow), or all that the view shows. Default Current layer.");
+    brush_ = add_field(rows, "Brush radius", "15",
+                       "Pixels of the screen: points within a ball of this radius around the surface under the cursor "
+                       "are selected. 1 to 1000, default 15.");
+    distance_ = add_field(rows, "Grow distance", "",
+                          "The longest step from point to point, in source units. Default: empty, three times the "
+                          "spacing of the points at the one that is clicked.");
+    where_ = add_field(rows, "Condition", "",
+                       "Points whose attributes meet conditions, separated by ; as in classification=2,6; "
+                       "intensity>=100; z=400..450. Default: none.");
+    attributes_ = new QComboBox;
+    attributes_->setToolTip("The attributes of the cloud; a chosen one is added to the condition.");
+    const int row = rows.rowCount();
+    rows.addWidget(attributes_, row, 1);
+    connect(attributes_, QOverload<int>::of(&QComboBox::activated), this, [this](int index) {
+        if (index == 0) return;
+        const QString before = where_->text().trimmed();
+        where_->setText(before + (before.isEmpty() || before.endsWith(';') ? "" : "; ") + attributes_->currentText());
+        where_->setFocus();
+        attributes_->setCurrentIndex(0);
+    });
+    add_button(rows, row, 2, Button::where, "By condition", "Selects the shown points that meet the condition.");
+    add_button(rows, row + 1, 0, Button::all, "Select shown", "Selects all points that the view shows.");
+    add_button(rows, row + 1, 1, Button::none, "Select none", "Selects nothing. Undo brings the selection back.");
+    add_button(rows, row + 1, 2, Button::invert, "Invert selection",
+               "Selects the shown points that were not selected.");
+    connect(shape_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &SelectPanel::shape_changed);
+}
+
+void SelectPanel::add_uses(QGridLayout& rows)
+{
+    count_ = new QLabel("Nothing is selected");
+    count_->setObjectName("PointCloudSelectCount");
+    count_->setWordWrap(true);
+    count_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    int row = rows.rowCount();
+    rows.addWidget(count_, row++, 0, 1, 3);
+    progress_ = new QProgressBar;
+    progress_->setRange(0, 1000);
+    progress_->hide();
+    rows.addWidget(progress_, row, 0, 1, 2);
+    add_button(rows, row++, 2, Button::stop, "Stop", "Ends what is running; the selection stays as it was. Key: Esc.");
+    buttons_[Button::stop]->hide();
+    add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
+    add_button(rows, row++, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row, 0, Button::to_layer, "To a layer",
+               "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
+    add_button(rows, row, 1, Button::to_file, "To a file",
+               "Writes the selected points to a file; the extension chooses the format.");
+    add_button(rows, row++, 2, Button::remove, "Delete points",
+               "Deletes the selected points: makes a copy of the tree without them, or changes the tree in place.");
+    add_button(rows, row, 0, Button::classify, "Classify", "Gives the selected points a class.");
+    add_button(rows, row++, 1, Button::save, "Save as attribute",
+               "Saves the selection in the tree: an attribute that is 1 for selected points and 0 for all others. The "
+               "condition NAME=1 selects them again.");
+    show_steps({}, {});
+}
+
+SelectPanel::Shape SelectPanel::shape() const { return static_cast<Shape>(std::max(0, shape_->currentIndex())); }
+
+SetOperation SelectPanel::operation() const
+{
+    return static_cast<SetOperation>(std::max(0, operation_->currentIndex()));
+}
+
+bool SelectPanel::front_only() const { return reach_->currentIndex() == 1; }
+
+bool SelectPanel::all_layers() const { return layers_->currentIndex() == 1; }
+
+double SelectPanel::brush_px() const
+{
+    return std::clamp(positive(brush_->text(), "brush radius"), least_brush_px, largest_brush_px);
+}
+
+std::optional<double> SelectPanel::distance() const
+{
+    if (distance_->text().trimmed().isEmpty()) return std::nullopt;
+    return positive(distance_->text(), "grow distance");
+}
+
+QString SelectPanel::where() const { return where_->text().trimmed(); }
+
+void SelectPanel::show_count(const QString& text) { count_->setText(text); }
+
+void SelectPanel::show_attributes(const QStringList& names)
+{
+    QStringList before;
+    for (int i = 1; i < attributes_->count(); ++i) before << attributes_->itemText(i);
+    if (before == names && attributes_->count() > 0) return;
+    attributes_->clear();
+    attributes_->addItem("Attributes");
+    attributes_->addItems(names);
+}
+
+void SelectPanel::show_steps(const QString& undo, const QString& redo)
+{
+    buttons_[Button::undo]->setEnabled(!undo.isNull());
+    buttons_[Button::redo]->setEnabled(!redo.isNull());
+    buttons_[Button::undo]->setToolTip("Takes back: " + (undo.isNull() ? "nothing" : undo) + ". Ctrl+Z in the view.");
+    buttons_[Button::redo]->setToolTip("Repeats: " + (redo.isNull() ? "nothing" : redo) +
+                                       ". Ctrl+Shift+Z in the view.");
+}
+
+void SelectPanel::show_progress(double fraction, const QString& stage)
+{
+    progress_->show();
+    buttons_[Button::stop]->show();
+    progress_->setValue(static_cast<int>(std::clamp(fraction, 0.0, 1.0) * 1000));
+    progress_->setFormat(stage.isEmpty() ? "%p %" : stage + " %p %");
+}
+
+void SelectPanel::end_progress()
+{
+    progress_->hide();
+    buttons_[Button::stop]->hide();
+}
+
+void SelectPanel::say(const QString& text) { words_->setText(text); }
+
+}  // namespace pcm::host

@@ -1,0 +1,338 @@
+#include "plugin/edit/select/select_tool.h"
+
+#include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
+#include "plugin/edit/scene_bounds.h"
+#include "plugin/edit/select/shown_points.h"
+#include "plugin/edit/tool_dock.h"
+#include "plugin/edit/view_events.h"
+#include "plugin/host/annotations.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QKeyEvent>
+#include <QMainWindow>
+#include <QMouseEvent>
+#include <QVariantMap>
+
+#include <algorithm>
+
+namespace pcm::host {
+
+namespace {
+
+const char* const name = "Select Points";
+const char* const owner = "select";
+constexpr int click_px = 3;        // a click does not move farther
+constexpr double corner_px = 1.5;  // between corners drawn free-hand
+
+SetOperation operation_of(Qt::KeyboardModifiers modifiers, SetOperation chosen)
+{
+    const bool shift = (modifiers & Qt::ShiftModifier) != 0, control = (modifiers & Qt::ControlModifier) != 0;
+    if (shift && control) return SetOperation::intersect;
+    return shift ? SetOperation::add : control ? SetOperation::subtract : chosen;
+}
+
+// A right button's event as one of the left, which turns the trackball.
+QMouseEvent with_left_button(const QMouseEvent& event)
+{
+    const Qt::MouseButtons held = event.type() == QEvent::MouseButtonRelease ? Qt::NoButton : Qt::LeftButton;
+    const Qt::MouseButton button = event.type() == QEvent::MouseMove ? Qt::NoButton : Qt::LeftButton;
+    return QMouseEvent(event.type(), event.localPos(), event.screenPos(), button, held, Qt::NoModifier);
+}
+
+QStringList attribute_names(const PointCloud& cloud)
+{
+    QStringList names{"x", "y", "z"};
+    for (const Attribute& attribute : cloud.info().schema) {
+        if (attribute.components == 1) names << QString::fromStdString(attribute.name);
+        for (std::uint32_t c = 0; attribute.components > 1 && c < attribute.components; ++c)
+            names << QString("%1[%2]").arg(QString::fromStdString(attribute.name)).arg(c);
+    }
+    return names;
+}
+
+}  // namespace
+
+SelectTool::SelectTool()
+{
+    connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
+        if (panel_) panel_->show_progress(fraction, stage);
+    });
+}
+
+SelectTool::~SelectTool() { delete panel_; }
+
+// Qt does not allow exceptions in event handlers.
+void SelectTool::guarded(const std::function<void()>& work)
+{
+    try {
+        work();
+    } catch (...) {
+        say(QString::fromStdString(current_error()));
+    }
+}
+
+void SelectTool::say(const QString& text)
+{
+    if (panel_) panel_->say(text);
+    if (view_ && !text.isEmpty())
+        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
+}
+
+void SelectTool::publish(const QString& state)
+{
+    if (!view_) return;
+    QVariantMap map;
+    map["state"] = state;
+    view_->setProperty("pcm_select_tool", map);
+    publish_camera(*view_);
+}
+
+bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    view_ = view;
+    setParent(view);  // the view does not delete its tools otherwise
+    if (bounds_of_shown(*view).empty()) {
+        say("no layer shows a point cloud");
+        view_ = nullptr;
+        return false;
+    }
+    if (!panel_) {
+        panel_ = new SelectPanel(window_of(*view));
+        connect(panel_, &SelectPanel::pressed, this, [this](SelectPanel::Button button) {
+            if (view_) guarded([&] { press(button); });
+        });
+        connect(panel_, &SelectPanel::shape_changed, this, [this] {
+            if (view_) guarded([&] { reset(); });
+        });
+    }
+    show_dock(*view, *panel_);
+    connect(&SceneState::of(document), &SceneState::selection_changed, this, &SelectTool::selection_changed,
+            Qt::UniqueConnection);
+    tracked_mouse_ = view->hasMouseTracking();
+    view->setMouseTracking(true);
+    view->installEventFilter(this);
+    view->setFocus();
+    view->setCursor(Qt::CrossCursor);
+    keep_unmodified(document);
+    selection_changed();
+    publish("idle");
+    say("the left button selects; Shift adds, Ctrl subtracts, both intersect. The right button turns the camera, the "
+        "middle one moves it. Ctrl+Z takes a selection back, Esc ends what is being done");
+    return true;
+}
+
+void SelectTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (view != view_) return;
+    worker_.cancel();
+    reset();
+    disconnect(&SceneState::of(document), nullptr, this, nullptr);
+    view->removeEventFilter(this);
+    view->setMouseTracking(tracked_mouse_);
+    Annotations::of(document).set(owner, {});
+    if (panel_) panel_->hide();
+    publish({});
+    view_ = nullptr;
+}
+
+void SelectTool::show()
+{
+    if (!view_ || !panel_) return;
+    std::uint64_t selected = 0, all = 0;
+    const SceneState& state = SceneState::of(*view_->md());
+    QStringList lines;
+    for (const MeshModel* layer : view_->md()->meshList) {
+        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        if (!tree) continue;
+        const auto points = state.selection(*layer);
+        const std::uint64_t count = points ? points->size() : 0, of = tree->cloud->info().points;
+        selected += count;
+        all += of;
+        if (count > 0)
+            lines << QString("%1: %2 of %3 points selected")
+                         .arg(layer->label(), QString::fromStdString(grouped(count)),
+                              QString::fromStdString(grouped(of)));
+    }
+    if (lines.empty()) lines << QString("Nothing is selected of %1 points").arg(QString::fromStdString(grouped(all)));
+    if (!statistics_.isEmpty()) lines << statistics_;
+    panel_->show_count(lines.join('\n'));
+    const MeshModel* current = view_->md()->mm();
+    const auto tree = current ? Registry::instance().drawn(*current) : std::nullopt;
+    if (tree) panel_->show_attributes(attribute_names(*tree->cloud));
+    const auto layer_of = [&](const std::vector<std::vector<int>>& steps) {
+        return steps.empty() || steps.back().empty() ? nullptr : view_->md()->getMesh(steps.back().front());
+    };
+    const MeshModel *last = layer_of(steps_), *next = layer_of(undone_);
+    panel_->show_steps(last ? state.undo_words(*last) : QString(), next ? state.redo_words(*next) : QString());
+}
+
+// The shape between the near and the far plane, so that it is seen from here.
+void SelectTool::draw()
+{
+    const auto map = map_of(*view_);
+    std::vector<Annotation> drawing;
+    ScreenShape corners = shape_;
+    if (cursor_) corners.push_back(*cursor_);
+    if (map && corners.size() > 1) {
+        Annotation line;
+        for (const QPointF& corner : corners) line.line.push_back(map->place_at(corner));
+        line.closed = corners.size() > 2;
+        line.on_top = true;
+        line.colour = operation_ == SetOperation::subtract ? QColor(60, 140, 255) : QColor(255, 90, 30);
+        drawing.push_back(line);
+    }
+    Annotations::of(*view_->md()).set(owner, std::move(drawing));
+}
+
+void SelectTool::reset()
+{
+    shape_.clear();
+    cursor_.reset();
+    waiting_.clear();
+    stroke_.clear();
+    picking_ = left_down_ = dragged_ = false;
+    if (view_) draw();
+}
+
+bool SelectTool::cancel()
+{
+    const bool did = worker_.is_running() || !shape_.empty() || picking_ || !waiting_.empty() || left_down_;
+    if (worker_.is_running()) worker_.cancel();
+    reset();
+    return did;
+}
+
+void SelectTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    using Shape = SelectPanel::Shape;
+    guarded([&] {
+        if (event->button() != Qt::LeftButton) {
+            camera_turns_ = event->button() == Qt::RightButton;
+            if (!camera_turns_) return give_to_camera(*view, *event);
+            return give_to_camera(*view, with_left_button(*event));
+        }
+        left_down_ = true;
+        dragged_ = false;
+        pressed_at_ = event->pos();
+        const Shape shape = panel_->shape();
+        if (shape_.empty() && stroke_.empty() && waiting_.empty())
+            operation_ = operation_of(event->modifiers(), panel_->operation());
+        if (shape == Shape::rectangle) shape_ = {event->pos()};
+        if (shape == Shape::lasso && shape_.empty()) shape_ = {event->pos()};
+        if (shape == Shape::brush) stroke_to(event->pos(), true);
+    });
+}
+
+void SelectTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    using Shape = SelectPanel::Shape;
+    guarded([&] {
+        if (!left_down_) {
+            if (camera_turns_) return give_to_camera(*view, with_left_button(*event));
+            return give_to_camera(*view, *event);
+        }
+        const QPointF moved = event->pos() - pressed_at_;
+        const double far = std::hypot(moved.x(), moved.y());
+        if (far > click_px) dragged_ = true;
+        const Shape shape = panel_->shape();
+        if (shape == Shape::rectangle && !shape_.empty()) {
+            shape_ = rectangle_of(shape_.front(), event->pos());
+            draw();
+        } else if (shape == Shape::lasso && dragged_ && !shape_.empty()) {
+            const QPointF last = shape_.back();
+            if (std::hypot(event->pos().x() - last.x(), event->pos().y() - last.y()) >= corner_px)
+                shape_.push_back(event->pos());
+            draw();
+        } else if (shape == Shape::brush && far >= stroke_step()) {
+            stroke_to(event->pos(), false);
+        }
+    });
+}
+
+void SelectTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    using Shape = SelectPanel::Shape;
+    guarded([&] {
+        if (event->button() != Qt::LeftButton || !left_down_) {
+            if (!camera_turns_) return give_to_camera(*view, *event);
+            camera_turns_ = false;
+            return give_to_camera(*view, with_left_button(*event));
+        }
+        left_down_ = false;
+        switch (panel_->shape()) {
+            case Shape::rectangle:
+                if (!dragged_) return reset();
+                shape_ = rectangle_of(shape_.front(), event->pos());
+                return finish_shape();
+            case Shape::lasso:
+                if (dragged_) return finish_shape();
+                if (shape_.back() != QPointF(event->pos())) shape_.push_back(event->pos());
+                return draw();
+            case Shape::brush:
+                if (!picking_ && waiting_.empty()) finish_stroke();
+                return;
+            case Shape::grow:
+                if (!dragged_) stroke_to(event->pos(), true);
+        }
+    });
+}
+
+void SelectTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    guarded([&] { give_to_camera(*view, *event); });
+    event->accept();
+}
+
+void SelectTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    guarded([&] {
+        if (event->matches(QKeySequence::Undo)) return event->accept(), undo(false);
+        if (event->matches(QKeySequence::Redo)) return event->accept(), undo(true);
+        if (shape_.empty() || panel_->shape() != SelectPanel::Shape::lasso) return;
+        if (event->key() == Qt::Key_Return || event->key() == Qt::Key_Enter) {
+            event->accept();
+            finish_shape();
+        } else if (event->key() == Qt::Key_Backspace) {
+            event->accept();
+            shape_.pop_back();
+            draw();
+        }
+    });
+}
+
+bool SelectTool::eventFilter(QObject* receiver, QEvent* event)
+{
+    if (receiver != view_ || !view_ || view_->suspendedEditor) return QObject::eventFilter(receiver, event);
+    if (event->type() == QEvent::MouseMove && static_cast<QMouseEvent*>(event)->buttons() == Qt::NoButton) {
+        if (panel_->shape() == SelectPanel::Shape::lasso && !shape_.empty())
+            guarded([&] {
+                cursor_ = static_cast<QMouseEvent*>(event)->pos();
+                draw();
+            });
+        return true;
+    }
+    if (event->type() == QEvent::MouseButtonDblClick) {
+        guarded([&] {
+            if (panel_->shape() == SelectPanel::Shape::lasso && !shape_.empty()) finish_shape();
+        });
+        return true;
+    }
+    if (event->type() == QEvent::ShortcutOverride && static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape) {
+        bool did = false;
+        guarded([&] { did = cancel(); });
+        if (did) event->accept();
+    }
+    return QObject::eventFilter(receiver, event);
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,96 @@
+// The tool Select Points: rectangles, polygons, a brush and growing in the view, and the panel with what is done with
+// the selected points.
+//
+// The left button selects. The right button turns MeshLab's camera, the middle one moves it, the wheel zooms. Points
+// are found on a worker (worker.h); the result goes to host/scene_state.h. GUI thread.
+#pragma once
+
+#include "plugin/edit/select/screen_shape.h"
+#include "plugin/edit/select/select_panel.h"
+#include "plugin/edit/select/selection_tasks.h"
+#include "plugin/edit/select/selection_uses.h"
+#include "plugin/edit/worker.h"
+#include "plugin/host/picker.h"
+
+#include <common/interfaces.h>
+
+#include <QPointer>
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace pcm::host {
+
+class SelectTool : public QObject, public MeshEditInterface {
+    Q_OBJECT
+    Q_INTERFACES(MeshEditInterface)
+
+public:
+    SelectTool();
+    ~SelectTool() override;
+    QString pluginName() const override { return "EditPointCloud"; }
+
+    bool isSingleMeshEdit() const override { return false; }
+    bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+    void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override { show(); }
+
+    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
+    void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
+
+protected:
+    // Double clicks, moves without a button, and Esc, which MeshLab has as a shortcut.
+    bool eventFilter(QObject* receiver, QEvent* event) override;
+
+private:
+    using Choose = std::function<PointSet(PointCloud& cloud, const Query& shown)>;
+    void guarded(const std::function<void()>& work);
+    void say(const QString& text);
+    void show();
+    void draw();
+    void publish(const QString& state);
+    void press(SelectPanel::Button button);
+    void undo(bool again);
+    bool cancel();  // what is being drawn or computed; false if nothing is
+    void reset();
+
+    std::vector<MeshModel*> layers_for_shapes() const;
+    void finish_shape();
+    double stroke_step() const;  // pixels
+    void stroke_to(const QPoint& place, bool first);
+    void pick_next();
+    void take_picked(const PickAnswer& answer);
+    void finish_stroke();
+    void grow(const Picked& seed);
+    // `choice` makes the function for each layer.
+    void select(const std::vector<MeshModel*>& layers, const QString& words,
+                const std::function<Choose(const MeshModel&)>& choice);
+    void take(const std::vector<SelectionResult>& results, const QString& words);
+    void count();
+    void use(SelectionUse what);
+    void selection_changed();
+
+    GLArea* view_ = nullptr;  // while the tool is on
+    QPointer<SelectPanel> panel_;
+    Worker worker_, counter_;  // of points; of what is known about the selected ones
+    QString statistics_;       // of the selection that is shown
+    bool tracked_mouse_ = false;
+
+    ScreenShape shape_;              // being drawn
+    std::optional<QPointF> cursor_;  // the corner that follows the mouse
+    bool left_down_ = false, dragged_ = false, camera_turns_ = false;
+    QPoint pressed_at_;
+    SetOperation operation_ = SetOperation::replace;  // when the shape was begun
+
+    std::deque<QPoint> waiting_;  // places of the stroke that are to be picked
+    bool picking_ = false;
+    std::vector<std::pair<int, Ball>> stroke_;      // in the scene, by the layer that was picked
+    std::vector<std::vector<int>> steps_, undone_;  // the layers that each step changed
+};
+
+}  // namespace pcm::host
