@@ -107,7 +107,7 @@ TEST_F(Render, TheWholeCloudInFull)
 
 TEST_F(Render, ClipsShowWhatConditionsOnCoordinatesShow)
 {
-    const Json box = Json::parse(pcmlab("query --json --count " + path("in.pct")).out)["box"];
+    const Json box = Json::parse(pcmlab("query --json --count " + path("in.pct")).out)["bounds"];
     const std::string middle = std::to_string((box["min"][0].get<double>() + box["max"][0].get<double>()) / 2 + 0.005);
     const std::string half = "box -1e9 -1e9 -1e9 " + middle + " 1e9 1e9";
     const auto both = [&](const std::string& clips, const std::string& where) {
