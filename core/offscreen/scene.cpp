@@ -60,6 +60,7 @@ FrameReport OffscreenScene::draw(const Camera& view, const CloudStyle& style, co
         item.cloud = cloud.get();
         item.origin = origin_;
         item.style = style;
+        item.clips = clips_;
         items.push_back(item);
     }
     return renderer_.draw(picture_, view, items, options);

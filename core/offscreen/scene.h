@@ -24,6 +24,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -45,6 +46,9 @@ public:
         return pcm::view_of(frame, origin_, box_, width, height);
     }
 
+    // Only points that all of these leave are drawn from now on.
+    void clip(std::vector<Clip> clips) { clips_ = std::move(clips); }
+
     // One frame into the current framebuffer and viewport, whose size is the view's; all clouds in the same style.
     FrameReport draw(const Camera& view, const CloudStyle& style, const RenderOptions& options);
     // Waits until a chunk has arrived since the last draw(), at most `most`.
@@ -61,6 +65,7 @@ private:
     std::vector<std::unique_ptr<DrawnCloud>> drawn_;
     Renderer renderer_;
     Picture picture_;
+    std::vector<Clip> clips_;
     Box3d box_;
     Vec3d origin_{};
     std::mutex mutex_;  // of arrived_

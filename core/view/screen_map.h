@@ -20,6 +20,11 @@ public:
 
     // Eye space of a place in source coordinates.
     Vec3d eye_of(const Vec3d& source) const;
+    // Of a direction, in source units.
+    Vec3d eye_direction(const Vec3d& direction) const
+    {
+        return {dot(linear_[0], direction), dot(linear_[1], direction), dot(linear_[2], direction)};
+    }
     // Pixels from the picture's lower left corner, and the depth: -1 at the near plane, 1 at the far one. For a place
     // in eye space that is not before the near plane.
     Vec3d window_of(const Vec3d& eye) const;

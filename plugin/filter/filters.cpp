@@ -24,6 +24,7 @@ Filter save_selected();
 Filter extract_selected();
 Filter classify_selected();
 Filter delete_selected();
+Filter set_clip_box();
 
 const std::vector<Filter>& filters()
 {
@@ -48,6 +49,7 @@ const std::vector<Filter>& filters()
         measure_filter(),
         profile_filter(),
         cut_volume(),
+        set_clip_box(),
         tree_information(),
     };
     return table;

@@ -1,7 +1,9 @@
 #include "plugin/host/field_buttons.h"
 
 #include "pcm/io/formats.h"
+#include "pcm/system/text.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/host/scene_state.h"
 #include "plugin/host/view_box.h"
 
 #include <meshlab/glarea.h>
@@ -17,6 +19,7 @@
 #include <QStyle>
 #include <QTimer>
 
+#include <cmath>
 #include <functional>
 #include <map>
 
@@ -138,6 +141,23 @@ void take_selection(QLineEdit& field, MeshDocument& document)
                   "they select in its sample.");
 }
 
+void take_clip_box(QLineEdit& field, MeshDocument& document)
+{
+    const auto& clip = SceneState::of(document).clip();
+    if (!clip) {
+        QMessageBox::information(field.window(), "Point cloud", "The project has no clip box.");
+        return;
+    }
+    Box3d box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        double reach = 0;
+        for (std::size_t k = 0; k < 3; ++k) reach += std::fabs(clip->axes[k][a]) * clip->half[k];
+        box.min[a] = clip->centre[a] - reach;
+        box.max[a] = clip->centre[a] + reach;
+    }
+    write(field, QString::fromStdString(exact(box.min) + " " + exact(box.max)));
+}
+
 std::vector<Button> buttons_of(const QString& parameter, MeshDocument* document)
 {
     if (parameter == "Inputs")
@@ -157,7 +177,8 @@ std::vector<Button> buttons_of(const QString& parameter, MeshDocument* document)
         };
     };
     return {{QStyle::SP_ComputerIcon, "Box of what the view shows", from(take_view)},
-            {QStyle::SP_FileDialogListView, "Box of the selected vertices", from(take_selection)}};
+            {QStyle::SP_FileDialogListView, "Box of the selected vertices", from(take_selection)},
+            {QStyle::SP_FileDialogContentsView, "Box around the clip box", from(take_clip_box)}};
 }
 
 // MeshLab's frame of parameters has a row for each: a label with its description, and the field.

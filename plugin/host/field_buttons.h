@@ -1,6 +1,6 @@
 // Buttons in the dialogs that MeshLab makes of parameters: files and folders are picked, and a box is taken from the
-// view or from the selection. MeshLab's own fields for files take one existing file and ignore what is typed; ours stay
-// fields of text, with their type in scripts, and the button writes into them.
+// view, from the selection or from the clip box. MeshLab's own fields for files take one existing file and ignore what
+// is typed; ours stay fields of text, with their type in scripts, and the button writes into them.
 #pragma once
 
 #include <common/interfaces.h>

@@ -12,6 +12,7 @@
 #include "plugin/host/placement.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/sample_change.h"
+#include "plugin/host/scene_state.h"
 #include "plugin/host/selection_text.h"
 #include "plugin/host/text.h"
 
@@ -28,17 +29,37 @@ const QString level = "Level";
 const QString apply_matrix = "ApplyMatrix";
 const QString box = "Box";
 const QString where = "Where";
+const QString clip_box_only = "ClipBoxOnly";
 const QString decimals = "Decimals";
 const QString las_version = "LasVersion";
 const QString colour_bits = "ColourBits";
 const QString float_positions = "FloatPositions";
 
-Selection selection_of(const RichParameterList& parameters)
+// What the document's clip box shows of the layer's points, which are written where they are without its matrix.
+Clip clip_for(const MeshModel& layer)
 {
-    return parse_selection(parameters.getString(box), parameters.getString(where));
+    const auto& clip = SceneState::of(*layer.parent).clip();
+    if (!clip || !clip->enabled)
+        throw Error(ErrorCode::invalid_argument, {}, "there is no clip box, or it is switched off",
+                    "untick 'Only what the clip box shows', or switch the clip box on");
+    if (auto placed = clip_of(layer)) return *placed;
+    if (layer.cm.Tr != Matrix44m::Identity())
+        throw Error(ErrorCode::unsupported, {},
+                    "the clip box does not apply to a layer with a matrix that is not drawn as a point cloud",
+                    "switch Render > Show Point Cloud on for the layer");
+    return clip->clip(std::nullopt);
 }
 
-std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const RichParameterList& parameters)
+Selection selection_of(const MeshModel& layer, const RichParameterList& parameters)
+{
+    Selection selection = parse_selection(parameters.getString(box), parameters.getString(where));
+    if (parameters.hasParameter(clip_box_only) && parameters.getBool(clip_box_only))
+        selection.clips.push_back(clip_for(layer));
+    return selection;
+}
+
+std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const Selection& selection,
+                                            const RichParameterList& parameters)
 {
     const int chosen = parameters.getInt(level);
     const int deepest = static_cast<int>(layer.cloud->info().levels) - 1;
@@ -47,7 +68,7 @@ std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const RichPa
             ErrorCode::invalid_argument, {},
             "the tree has no level " + std::to_string(chosen) + "; the deepest level is " + std::to_string(deepest));
     const auto asked = chosen < 0 ? std::nullopt : std::optional(static_cast<std::uint16_t>(chosen));
-    return std::make_unique<TreeReader>(layer.cloud->tree(), asked, selection_of(parameters));
+    return std::make_unique<TreeReader>(layer.cloud->tree(), asked, selection);
 }
 
 LayerSelection members_of(int mask, bool selected)
@@ -173,6 +194,8 @@ void add_export_settings(RichParameterList& parameters, const std::string& exten
         RichString(where, "", "Where",
                    "Write only points that meet these conditions on attributes, separated by semicolons. "
                    "Example: classification = 2,6; intensity >= 100. Empty, the default: no condition."));
+    parameters.addParam(RichBool(clip_box_only, false, "Only what the clip box shows",
+                                 "Write only points that the project's clip box shows. Default off."));
     if (format) add_format_settings(parameters, *format);
 }
 
@@ -195,15 +218,17 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
     std::vector<std::string> lines;
     ConvertReport report;
     std::string what;
+    const Selection selection = selection_of(layer, parameters);
     const std::optional<Affine> placement = placement_to_write(layer, parameters);
     if (const auto tree = Registry::instance().find(layer)) {
         const auto bounds = [&] { return tree->cloud->info().bounds(); };
-        const auto open = [&] { return require_points(moved(reader_of_tree(*tree, parameters), placement), bounds); };
+        const auto open = [&] {
+            return require_points(moved(reader_of_tree(*tree, selection, parameters), placement), bounds);
+        };
         report = write_cloud(open, path, options);
         what = "of the tree " + tree->cloud->tree()->folder().string();
     } else {
         const LayerSelection taken = members_of(mask, parameters.getBool(selected_only));
-        const Selection selection = selection_of(parameters);
         const auto open = [&] {
             auto vertices = std::make_unique<LayerReader>(layer, taken);
             lines = layer_lines(layer, *vertices, taken);

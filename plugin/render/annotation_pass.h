@@ -5,29 +5,14 @@
 #include "pcm/gl/line_pass.h"
 #include "pcm/view/camera.h"
 #include "plugin/host/annotations.h"
+#include "plugin/render/label_places.h"
 
 #include <QImage>
-#include <QRect>
-#include <QSize>
+#include <QString>
 
 #include <map>
-#include <vector>
 
 namespace pcm::host {
-
-// A label, and where it stands: pixels of the screen from the view's lower left corner.
-struct PlacedLabel {
-    QString text;
-    QRect place;  // its y is that of the lower edge
-};
-
-// Places for labels beside their anchors (window coordinates), in order: each on the first side where it covers no
-// earlier one, moved into the view. An anchor outside of the view has no label.
-std::vector<PlacedLabel> place_labels(const std::vector<std::pair<QString, QPointF>>& anchors,
-                                      const std::map<QString, QSize>& sizes, const QSize& view);
-
-// The text in white on a dark box, for a screen with `ratio` pixels to one of Qt's.
-QImage label_image(const QString& text, double ratio);
 
 // GL thread with the view's context, which is a compatibility one for labels.
 class AnnotationPass {

@@ -5,6 +5,7 @@
 #include <QStringList>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace pcm::host {
@@ -36,9 +37,43 @@ std::string progress_text(const FrameReport& report, const std::vector<OverlayCl
     std::uint64_t hidden = 0;
     for (const CloudReport& cloud : report.clouds) hidden += cloud.points_hidden;
     const std::string less = hidden > 0 ? "; " + grouped(hidden) + " hidden by the conditions" : "";
+    const bool clipped = std::any_of(clouds.begin(), clouds.end(), [](const OverlayCloud& c) { return c.clipped; });
+    if (report.full_resolution && clipped) return "all points in view shown" + less;
     if (report.full_resolution)
         return (report.points_drawn + hidden < all ? "all points in view shown" : "all points shown") + less;
     return amount_text(std::min(report.points_drawn, all), all) + (report.refining ? ", loading…" : "") + less;
+}
+
+// A number of points with two digits, or exactly.
+std::string points_text(double points, bool exact)
+{
+    if (exact) return grouped(static_cast<std::uint64_t>(points));
+    if (points >= 999'500) return "about " + in_unit(static_cast<std::uint64_t>(points), 1e6) + " M";
+    const double step = points >= 100 ? std::pow(10, std::floor(std::log10(points)) - 1) : 1;
+    return "about " + grouped(static_cast<std::uint64_t>(std::round(points / step) * step));
+}
+
+std::string clip_text(const std::vector<OverlayCloud>& clouds)
+{
+    bool clipped = false, known = true, exact = true;
+    double hidden = 0;
+    for (const OverlayCloud& cloud : clouds) {
+        if (!cloud.clipped) continue;
+        clipped = true;
+        known = known && cloud.hidden_by_clip;
+        if (!known) continue;
+        hidden += cloud.hidden_by_clip->expected;
+        exact = exact && cloud.hidden_by_clip->exact;
+    }
+    if (!clipped) return {};
+    return known ? "clip box on: " + points_text(hidden, exact) + " points hidden" : "clip box on";
+}
+
+std::string selection_text(const std::vector<OverlayCloud>& clouds)
+{
+    std::uint64_t selected = 0;
+    for (const OverlayCloud& cloud : clouds) selected += cloud.selected;
+    return selected == 0 ? std::string() : grouped(selected) + (selected == 1 ? " point selected" : " points selected");
 }
 
 std::string quality_text(const FrameReport& report, double target_px)
@@ -71,6 +106,8 @@ QString overlay_text(const FrameReport& report, const std::vector<OverlayCloud>&
     if (clouds.empty()) return {};
     QStringList lines;
     add(lines, progress_text(report, clouds));
+    add(lines, clip_text(clouds));
+    add(lines, selection_text(clouds));
     add(lines, report.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.notice);

@@ -6,6 +6,7 @@
 #include <QString>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,19 @@ struct CacheUse {
     std::uint64_t hits = 0, misses = 0;
 };
 
+struct Clipped {
+    double expected = 0;
+    bool exact = false;
+};
+
 // A cloud in the picture. FrameReport::clouds has the same order.
 struct OverlayCloud {
     QString layer;  // its label
     std::uint64_t points = 0;
+    std::uint64_t selected = 0;  // points
+    bool clipped = false;        // a clip box is on
+    // How many points it hides, as far as the tree's index says; absent while the box is being moved.
+    std::optional<Clipped> hidden_by_clip;
 };
 
 // Shown only on request.

@@ -20,6 +20,9 @@ const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
 const char* const details = "MeshLab::PointCloud::Details";
 const char* const first_view = "MeshLab::PointCloud::FirstView";
 const char* const background = "MeshLab::PointCloud::Background";
+const char* const with_scale_bar = "MeshLab::PointCloud::ScaleBar";
+const char* const with_north = "MeshLab::PointCloud::NorthArrow";
+const char* const with_grid = "MeshLab::PointCloud::PlanGrid";
 const char* const target_spacing = "MeshLab::PointCloud::TargetSpacing";
 const char* const frame_budget = "MeshLab::PointCloud::FrameBudget";
 const char* const point_budget = "MeshLab::PointCloud::PointBudget";
@@ -95,6 +98,21 @@ void add_background(RichParameterList& parameters)
                                  "Default MeshLab's."));
 }
 
+void add_map_marks(RichParameterList& parameters)
+{
+    const MapSettings map;
+    parameters.addParam(RichBool(with_scale_bar, map.scale_bar, "Scale bar",
+                                 "A bar of a round length in source units, in the lower left corner. Exact in "
+                                 "orthographic views; in perspective it holds for lengths across the view at the "
+                                 "distance of the trackball's centre. Default on."));
+    parameters.addParam(RichBool(with_north, map.north, "North arrow",
+                                 "An arrow in the direction of +y of source coordinates, shorter where it is seen "
+                                 "obliquely. Default off."));
+    parameters.addParam(RichBool(with_grid, map.grid, "Coordinate grid in plan view",
+                                 "Lines of round x and y, with their source coordinates at the border, in orthographic "
+                                 "views that look down (within 2 degrees). Default off."));
+}
+
 void add_details(RichParameterList& parameters)
 {
     parameters.addParam(RichBool(details, false, "Show details",
@@ -156,6 +174,7 @@ void add_settings(RichParameterList& parameters)
 {
     add_first_settings(parameters);
     add_details(parameters);
+    add_map_marks(parameters);
     add_quality(parameters);
     add_first_view(parameters);
     add_budgets(parameters);
@@ -195,6 +214,9 @@ Settings read_settings(const RichParameterList& parameters)
     settings.oblique_first_view = parameters.getEnum(first_view) == 0;
     if (const int i = parameters.getEnum(background); i > 0 && i <= int(std::size(backgrounds)))
         settings.background = backgrounds[i - 1];
+    settings.map.scale_bar = parameters.getBool(with_scale_bar);
+    settings.map.north = parameters.getBool(with_north);
+    settings.map.grid = parameters.getBool(with_grid);
     settings.details = parameters.getBool(details);
     settings.l1_bytes = mebibytes(parameters, l1_size, 8);
     settings.l2_bytes = mebibytes(parameters, l2_size, 16);

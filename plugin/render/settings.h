@@ -13,6 +13,11 @@
 
 namespace pcm::host {
 
+// What a map has beside its content.
+struct MapSettings {
+    bool scale_bar = true, north = false, grid = false;
+};
+
 struct Settings {
     RenderOptions render;
     CloudStyle style;
@@ -21,6 +26,7 @@ struct Settings {
     std::uint64_t l2_bytes = 0;
     bool details = false;  // in the text about the clouds
     bool oblique_first_view = true;
+    MapSettings map;
     std::optional<QColor> background;  // instead of MeshLab's
 };
 

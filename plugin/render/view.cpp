@@ -3,6 +3,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/gl/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
+#include "plugin/host/scene_state.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
 #include "plugin/render/layer_watch.h"
@@ -145,19 +146,25 @@ QString View::draw(const Settings& settings)
     draw_scene(settings);
     for (MeshModel* shown : area_->md()->meshList)
         if (shown && layers_.count(shown->id()) && layers_[shown->id()].report) draw_selected_vertices(*area_, *shown);
-    draw_over_clouds();
+    draw_over_clouds(settings.map);
     text_ = describe(settings);
     publish_state();
     return text_;
 }
 
-// What tools have drawn.
-void View::draw_over_clouds()
+// What tools have drawn, and what a map has.
+void View::draw_over_clouds(const MapSettings& map)
 {
     const auto origin = Registry::instance().origin_of(*area_->md());
     if (!origin) return;
     pcm::Camera scene = tile_ ? scene_view() : shown_;
     scene.origin = *origin;
+    if (!tile_) {
+        std::string unit = "source units";
+        for (const auto& [mesh_id, layer] : layers_)
+            if (layer.report) unit = plan_unit(layer.painted->cloud().info().metadata);
+        map_.draw(scene, distance_to_pivot(area_->fov), unit, map, area_->devicePixelRatioF(), area_->infoAreaVisible);
+    }
     annotations_.draw(*area_->md(), scene, area_->devicePixelRatioF(), tile_ ? magnification(scene, area_->fov) : 1);
 }
 
@@ -174,7 +181,8 @@ QString View::describe(const Settings& settings) const
         const MeshModel* shown = layer.report ? area_->md()->getMesh(mesh_id) : nullptr;
         if (!shown) continue;
         PointCloud& cloud = layer.painted->cloud();
-        clouds[*layer.report] = {shown->label(), cloud.info().points};
+        clouds[*layer.report] = {shown->label(), cloud.info().points, layer.selected, layer.clip.is_on(),
+                                 layer.clip.hidden()};
         const L2Statistics l2 = cloud.cache().statistics();
         memory.used_bytes += l2.resident_bytes;
         memory.capacity_bytes += settings.l2_bytes;
@@ -183,6 +191,20 @@ QString View::describe(const Settings& settings) const
     }
     details.caches.push_back(memory);
     return overlay_text(report_, clouds, settings.details ? &details : nullptr);
+}
+
+SceneItem View::item_of(const MeshModel& layer, const TreeLayer& tree, Layer& entry, const Settings& settings)
+{
+    SceneItem item;
+    item.cloud = &entry.painted->drawn();
+    item.origin = tree.origin;
+    item.placement = placement_of(layer);
+    item.style = settings.style;
+    if (auto clip = clip_of(layer)) item.clips.push_back(std::move(*clip));
+    item.selected = SceneState::of(*area_->md()).selection(layer);
+    entry.selected = item.selected ? item.selected->size() : 0;
+    entry.clip.see(*tree.cloud, item.clips);
+    return item;
 }
 
 void View::draw_scene(const Settings& settings)
@@ -210,12 +232,7 @@ void View::draw_scene(const Settings& settings)
             entry.painted->add_view(area_);
         }
         tree->cloud->cache().set_capacity(settings.l2_bytes);
-        SceneItem item;
-        item.cloud = &entry.painted->drawn();
-        item.origin = tree->origin;
-        item.placement = placement_of(*layer);
-        item.style = settings.style;
-        items.push_back(item);
+        items.push_back(item_of(*layer, *tree, entry, settings));
         drawn.push_back(layer);
     }
     if (is_tile(view, area_->fov)) {
@@ -321,6 +338,7 @@ void View::drop_picture()
     for (auto& [mesh_id, layer] : layers_) PaintedCloud::give_back(layer.painted);
     picture_.release();
     annotations_.release();
+    map_.release();
     if (tile_) tile_->release();
     tile_.reset();
     Painter::give_back(painter_);
@@ -414,6 +432,15 @@ void View::publish_state()
     qulonglong hidden = 0;
     for (const CloudReport& cloud : report_.clouds) hidden += cloud.points_hidden;
     state["hidden"] = hidden;
+    qulonglong selected = 0;
+    bool clipped = false;
+    for (const auto& [mesh_id, layer] : layers_) {
+        if (!layer.report) continue;
+        selected += layer.selected;
+        clipped = clipped || layer.clip.is_on();
+    }
+    state["selected"] = selected;
+    state["clipped"] = clipped;
     state["points"] = any ? static_cast<qulonglong>(report_.points_drawn) : 0;
     state["complete"] = any && !report_.refining;
     state["full_resolution"] = any && report_.full_resolution;

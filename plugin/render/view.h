@@ -6,7 +6,9 @@
 
 #include "plugin/host/registry.h"
 #include "plugin/render/annotation_pass.h"
+#include "plugin/render/clip_count.h"
 #include "plugin/render/legend_box.h"
+#include "plugin/render/map_overlay.h"
 #include "plugin/render/painter.h"
 #include "plugin/render/settings.h"
 
@@ -63,14 +65,17 @@ private:
         std::shared_ptr<PaintedCloud> painted;
         bool native_hidden = false;
         std::optional<std::size_t> report;  // its index in report_.clouds, if it is in the picture
+        std::uint64_t selected = 0;         // points
+        ClipCount clip;
         // Styles whose notice about missing attributes was logged, and that notice.
         std::set<std::tuple<SplatMode, ColourMode, std::string>> noticed;
     };
 
     View(GLArea* area, QAction* decorator);
     void show_native(int mesh_id, bool show);
+    SceneItem item_of(const MeshModel& layer, const TreeLayer& tree, Layer& entry, const Settings& settings);
     void draw_scene(const Settings& settings);
-    void draw_over_clouds();
+    void draw_over_clouds(const MapSettings& map);
     QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
     void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
@@ -93,6 +98,7 @@ private:
     QString text_;                   // about report_
     bool look_again_ = false;
     AnnotationPass annotations_;
+    MapOverlay map_;
     LegendBox legend_box_;
     std::vector<LayerLegend> legends_;  // of the last paint event
     QString problem_;                   // with the settings; logged once

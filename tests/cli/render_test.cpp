@@ -105,6 +105,28 @@ TEST_F(Render, TheWholeCloudInFull)
     EXPECT_NE(text.out.find("20,000 points, every point in view"), std::string::npos) << text.out;
 }
 
+TEST_F(Render, ClipsShowWhatConditionsOnCoordinatesShow)
+{
+    const Json box = Json::parse(pcmlab("query --json --count " + path("in.pct")).out)["bounds"];
+    const std::string middle = std::to_string((box["min"][0].get<double>() + box["max"][0].get<double>()) / 2 + 0.005);
+    const std::string half = "box -1e9 -1e9 -1e9 " + middle + " 1e9 1e9";
+    const auto both = [&](const std::string& clips, const std::string& where) {
+        render(path("in.pct") + " --overwrite -o " + path("a.png") + " " + clips);
+        render(path("in.pct") + " --overwrite -o " + path("b.png") + " --where '" + where + "'");
+        EXPECT_EQ(picture("a.png"), picture("b.png")) << clips;
+        EXPECT_GT(covered(picture("a.png")), 500u);
+    };
+    both("--clip '" + half + "'", "x<" + middle);
+    both("--clip-outside '" + half + "'", "x>" + middle);
+    const Json none = render(path("in.pct") + " --overwrite -o " + path("a.png") + " --clip '" + half +
+                             "' --clip-outside '" + half + "'");
+    EXPECT_EQ(covered(picture("a.png")), 0u);
+    const Result text =
+        pcmlab("render --size 32x32 " + path("in.pct") + " -o " + path("c.png") + " --clip '" + half + "'");
+    EXPECT_NE(text.out.find("every point in view that is not clipped"), std::string::npos) << text.out;
+    EXPECT_NE(pcmlab("render " + path("in.pct") + " -o " + path("d.png") + " --clip 'box 1 2'").code, 0);
+}
+
 TEST_F(Render, UntilTheTargetWithinABudget)
 {
     const Json few =

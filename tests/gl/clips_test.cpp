@@ -1,11 +1,15 @@
 // Clips: a picture through them is that of the points that they leave.
 #include "tests/gl/gl_support.h"
 
+#include "pcm/build/builder.h"
 #include "pcm/cloud/condition.h"
 #include "pcm/gl/view_clips.h"
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iomanip>
+#include <limits>
 #include <random>
 
 using namespace pcm;
@@ -97,6 +101,41 @@ TEST_P(ClipsIn, ABoxShowsWhatConditionsOnCoordinatesShow)
                 clipped.release();
                 chosen.release();
             }
+}
+
+// Discs are drawn by shaders of their own.
+TEST_P(ClipsIn, ABoxShowsTheSameDiscs)
+{
+    PCM_REQUIRE_GL(context, GetParam());
+    const TemporaryFolder folder;
+    {
+        std::ofstream file(folder / "discs.ply");
+        file << "ply\nformat ascii 1.0\nelement vertex 6000\nproperty double x\nproperty double y\nproperty double z\n"
+                "property float nx\nproperty float ny\nproperty float nz\nend_header\n"
+             << std::fixed << std::setprecision(3);
+        for (const LasPoint& p : random_points(6000, side, 9))
+            file << 500000 + p.x * 0.001 << " " << 5000000 + p.y * 0.001 << " " << 100 + p.z * 0.001 << " "
+                 << p.red - 30000.5 << " " << p.green - 30000.5 << " " << p.blue - 30000.5 << "\n";
+    }
+    BuildOptions build;
+    build.chunk_points = 1000;
+    build_tree({folder / "discs.ply"}, folder / "discs.pct", build);
+    const auto cloud = PointCloud::open(folder / "discs.pct");
+    const std::vector<Clip> box{{Region::box({at(2.5, 1, 3), at(8, 7.25, 9)}), false}};
+    const auto where =
+        conditions({"x >= 500002.5", "x <= 500008", "y >= 5000001", "y <= 5000007.25", "z >= 103", "z <= 109"});
+    for (const SplatMode mode : {SplatMode::affine, SplatMode::perspective})
+        for (const bool from_above : {false, true}) {
+            SCOPED_TRACE(testing::Message() << int(mode) << from_above);
+            Drawing clipped(cloud), chosen(cloud);
+            clipped.style.splats = chosen.style.splats = mode;
+            chosen.style.where = where;
+            const auto picture = picture_of(clipped, camera_of(from_above), box);
+            EXPECT_EQ(picture, picture_of(chosen, camera_of(from_above), {}));
+            EXPECT_GT(count_lit(picture), 500u);
+            clipped.release();
+            chosen.release();
+        }
 }
 
 TEST_P(ClipsIn, ShowThePointsThatTheyLeave)

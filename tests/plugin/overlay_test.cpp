@@ -60,6 +60,27 @@ TEST(Overlay, SaysHowManyPointsConditionsHide)
     EXPECT_EQ(text_of(report, {20'000'000}), "15 of 20 M points, loading…; 5,000,000 hidden by the conditions");
 }
 
+TEST(Overlay, SaysWhatAClipBoxHidesAndHowMuchIsSelected)
+{
+    const auto text = [](std::vector<OverlayCloud> clouds) {
+        return overlay_text(report_of(1'000, false), clouds, nullptr);
+    };
+    OverlayCloud cloud{"cloud", 20'000'000};
+    cloud.clipped = true;
+    EXPECT_EQ(text({cloud}), "all points in view shown<br>clip box on");
+    cloud.hidden_by_clip = Clipped{12'345'678, false};
+    EXPECT_EQ(text({cloud}), "all points in view shown<br>clip box on: about 12 M points hidden");
+    cloud.hidden_by_clip = Clipped{12'345.6, false};
+    EXPECT_EQ(text({cloud}), "all points in view shown<br>clip box on: about 12,000 points hidden");
+    cloud.hidden_by_clip = Clipped{12'345, true};
+    cloud.selected = 1;
+    EXPECT_EQ(text({cloud}), "all points in view shown<br>clip box on: 12,345 points hidden<br>1 point selected");
+    OverlayCloud other{"other", 1'000};
+    other.selected = 999;
+    EXPECT_EQ(text({cloud, other}),
+              "all points in view shown<br>clip box on: 12,345 points hidden<br>1,000 points selected");
+}
+
 TEST(Overlay, LayersShareOneLine)
 {
     EXPECT_EQ(text_of(report_of(3'000'000, true, 2), {2'000'000, 4'000'000}), "3.0 of 6.0 M points, loading…");

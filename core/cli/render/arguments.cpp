@@ -108,6 +108,19 @@ void add_camera(Options& options, RenderArguments& a)
     for (const Option& option : of_one_view) path.excludes(option);
 }
 
+void add_clips(Options& options, RenderArguments& a, const char* group)
+{
+    options
+        .option("--clip", a.clips,
+                "Show only points in this region, such as \"box 0 0 0 9 9 9\" or \"sphere 1 2 3 0.5\"; of several "
+                "clips, all must hold")
+        .one_value_each()
+        .group(group);
+    options.option("--clip-outside", a.clips_outside, "Show only points that are not in this region; repeatable")
+        .one_value_each()
+        .group(group);
+}
+
 void add_look(Options& options, RenderArguments& a)
 {
     const char* const group = "Appearance";
@@ -141,6 +154,7 @@ void add_look(Options& options, RenderArguments& a)
             "of several conditions, all")
         .one_value_each()
         .group(group);
+    add_clips(options, a, group);
     options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: one colour for all points")
         .group(group);
     options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
@@ -240,6 +254,14 @@ CloudStyle style_of(const RenderArguments& arguments)
         style.uniform_colour = colour_of(arguments.uniform_colour, "--uniform-colour");
     }
     return style;
+}
+
+std::vector<Clip> clips_of(const RenderArguments& arguments)
+{
+    std::vector<Clip> clips;
+    for (const std::string& text : arguments.clips) clips.push_back({parse_region(text), false});
+    for (const std::string& text : arguments.clips_outside) clips.push_back({parse_region(text), true});
+    return clips;
 }
 
 void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr<PointCloud>>& clouds)

@@ -20,7 +20,7 @@ struct RenderArguments {
     std::vector<std::string> trees;
     std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
-    std::vector<std::string> where;
+    std::vector<std::string> where, clips, clips_outside;
     CameraOptions camera;
     std::optional<double> frame_budget_ms;
     bool overwrite = false, legend = false;
@@ -39,6 +39,7 @@ struct Background {
 };
 Background background_of(const RenderArguments& arguments);
 CloudStyle style_of(const RenderArguments& arguments);
+std::vector<Clip> clips_of(const RenderArguments& arguments);
 // Whether the trees have the attributes that the style names: the colour's in one of them, the conditions' in all.
 // Throws Error(invalid_argument).
 void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr<PointCloud>>& clouds);

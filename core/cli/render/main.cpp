@@ -193,14 +193,18 @@ void print(const Summary& summary, const RenderArguments& arguments, const Offsc
 {
     const std::vector<std::filesystem::path>& files = summary.files;
     for (const std::string& notice : summary.notices) std::printf("note: %s\n", notice.c_str());
+    const bool clips = !arguments.clips.empty() || !arguments.clips_outside.empty();
     const char* const whole =
         summary.empty == files.size() && summary.most_points == 0
-            ? (summary.most_hidden > 0 ? "no point in view satisfies the conditions" : "no point is in view")
+            ? (summary.most_hidden > 0 && !arguments.where.empty() ? "no point in view satisfies the conditions"
+               : clips                                             ? "no point of the clipped cloud is in view"
+                                                                   : "no point is in view")
         : summary.empty == files.size() ? "but no pixel differs from the background"
         : !summary.full                 ? "as many points as requested"
-        : arguments.where.empty()       ? "every point in view"
-                                        : "every point in view that satisfies the conditions";
-    if (summary.most_hidden > 0)
+        : !arguments.where.empty()      ? "every point in view that satisfies the conditions"
+        : clips                         ? "every point in view that is not clipped"
+                                        : "every point in view";
+    if (summary.most_hidden > 0 && !arguments.where.empty())
         std::printf("note: %s%s points do not satisfy the conditions\n", files.size() > 1 ? "at most " : "",
                     grouped(summary.most_hidden).c_str());
     if (files.size() > 1 && summary.empty > 0)
@@ -235,6 +239,7 @@ int render(const RenderArguments& arguments)
     const PictureSize size = size_of(arguments);
     background_of(arguments);
     const CloudStyle style = style_of(arguments);
+    std::vector<Clip> clips = clips_of(arguments);
     if (arguments.path.empty())
         files_of(arguments, 1);  // before a tree is opened: wrong arguments are reported at once
     L1Options l1;
@@ -247,6 +252,7 @@ int render(const RenderArguments& arguments)
     const Offscreen screen(size.width, size.height);
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
     check_attributes(style, scene.clouds());
+    scene.clip(std::move(clips));
     const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
     Summary summary;
     summary.files = files_of(arguments, cameras.size());
