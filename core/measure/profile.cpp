@@ -65,6 +65,9 @@ ProfileLine::ProfileLine(const std::vector<Vec3d>& points)
     stations_.push_back(0);
     for (std::size_t i = 1; i < points_.size(); ++i)
         stations_.push_back(stations_.back() + pcm::length(points_[i] - points_[i - 1]));
+    turns_.assign(points_.size(), 0);
+    for (std::size_t i = 1; i + 1 < points_.size(); ++i)
+        turns_[i] = exact_cross(points_[i] - points_[i - 1], points_[i + 1] - points_[i])[2];
 }
 
 std::optional<ProfilePoint> ProfileLine::locate(const Vec3d& position) const
@@ -77,11 +80,13 @@ std::optional<ProfilePoint> ProfileLine::locate(const Vec3d& position) const
         const Vec3d u = (points_[k + 1] - points_[k]) / size, d = p - points_[k];
         const double along = exact_dot(u, d), right = difference_of_products(u[1], d[0], u[0], d[1]);
         const bool cut = (k == 0 && along < 0) || (k + 1 == segments() && along > size);
+        // At a corner both segments have the same distance to the bit, and the first one is taken.
         const double t = std::clamp(along, 0.0, size);
-        const double distance = t == along ? std::fabs(right) : std::hypot(along - t, right);
+        const double distance = t == along ? std::fabs(right) : pcm::length(p - points_[along < 0 ? k : k + 1]);
         if (!(distance < nearest)) continue;
         nearest = distance;
-        found = ProfilePoint{stations_[k] + t, std::copysign(distance, right), position, static_cast<std::uint32_t>(k)};
+        const double side = along > size && k + 1 < segments() && turns_[k + 1] != 0 ? turns_[k + 1] : right;
+        found = ProfilePoint{stations_[k] + t, std::copysign(distance, side), position, static_cast<std::uint32_t>(k)};
         if (cut) found.reset();
     }
     return found;
@@ -138,13 +143,17 @@ ProfileSample read_sample(PointCloud& cloud, const ProfileOptions& options, std:
     for (const std::string& name : options.attributes)
         for (const Attribute& attribute : cloud.info().schema)
             if (attribute.name == name) attributes.push_back(attribute);
-    sample.attributes.resize(attributes.size());
+    std::size_t columns = 0;
+    for (const Attribute& attribute : attributes) columns += attribute.components;
+    sample.attributes.resize(columns);
     sample.outcome =
         visit_profile(cloud, options, [&](const ProfilePoint& point, const PointView& view, std::size_t i) {
             if (sample.points.size() == most) throw TooMany{};
             sample.points.push_back(point);
+            auto column = sample.attributes.begin();
             for (std::size_t k = 0; k < attributes.size(); ++k)
-                sample.attributes[k].push_back(view.value(i, k) * attributes[k].scale + attributes[k].offset);
+                for (std::uint32_t c = 0; c < attributes[k].components; ++c, ++column)
+                    column->push_back(view.value(i, k, c) * attributes[k].scale + attributes[k].offset);
         });
     return sample;
 }

@@ -121,4 +121,23 @@ QIcon measure_icon()
     return QIcon(picture);
 }
 
+QIcon pick_point_icon()
+{
+    constexpr int size = 64;
+    QPixmap picture(size, size);
+    picture.fill(Qt::transparent);
+    QPainter painter(&picture);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(QColor(60, 110, 190));
+    for (const QPointF& place : {QPointF(10, 14), QPointF(52, 12), QPointF(14, 52), QPointF(54, 50), QPointF(31, 58)})
+        painter.drawEllipse(place, 4, 4);
+    painter.setBrush(QColor(200, 90, 30));
+    painter.drawEllipse(QPointF(32, 32), 6, 6);
+    painter.setPen(QPen(QColor(40, 40, 40), 3));
+    for (const QPoint& way : {QPoint(1, 0), QPoint(-1, 0), QPoint(0, 1), QPoint(0, -1)})
+        painter.drawLine(QPoint(32, 32) + 11 * way, QPoint(32, 32) + 24 * way);
+    return QIcon(picture);
+}
+
 }  // namespace pcm::host

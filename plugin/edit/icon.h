@@ -7,6 +7,8 @@ namespace pcm::host {
 
 // An eye above four arrows.
 QIcon first_person_icon();
+// A point in a cross, between others.
+QIcon pick_point_icon();
 // A box, a part of whose points is grey.
 QIcon clip_box_icon();
 // A dashed rectangle around coloured points.

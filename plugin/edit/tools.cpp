@@ -4,6 +4,7 @@
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
 #include "plugin/edit/measure/measure_tool.h"
+#include "plugin/edit/pick/pick_tool.h"
 #include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
@@ -27,6 +28,10 @@ const std::vector<Tool>& tools()
          "the "
          "speed. The speed is proportional to the distance of the nearest points.",
          first_person_icon, make<FirstPersonTool>},
+        {"Pick Point",
+         "A click shows all that a cloud knows about the visible point under the cursor, at full resolution: source "
+         "coordinates with every digit, every attribute, spacing. Ctrl+C copies it.",
+         pick_point_icon, make<PickTool>},
         {"Clip Box",
          "A box in the view that hides all points outside or inside of it: dragged by its handles, typed, or taken "
          "from "

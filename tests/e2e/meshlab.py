@@ -66,6 +66,11 @@ class Run:
         found = (json.loads(m[1]) for m in re.finditer(r"driver: property (\{.*\})", self.text))
         return [each["value"] for each in found if each["name"] == name]
 
+    def tables(self, name):
+        """The rows of a table that the driver's print-table printed, in order."""
+        found = (json.loads(m[1]) for m in re.finditer(r"driver: table (\{.*\})", self.text))
+        return [table["rows"] for table in found if table["name"] == name]
+
     def cameras(self):
         """What the driver's print-camera printed, by name."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))

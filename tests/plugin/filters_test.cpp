@@ -34,7 +34,7 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
           "Point Cloud Tree Information", "Voxel Grid of Point Cloud Tree", "Subsample Point Cloud Tree",
           "Merge Point Cloud Trees", "Transform Point Cloud Tree", "Align Point Clouds by Pairs",
           "Estimate Radii of Point Cloud Tree", "Estimate Normals of Point Cloud Tree",
-          "Remove Outliers of Point Cloud Tree"})
+          "Remove Outliers of Point Cloud Tree", "Measure", "Cross-Section Profile", "Cut Volume"})
         EXPECT_TRUE(names.count(name)) << name;
 }
 

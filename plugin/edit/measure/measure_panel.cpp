@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/measure/draft.h"
+#include "plugin/edit/measure/measure_book.h"
 #include "plugin/host/text.h"
 
 #include <QComboBox>
@@ -159,7 +160,10 @@ void MeasurePanel::add_list(QVBoxLayout& column)
     column.addWidget(list_, 3);
     auto* buttons = new QGridLayout;
     add_button(*buttons, 0, 0, Button::look_at, "Jump to", "The camera looks at the selected measure.");
-    add_button(*buttons, 0, 1, Button::plot, "Plot", "Plots the points of the selected profile in a window.");
+    add_button(
+        *buttons, 0, 1, Button::plot, "Compute",
+        "Plots the points of the selected profile in a window, or finds the selected volume again, with Against, "
+        "Level and Cell as they are now.");
     add_button(*buttons, 0, 2, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.");
     add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
     add_button(*buttons, 1, 1, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
@@ -220,7 +224,8 @@ void MeasurePanel::show_list(const MeasureList& list, std::optional<std::size_t>
     const bool some = selected.has_value();
     buttons_[Button::look_at]->setEnabled(some);
     buttons_[Button::remove]->setEnabled(some);
-    buttons_[Button::plot]->setEnabled(some && list[*selected].kind == MeasureKind::profile);
+    buttons_[Button::plot]->setEnabled(
+        some && (list[*selected].kind == MeasureKind::profile || list[*selected].kind == MeasureKind::volume));
     buttons_[Button::clear]->setEnabled(!list.empty());
     buttons_[Button::copy]->setEnabled(!list.empty());
     buttons_[Button::save]->setEnabled(!list.empty());
@@ -245,7 +250,7 @@ void MeasurePanel::show_values(const Measure* measure, const std::string& unit)
     }
     if (measure->width > 0) add("width", QString::fromStdString(exact(measure->width) + " " + unit));
     for (std::size_t i = 0; i < measure->points.size(); ++i)
-        add(QString("point %1").arg(i + 1), QString::fromStdString(exact(measure->points[i].position)));
+        add(QString("point %1").arg(i + 1), coordinates_of(measure->points[i]));
 }
 
 void MeasurePanel::item_changed(QTreeWidgetItem* item, int column)

@@ -18,6 +18,7 @@
 
 #include <QClipboard>
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QGuiApplication>
 #include <QMainWindow>
 #include <QMouseEvent>
@@ -46,6 +47,21 @@ MeasuredPoint measured(const Picked& picked, const MeshDocument& document)
     point.spacing *= scale;
     point.grid_step *= scale;
     return point;
+}
+
+// What the points that are known give already.
+QString so_far(const Draft& draft, const std::string& unit)
+{
+    Measure measure;
+    measure.kind = draft.kind();
+    measure.points = draft.points();
+    if (measure.points.empty()) return {};
+    const QString count = QString("\n%1 points").arg(measure.points.size());
+    try {
+        return count + ": " + QString::fromStdString(text_of(values_of(measure).at(0), unit));
+    } catch (...) {  // too few points, or such that more are needed
+        return count;
+    }
 }
 
 }  // namespace
@@ -175,7 +191,9 @@ void MeasureTool::show_draft()
     std::vector<Annotation> drawn;
     if (!points.empty()) drawn.push_back(drawn_draft(draft_.kind(), points));
     Annotations::of(*view_->md()).set(draft_owner, std::move(drawn));
-    if (!panel_ || points.empty()) return;
+    if (!panel_) return;
+    panel_->show_hint(hint_of(draft_.kind()) + so_far(draft_, book().unit().symbol));
+    if (points.empty()) return;
     const std::string number = brief(10 * points.front().spacing), cell = brief(4 * points.front().spacing);
     panel_->propose_width(points.front().spacing > 0 ? QString::fromStdString(number) : QString());
     panel_->propose_cell(points.front().spacing > 0 ? QString::fromStdString(cell) : QString());
@@ -245,17 +263,19 @@ void MeasureTool::finish()
     measure.kind = draft_.kind();
     measure.points = draft_.points();
     try {
+        if (measure.kind == MeasureKind::profile) measure.width = width_for(measure);
         values_of(measure);  // refuses points that determine nothing
-        if (measure.kind == MeasureKind::profile || measure.kind == MeasureKind::volume)
-            measure_cloud(measure);
-        else
-            keep(measure);
     } catch (...) {
         draft_.reopen();
         show_draft();
         throw;
     }
+    const auto layer = first_layer_;
     clear_draft();
+    keep(std::move(measure));
+    first_layer_ = layer;
+    measure_cloud(book().list().size() - 1);
+    first_layer_.reset();
 }
 
 void MeasureTool::keep(Measure measure)
@@ -267,21 +287,19 @@ void MeasureTool::keep(Measure measure)
     say(QString::fromStdString(kept.name + ": " + label_of(kept, book().unit().symbol)));
 }
 
-void MeasureTool::measure_cloud(Measure) {}
-
-void MeasureTool::plot(const Measure&) {}
-
 void MeasureTool::write()
 {
     const QString filter =
         "Comma-separated values (*.csv);;GeoJSON (*.geojson);;Drawing (*.dxf);;List of measures (*.json)";
-    // The dialog asks before an existing file is replaced.
-    const QString file = QFileDialog::getSaveFileName(panel_, "Export measures", "measures.csv", filter, nullptr,
-                                                      QFileDialog::DontUseNativeDialog);
+    QString kind;
+    QString file = QFileDialog::getSaveFileName(panel_, "Export measures", "measures.csv", filter, &kind,
+                                                QFileDialog::DontUseNativeDialog);
     if (file.isEmpty()) return;
     MeasureFileOptions options;
-    options.overwrite = true;
     options.system = book().unit().system;
+    // The dialog asks before it replaces the file that was typed, and no other.
+    options.overwrite = !QFileInfo(file).suffix().isEmpty();
+    if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');
     write_measures(book().list(), file.toStdString(), options);
     say(QString("wrote %1 measures to %2").arg(book().list().size()).arg(file));
 }
@@ -319,7 +337,7 @@ void MeasureTool::press(MeasurePanel::Button button)
         case Button::save:
             return write();
         case Button::plot:
-            if (selected) plot(book().list()[*selected]);
+            if (selected) measure_cloud(*selected);
             return;
     }
 }

@@ -22,6 +22,7 @@ class QMouseEvent;
 namespace pcm::host {
 
 class MeasureBook;
+struct ProfileData;
 
 class MeasureTool : public QObject, public MeshEditInterface {
     Q_OBJECT
@@ -66,9 +67,17 @@ private:
     bool take_back();
     void finish();  // makes a measure of the complete draft
     void keep(Measure measure);
-    void measure_cloud(Measure measure);
-    void plot(const Measure& measure);
     void write();
+
+    // In measure_clouds.cpp.
+    MeshModel& layer_of(const Measure& measure) const;
+    double width_for(const Measure& measure) const;
+    void measure_cloud(std::size_t index);  // plots a profile, finds a volume
+    void plot(const Measure& measure);
+    void write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension, QWidget* window);
+    void find_volume(const Measure& measure);
+    void take_volume(const Measure& measure, const std::vector<MeasureValue>& values);
+    void begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work);
 
     GLArea* view_ = nullptr;  // while the tool is on
     QPointer<MeasurePanel> panel_;

@@ -122,9 +122,10 @@ void SelectPanel::add_ways(QGridLayout& rows)
         attributes_->setCurrentIndex(0);
     });
     add_button(rows, row, 2, Button::where, "By condition", "Selects the shown points that meet the condition.");
-    add_button(rows, row + 1, 0, Button::all, "All shown", "Selects all points that the view shows.");
-    add_button(rows, row + 1, 1, Button::none, "None", "Selects nothing. Undo brings the selection back.");
-    add_button(rows, row + 1, 2, Button::invert, "Invert", "Selects the shown points that were not selected.");
+    add_button(rows, row + 1, 0, Button::all, "Select shown", "Selects all points that the view shows.");
+    add_button(rows, row + 1, 1, Button::none, "Select none", "Selects nothing. Undo brings the selection back.");
+    add_button(rows, row + 1, 2, Button::invert, "Invert selection",
+               "Selects the shown points that were not selected.");
     connect(shape_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &SelectPanel::shape_changed);
 }
 
@@ -144,6 +145,16 @@ void SelectPanel::add_uses(QGridLayout& rows)
     buttons_[Button::stop]->hide();
     add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
     add_button(rows, row++, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row, 0, Button::to_layer, "To a layer",
+               "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
+    add_button(rows, row, 1, Button::to_file, "To a file",
+               "Writes the selected points to a file; the extension chooses the format.");
+    add_button(rows, row++, 2, Button::remove, "Delete points",
+               "Deletes the selected points: makes a copy of the tree without them, or changes the tree in place.");
+    add_button(rows, row, 0, Button::classify, "Classify", "Gives the selected points a class.");
+    add_button(rows, row++, 1, Button::save, "Save as attribute",
+               "Saves the selection in the tree: an attribute that is 1 for selected points and 0 for all others. The "
+               "condition NAME=1 selects them again.");
     show_steps({}, {});
 }
 

@@ -31,9 +31,9 @@ public:
         undo,
         redo,
         stop,
-        extract,
-        write,
-        delete_points,
+        to_layer,
+        to_file,
+        remove,
         classify,
         save,
     };

@@ -26,30 +26,14 @@ namespace {
 
 const char* const name = "Select Points";
 const char* const owner = "select";
-constexpr int click_px = 3;           // a click does not move farther
-constexpr double corner_px = 1.5;     // between corners drawn free-hand
-constexpr double stroke_share = 0.5;  // of the brush's radius, between places of a stroke
-constexpr double usual_steps = 3;     // of growing, in spacings
+constexpr int click_px = 3;        // a click does not move farther
+constexpr double corner_px = 1.5;  // between corners drawn free-hand
 
 SetOperation operation_of(Qt::KeyboardModifiers modifiers, SetOperation chosen)
 {
     const bool shift = (modifiers & Qt::ShiftModifier) != 0, control = (modifiers & Qt::ControlModifier) != 0;
     if (shift && control) return SetOperation::intersect;
     return shift ? SetOperation::add : control ? SetOperation::subtract : chosen;
-}
-
-QString words_of(SetOperation operation)
-{
-    switch (operation) {
-        case SetOperation::add:
-            return " added";
-        case SetOperation::subtract:
-            return " subtracted";
-        case SetOperation::intersect:
-            return " intersected";
-        default:
-            return {};
-    }
 }
 
 // A right button's event as one of the left, which turns the trackball.
@@ -75,7 +59,7 @@ QStringList attribute_names(const PointCloud& cloud)
 
 SelectTool::SelectTool()
 {
-    connect(&job_, &SelectionJob::progressed, this, [this](double fraction, const QString& stage) {
+    connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(fraction, stage);
     });
 }
@@ -127,14 +111,15 @@ bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLShared
         });
     }
     show_dock(*view, *panel_);
-    connect(&SceneState::of(document), &SceneState::selection_changed, this, &SelectTool::show, Qt::UniqueConnection);
+    connect(&SceneState::of(document), &SceneState::selection_changed, this, &SelectTool::selection_changed,
+            Qt::UniqueConnection);
     tracked_mouse_ = view->hasMouseTracking();
     view->setMouseTracking(true);
     view->installEventFilter(this);
     view->setFocus();
     view->setCursor(Qt::CrossCursor);
     keep_unmodified(document);
-    show();
+    selection_changed();
     publish("idle");
     say("the left button selects; Shift adds, Ctrl subtracts, both intersect. The right button turns the camera, the "
         "middle one moves it. Ctrl+Z takes a selection back, Esc ends what is being done");
@@ -144,7 +129,7 @@ bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLShared
 void SelectTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
     if (view != view_) return;
-    job_.cancel();
+    worker_.cancel();
     reset();
     disconnect(&SceneState::of(document), nullptr, this, nullptr);
     view->removeEventFilter(this);
@@ -174,6 +159,7 @@ void SelectTool::show()
                               QString::fromStdString(grouped(of)));
     }
     if (lines.empty()) lines << QString("Nothing is selected of %1 points").arg(QString::fromStdString(grouped(all)));
+    if (!statistics_.isEmpty()) lines << statistics_;
     panel_->show_count(lines.join('\n'));
     const MeshModel* current = view_->md()->mm();
     const auto tree = current ? Registry::instance().drawn(*current) : std::nullopt;
@@ -215,239 +201,10 @@ void SelectTool::reset()
 
 bool SelectTool::cancel()
 {
-    const bool did = job_.is_running() || !shape_.empty() || picking_ || !waiting_.empty() || left_down_;
-    if (job_.is_running()) job_.cancel();
+    const bool did = worker_.is_running() || !shape_.empty() || picking_ || !waiting_.empty() || left_down_;
+    if (worker_.is_running()) worker_.cancel();
     reset();
     return did;
-}
-
-std::vector<MeshModel*> SelectTool::layers_for_shapes() const
-{
-    const auto shown = shown_layers(*view_);
-    if (panel_->all_layers() || shown.size() < 2) return shown;
-    const auto found = std::find(shown.begin(), shown.end(), view_->md()->mm());
-    if (found == shown.end())
-        throw Error(ErrorCode::invalid_argument, {}, "the current layer is not shown as a point cloud",
-                    "click a cloud in the layer panel, or choose All shown layers");
-    return {*found};
-}
-
-void SelectTool::select(const std::vector<MeshModel*>& layers, const QString& words,
-                        const std::function<Choose(const MeshModel&)>& choice)
-{
-    const SceneState& state = SceneState::of(*view_->md());
-    std::vector<SelectionTask> tasks;
-    for (const MeshModel* layer : layers) {
-        SelectionTask task;
-        task.mesh_id = layer->id();
-        task.cloud = Registry::instance().drawn(*layer)->cloud;
-        task.shown = shown_points(*view_, *layer);
-        task.before = state.selection(*layer);
-        task.operation = operation_;
-        task.choose = choice(*layer);
-        if (task.choose) tasks.push_back(std::move(task));
-    }
-    if (tasks.empty()) return say("no layer shows a point cloud");
-    say({});
-    const QString what = words + words_of(operation_);
-    job_.start(std::move(tasks), [this, what](std::vector<SelectionResult> results, std::exception_ptr failure) {
-        if (panel_) panel_->end_progress();
-        publish("idle");
-        guarded([&] {
-            if (failure) std::rethrow_exception(failure);
-            if (view_) take(results, what);
-        });
-    });
-    publish("selecting");
-}
-
-void SelectTool::take(const std::vector<SelectionResult>& results, const QString& words)
-{
-    SceneState& state = SceneState::of(*view_->md());
-    std::vector<int> changed;
-    for (const SelectionResult& result : results) {
-        const MeshModel* layer = view_->md()->getMesh(result.mesh_id);
-        if (!layer) continue;
-        const std::uint64_t count = result.points ? result.points->size() : 0;
-        state.select(*layer, result.points, words + ", " + QString::fromStdString(grouped(count)) + " points selected");
-        changed.push_back(result.mesh_id);
-    }
-    if (changed.empty()) return;
-    steps_.push_back(changed);
-    undone_.clear();
-    show();
-    say(state.undo_words(*view_->md()->getMesh(changed.front())));
-}
-
-void SelectTool::undo(bool again)
-{
-    auto &from = again ? undone_ : steps_, &to = again ? steps_ : undone_;
-    if (from.empty()) return;
-    SceneState& state = SceneState::of(*view_->md());
-    const std::vector<int> ids = from.back();
-    from.pop_back();
-    to.push_back(ids);
-    for (const int mesh_id : ids)
-        if (const MeshModel* layer = view_->md()->getMesh(mesh_id)) again ? state.redo(*layer) : state.undo(*layer);
-    show();
-}
-
-void SelectTool::finish_shape()
-{
-    if (job_.is_running()) {
-        reset();
-        throw Error(ErrorCode::invalid_argument, {}, "points are being selected",
-                    "wait until it is done, or press Esc");
-    }
-    const ScreenShape drawn = shape_;
-    const bool rectangle = panel_->shape() == SelectPanel::Shape::rectangle;
-    reset();
-    const auto map = map_of(*view_);
-    if (!map) return;
-    if (panel_->front_only()) throw Error(ErrorCode::unsupported, {}, "Front only is not there yet");
-    select(layers_for_shapes(), rectangle ? "rectangle" : "polygon", [&](const MeshModel& layer) -> Choose {
-        const auto tree = Registry::instance().drawn(layer);
-        const Region region = region_of(drawn, *map, placement_of(layer, *tree));
-        return [region](PointCloud& cloud, const Query& shown) {
-            Query query = shown;
-            query.region = region;
-            return points_of(cloud, query);
-        };
-    });
-}
-
-// With places between the last one and this, so that a quick stroke has no gaps.
-void SelectTool::stroke_to(const QPoint& place, bool first)
-{
-    const QPointF moved = place - pressed_at_;
-    const double step = std::max(1.0, stroke_share * panel_->brush_px());
-    const int steps = first ? 1 : std::max(1, static_cast<int>(std::hypot(moved.x(), moved.y()) / step));
-    for (int i = 1; i <= steps; ++i) waiting_.push_back(first ? place : pressed_at_ + (moved * i / steps).toPoint());
-    pressed_at_ = place;
-    pick_next();
-}
-
-// One pick after the other: a later pick replaces one that is not answered.
-void SelectTool::pick_next()
-{
-    if (picking_ || waiting_.empty()) return;
-    picking_ = true;
-    publish("picking");
-    const QPoint place = waiting_.front();
-    waiting_.pop_front();
-    pick(*view_, place, *this, [this](const PickAnswer& answer) {
-        if (view_ && picking_ && answer.final) guarded([&] { take_picked(answer); });
-    });
-}
-
-void SelectTool::take_picked(const PickAnswer& answer)
-{
-    picking_ = false;
-    if (panel_->shape() == SelectPanel::Shape::grow) {
-        publish("idle");
-        reset();
-        if (!answer.point) return say(answer.message);
-        return grow(*answer.point);
-    }
-    const auto map = map_of(*view_);
-    if (answer.point && map)
-        stroke_.push_back({answer.point->mesh_id,
-                           {answer.point->shown_at, panel_->brush_px() * map->pixel_size(answer.point->shown_at)}});
-    if (!waiting_.empty()) return pick_next();
-    if (!left_down_) finish_stroke();
-}
-
-void SelectTool::finish_stroke()
-{
-    publish("idle");
-    const auto balls = stroke_;
-    reset();
-    if (balls.empty()) return say("the brush has met no point");
-    double least = balls.front().second.radius, most = least;
-    for (const auto& [mesh_id, ball] : balls) {
-        least = std::min(least, ball.radius);
-        most = std::max(most, ball.radius);
-    }
-    const QString radius =
-        QString::fromStdString(brief(least) == brief(most) ? brief(least) : brief(least) + " to " + brief(most));
-    std::vector<MeshModel*> layers;
-    for (MeshModel* layer : shown_layers(*view_))
-        if (panel_->all_layers() ||
-            std::any_of(balls.begin(), balls.end(), [&](const auto& picked) { return picked.first == layer->id(); }))
-            layers.push_back(layer);
-    select(layers, "brush of radius " + radius + " source units", [&](const MeshModel& layer) -> Choose {
-        const auto placement = placement_of(layer, *Registry::instance().drawn(layer));
-        std::vector<Ball> mine;
-        for (const auto& [mesh_id, ball] : balls)
-            if (const auto moved = ball_in(ball, placement); moved && (panel_->all_layers() || mesh_id == layer.id()))
-                mine.push_back(*moved);
-        return [mine](PointCloud& cloud, const Query& shown) { return points_in_balls(cloud, shown, mine); };
-    });
-}
-
-void SelectTool::grow(const Picked& seed)
-{
-    MeshModel* const layer = view_->md()->getMesh(seed.mesh_id);
-    if (!layer) return;
-    const double distance = panel_->distance().value_or(usual_steps * seed.spacing);
-    if (!(distance > 0))
-        throw Error(ErrorCode::invalid_argument, {}, "the spacing of the points is not known here",
-                    "write a grow distance in source units");
-    const auto words = "grown by steps of " + QString::fromStdString(brief(distance)) + " source units";
-    select({layer}, words, [&](const MeshModel&) -> Choose {
-        return [seed, distance](PointCloud& cloud, const Query& shown) {
-            return points_around(cloud, shown, seed.node, seed.point, distance);
-        };
-    });
-}
-
-void SelectTool::press(SelectPanel::Button button)
-{
-    using Button = SelectPanel::Button;
-    say({});
-    operation_ = panel_->operation();
-    const auto everywhere = [this](const Choose& choose) { return [choose](const MeshModel&) { return choose; }; };
-    switch (button) {
-        case Button::where: {
-            std::vector<Condition> where;
-            for (const QString& text : panel_->where().split(';', Qt::SkipEmptyParts))
-                if (!text.trimmed().isEmpty()) where.push_back(parse_condition(text.trimmed().toStdString()));
-            if (where.empty())
-                throw Error(ErrorCode::invalid_argument, {}, "there is no condition",
-                            "write one, as in classification=2");
-            return select(layers_for_shapes(), panel_->where(),
-                          everywhere([where](PointCloud& cloud, const Query& shown) {
-                              Query query = shown;
-                              query.where.insert(query.where.end(), where.begin(), where.end());
-                              return points_of(cloud, query);
-                          }));
-        }
-        case Button::all:
-            operation_ = SetOperation::replace;
-            return select(layers_for_shapes(), "all shown", everywhere(points_of));
-        case Button::none:
-            operation_ = SetOperation::replace;
-            return select(layers_for_shapes(), "none",
-                          everywhere([](PointCloud& cloud, const Query&) { return PointSet(cloud.tree()); }));
-        case Button::invert:
-            operation_ = SetOperation::replace;
-            return select(layers_for_shapes(), "inverted", [this](const MeshModel& layer) -> Choose {
-                const auto before = SceneState::of(*view_->md()).selection(layer);
-                return [before](PointCloud& cloud, const Query& shown) {
-                    PointSet set = points_of(cloud, shown);
-                    if (before) set.combine(SetOperation::subtract, *before);
-                    return set;
-                };
-            });
-        case Button::undo:
-        case Button::redo:
-            return undo(button == Button::redo);
-        case Button::stop:
-            cancel();
-            return;
-        default:
-            return;
-    }
 }
 
 void SelectTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
@@ -493,7 +250,7 @@ void SelectTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
             if (std::hypot(event->pos().x() - last.x(), event->pos().y() - last.y()) >= corner_px)
                 shape_.push_back(event->pos());
             draw();
-        } else if (shape == Shape::brush && far >= std::max(1.0, stroke_share * panel_->brush_px())) {
+        } else if (shape == Shape::brush && far >= stroke_step()) {
             stroke_to(event->pos(), false);
         }
     });

@@ -2,12 +2,14 @@
 // the selected points.
 //
 // The left button selects. The right button turns MeshLab's camera, the middle one moves it, the wheel zooms. Points
-// are found on a worker (selection_job.h); the result goes to host/scene_state.h. GUI thread.
+// are found on a worker (worker.h); the result goes to host/scene_state.h. GUI thread.
 #pragma once
 
 #include "plugin/edit/select/screen_shape.h"
 #include "plugin/edit/select/select_panel.h"
-#include "plugin/edit/select/selection_job.h"
+#include "plugin/edit/select/selection_tasks.h"
+#include "plugin/edit/select/selection_uses.h"
+#include "plugin/edit/worker.h"
 #include "plugin/host/picker.h"
 
 #include <common/interfaces.h>
@@ -59,6 +61,7 @@ private:
 
     std::vector<MeshModel*> layers_for_shapes() const;
     void finish_shape();
+    double stroke_step() const;  // pixels
     void stroke_to(const QPoint& place, bool first);
     void pick_next();
     void take_picked(const PickAnswer& answer);
@@ -68,10 +71,14 @@ private:
     void select(const std::vector<MeshModel*>& layers, const QString& words,
                 const std::function<Choose(const MeshModel&)>& choice);
     void take(const std::vector<SelectionResult>& results, const QString& words);
+    void count();
+    void use(SelectionUse what);
+    void selection_changed();
 
     GLArea* view_ = nullptr;  // while the tool is on
     QPointer<SelectPanel> panel_;
-    SelectionJob job_;
+    Worker worker_, counter_;  // of points; of what is known about the selected ones
+    QString statistics_;       // of the selection that is shown
     bool tracked_mouse_ = false;
 
     ScreenShape shape_;              // being drawn

@@ -1,0 +1,183 @@
+// Profiles and volumes of the tool Measure: what needs a pass over clouds.
+#include "pcm/measure/volume.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "plugin/edit/measure/measure_book.h"
+#include "plugin/edit/measure/measure_tool.h"
+#include "plugin/edit/measure/profile_window.h"
+#include "plugin/edit/select/shown_points.h"
+
+#include <meshlab/glarea.h>
+
+#include <QFileDialog>
+#include <QFileInfo>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr std::size_t most_plotted = 2'000'000;         // about 100 MB, and half a second to draw
+constexpr double default_width = 10, default_cell = 4;  // times the spacing
+
+double scaled(const MeasureValue& value, double scale, double number)
+{
+    return value.unit == "^3"   ? number * scale * scale * scale
+           : value.unit == "^2" ? number * scale * scale
+           : value.unit.empty() ? number * scale
+                                : number;
+}
+
+}  // namespace
+
+MeshModel& MeasureTool::layer_of(const Measure& measure) const
+{
+    MeshDocument& document = *view_->md();
+    const auto shows_a_cloud = [](MeshModel* layer) { return layer && Registry::instance().drawn(*layer); };
+    for (const std::optional<int>& id : {panel_->cloud(), first_layer_})
+        if (MeshModel* layer = id ? document.getMesh(*id) : nullptr; shows_a_cloud(layer)) return *layer;
+    for (MeshModel* layer : document.meshList) {
+        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        if (tree && !measure.points.empty() && tree->cloud->tree()->folder() == measure.points.front().cloud)
+            return *layer;
+    }
+    if (shows_a_cloud(document.mm())) return *document.mm();
+    throw Error(ErrorCode::invalid_argument, {}, "no layer shows the cloud that '" + measure.name + "' is measured in",
+                "Choose one as Cloud.");
+}
+
+double MeasureTool::width_for(const Measure& measure) const
+{
+    if (const auto typed = panel_->width()) return *typed;
+    const double spacing = measure.points.front().spacing;
+    if (spacing > 0) return default_width * spacing;
+    throw Error(ErrorCode::invalid_argument, {}, "the distance between the points at the line is not known",
+                "Type a width.");
+}
+
+void MeasureTool::measure_cloud(std::size_t index)
+{
+    const Measure& measure = book().list()[index];
+    if (measure.kind == MeasureKind::profile) return plot(measure);
+    if (measure.kind == MeasureKind::volume) return find_volume(measure);
+}
+
+void MeasureTool::plot(const Measure& measure)
+{
+    MeshModel& layer = layer_of(measure);
+    auto data = std::make_shared<ProfileData>();
+    data->frame = cloud_frame(layer);
+    data->options.line = data->frame.to_cloud(measure.points);
+    data->options.width = measure.width / data->frame.scale;
+    const Query shown = shown_points(*view_, layer);
+    data->options.where = shown.where;
+    data->options.clips = shown.clips;
+    data->title = QString::fromStdString(measure.name);
+    data->unit = QString::fromStdString(book().unit().symbol);
+    begin("Profile", [this, data](const ProgressFunction& progress) -> CloudWork::Result {
+        read_profile(*data, most_plotted, progress);
+        return [this, data] {
+            if (!view_) return;
+            auto* window = new ProfileWindow(panel_, data);
+            connect(window, &ProfileWindow::wanted, this, [this, data, window](const QString& extension) {
+                if (view_) guarded([&] { write_points(data, extension, window); });
+            });
+            window->show();
+            say(data->title + ": " + data->words);
+        };
+    });
+}
+
+void MeasureTool::write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension,
+                               QWidget* window)
+{
+    const QString filter = extension == "csv" ? "Comma-separated values (*.csv)" : "Drawing (*.dxf)";
+    QString file = QFileDialog::getSaveFileName(window, "Write the points of the profile", "profile." + extension,
+                                                filter, nullptr, QFileDialog::DontUseNativeDialog);
+    if (file.isEmpty()) return;
+    // The dialog has asked about the file that was typed alone.
+    const bool typed = !QFileInfo(file).suffix().isEmpty();
+    if (!typed) file += "." + extension;
+    begin("Writing", [this, data, file, typed](const ProgressFunction& progress) -> CloudWork::Result {
+        ProfileOptions options = data->options;
+        options.progress = progress;
+        for (const Attribute& attribute : data->frame.cloud->info().schema)
+            options.attributes.push_back(attribute.name);
+        ProfileFileOptions file_options;
+        file_options.overwrite = typed;
+        const Outcome outcome = write_profile(*data->frame.cloud, options, file.toStdString(), file_options);
+        return [this, outcome, file, moved = data->frame.placement.has_value()] {
+            say(QString("wrote %1 points to %2%3")
+                    .arg(QString::fromStdString(grouped(outcome.points_out)), file,
+                         moved ? ", in the cloud's own coordinates, without the layer's matrix" : ""));
+        };
+    });
+}
+
+void MeasureTool::find_volume(const Measure& measure)
+{
+    MeshModel& layer = layer_of(measure);
+    const CloudFrame frame = cloud_frame(layer);
+    VolumeOptions options;
+    options.polygon = frame.to_cloud(measure.points);
+    const Query shown = shown_points(*view_, layer);
+    options.where = shown.where;
+    options.clips = shown.clips;
+    double level = measure.points.front().position[2];
+    for (const MeasuredPoint& point : measure.points) level = std::min(level, point.position[2]);
+    level = panel_->level().value_or(level);
+    const auto compared = panel_->compared_cloud();
+    if (compared) {
+        MeshModel* const other = view_->md()->getMesh(*compared);
+        if (!other) throw Error(ErrorCode::invalid_argument, {}, "the layer to compare with is no longer there");
+        const CloudFrame before = cloud_frame(*other);
+        if (frame.placement || before.placement)
+            throw Error(ErrorCode::invalid_argument, {}, "a layer of the two has a matrix",
+                        "Make a new tree of it with the filter Transform Point Cloud, and compare that.");
+        options.before = before.cloud;
+    } else {
+        const Vec3d first = measure.points.front().position;
+        options.reference.height = frame.to_cloud(Vec3d{first[0], first[1], level})[2];
+    }
+    const double spacing = measure.points.front().spacing;
+    options.side = panel_->cell().value_or(default_cell * spacing) / frame.scale;
+    begin("Volume", [this, frame, options, measure, level, compared](const ProgressFunction& progress) {
+        VolumeOptions running = options;
+        running.progress = progress;
+        const VolumeReport report = measure_volume(*frame.cloud, running);
+        std::vector<MeasureValue> values = report.values();
+        for (MeasureValue& value : values) {
+            value.uncertainty = scaled(value, frame.scale, value.uncertainty);
+            value.value = scaled(value, frame.scale, value.value);
+        }
+        if (!compared) values.push_back({"level", level, 0, ""});
+        return CloudWork::Result([this, measure, values] { take_volume(measure, values); });
+    });
+}
+
+void MeasureTool::take_volume(const Measure& measure, const std::vector<MeasureValue>& values)
+{
+    if (!view_) return;
+    const MeasureList& list = book().list();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        if (list[i].kind != measure.kind || list[i].points.size() != measure.points.size() ||
+            list[i].points.front().position != measure.points.front().position || list[i].name != measure.name)
+            continue;
+        Measure found = list[i];
+        found.computed = values;
+        book().change([&](MeasureList& changed) { changed.replace(i, found); });
+        book().select(i);
+        return say(QString::fromStdString(found.name + ": " + label_of(found, book().unit().symbol)));
+    }
+    say("the volume's measure has been deleted");
+}
+
+void MeasureTool::begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work)
+{
+    work_.start(work);
+    panel_->show_progress(std::make_pair(what, 0.0));
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,148 @@
+// The panel's part of the tool: what its buttons do, and what is known about the selected points.
+#include "plugin/edit/select/select_tool.h"
+
+#include "pcm/cloud/condition.h"
+#include "pcm/select/set_points.h"
+#include "pcm/system/error.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+namespace pcm::host {
+
+void SelectTool::undo(bool again)
+{
+    auto &from = again ? undone_ : steps_, &to = again ? steps_ : undone_;
+    if (from.empty()) return;
+    SceneState& state = SceneState::of(*view_->md());
+    const std::vector<int> ids = from.back();
+    from.pop_back();
+    to.push_back(ids);
+    for (const int mesh_id : ids)
+        if (const MeshModel* layer = view_->md()->getMesh(mesh_id)) again ? state.redo(*layer) : state.undo(*layer);
+    show();
+}
+
+void SelectTool::press(SelectPanel::Button button)
+{
+    using Button = SelectPanel::Button;
+    say({});
+    operation_ = panel_->operation();
+    const auto everywhere = [this](const Choose& choose) { return [choose](const MeshModel&) { return choose; }; };
+    switch (button) {
+        case Button::where: {
+            std::vector<Condition> where;
+            for (const QString& text : panel_->where().split(';', Qt::SkipEmptyParts))
+                if (!text.trimmed().isEmpty()) where.push_back(parse_condition(text.trimmed().toStdString()));
+            if (where.empty())
+                throw Error(ErrorCode::invalid_argument, {}, "there is no condition",
+                            "write one, as in classification=2");
+            return select(layers_for_shapes(), panel_->where(),
+                          everywhere([where](PointCloud& cloud, const Query& shown) {
+                              Query query = shown;
+                              query.where.insert(query.where.end(), where.begin(), where.end());
+                              return points_of(cloud, query);
+                          }));
+        }
+        case Button::all:
+            operation_ = SetOperation::replace;
+            return select(layers_for_shapes(), "all shown", everywhere(points_of));
+        case Button::none:
+            operation_ = SetOperation::replace;
+            return select(layers_for_shapes(), "none",
+                          everywhere([](PointCloud& cloud, const Query&) { return PointSet(cloud.tree()); }));
+        case Button::invert:
+            operation_ = SetOperation::replace;
+            return select(layers_for_shapes(), "inverted", [this](const MeshModel& layer) -> Choose {
+                const auto before = SceneState::of(*view_->md()).selection(layer);
+                return [before](PointCloud& cloud, const Query& shown) {
+                    PointSet set = points_of(cloud, shown);
+                    if (before) set.combine(SetOperation::subtract, *before);
+                    return set;
+                };
+            });
+        case Button::undo:
+        case Button::redo:
+            return undo(button == Button::redo);
+        case Button::stop:
+            cancel();
+            return;
+        case Button::to_layer:
+            return use(SelectionUse::to_layer);
+        case Button::to_file:
+            return use(SelectionUse::to_file);
+        case Button::remove:
+            return use(SelectionUse::remove);
+        case Button::classify:
+            return use(SelectionUse::classify);
+        case Button::save:
+            return use(SelectionUse::save);
+    }
+}
+
+// The current layer's selection, else the only one.
+void SelectTool::use(SelectionUse what)
+{
+    if (worker_.is_running())
+        throw Error(ErrorCode::invalid_argument, {}, "points are being selected",
+                    "wait until it is done, or press Esc");
+    const SceneState& state = SceneState::of(*view_->md());
+    MeshModel* layer = view_->md()->mm();
+    if (!layer || !state.selection(*layer)) {
+        std::vector<MeshModel*> selected;
+        for (MeshModel* other : view_->md()->meshList)
+            if (other && state.selection(*other)) selected.push_back(other);
+        if (selected.size() != 1)
+            throw Error(ErrorCode::invalid_argument, {},
+                        selected.empty() ? "no point is selected" : "points of several layers are selected",
+                        selected.empty() ? "select points first" : "make one of them the current layer");
+        layer = selected.front();
+    }
+    counter_.cancel();
+    const QPointer<GLArea> alive(view_);
+    const QString done = use_selected(*view_, *layer, what);
+    if (!alive || !view_) return;
+    publish("idle");
+    show();
+    say(done);
+}
+
+void SelectTool::selection_changed()
+{
+    statistics_.clear();
+    show();
+    count();
+}
+
+// Where the selected points of the current layer are, and of which classes; beside the work in the view.
+void SelectTool::count()
+{
+    const MeshModel* layer = view_ ? view_->md()->mm() : nullptr;
+    const auto set = layer ? SceneState::of(*view_->md()).selection(*layer) : nullptr;
+    counter_.cancel();
+    if (!set || counter_.is_running()) return;  // the one that ends counts again
+    const auto found = std::make_shared<SetStatistics>();
+    counter_.start(
+        [set, found](const ProgressFunction& progress) { *found = statistics_of(*set, 1, progress); },
+        [this, set, found](std::exception_ptr failure) {
+            if (!view_ || !panel_) return;
+            const MeshModel* now = view_->md()->mm();
+            if (!now || SceneState::of(*view_->md()).selection(*now) != set) return count();
+            guarded([&] {
+                if (failure) std::rethrow_exception(failure);
+                const auto text = [](double v) { return QString::fromStdString(exact(v)); };
+                QStringList lines;
+                for (std::size_t a = 0; a < 3; ++a)
+                    lines << QString("%1 from %2 to %3")
+                                 .arg("xyz"[a])
+                                 .arg(text(found->box.min[a]), text(found->box.max[a]));
+                for (const auto& [number, points] : found->classes)
+                    lines << QString("class %1: %2").arg(number).arg(QString::fromStdString(grouped(points)));
+                statistics_ = lines.join('\n');
+                show();
+            });
+        });
+}
+
+}  // namespace pcm::host

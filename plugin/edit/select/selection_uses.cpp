@@ -1,0 +1,232 @@
+#include "plugin/edit/select/selection_uses.h"
+
+#include "pcm/cloud/las_class.h"
+#include "pcm/select/set_changes.h"
+#include "pcm/select/set_points.h"
+#include "pcm/system/error.h"
+#include "plugin/host/layer.h"
+#include "plugin/host/misfit.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QFileDialog>
+#include <QInputDialog>
+#include <QMainWindow>
+#include <QMessageBox>
+#include <QPushButton>
+#include <QStatusBar>
+
+#include <optional>
+
+namespace pcm::host {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const trees = "Point cloud tree (*.pct)";
+
+QStatusBar* status_bar = nullptr;  // during an operation
+
+bool show_status(const int percent, const char* text)
+{
+    if (status_bar) status_bar->showMessage(QString("%1 % %2 (Esc cancels)").arg(percent).arg(text));
+    return true;
+}
+
+// Shows the progress in the window's status bar.
+class ShownOperation {
+public:
+    explicit ShownOperation(QMainWindow* window)
+        : operation_((status_bar = window ? window->statusBar() : nullptr, show_status))
+    {
+    }
+    ~ShownOperation()
+    {
+        if (status_bar) status_bar->clearMessage();
+        status_bar = nullptr;
+    }
+    ProgressFunction progress() { return operation_.progress(); }
+
+private:
+    Operation operation_;
+};
+
+fs::path ask_tree(QWidget* window, const QString& title, const fs::path& beside, const QString& suffix)
+{
+    const fs::path proposal = beside.parent_path() / (beside.stem().string() + suffix.toStdString() + ".pct");
+    QString name = QFileDialog::getSaveFileName(window, title, QString::fromStdString(proposal.string()), trees);
+    if (!name.isEmpty() && !name.endsWith(".pct")) name += ".pct";
+    return name.toStdString();
+}
+
+// Nothing where the user has cancelled.
+std::optional<TargetChoice> ask_target(QWidget* window, const QString& what, const fs::path& tree,
+                                       const QString& suffix)
+{
+    QMessageBox box(QMessageBox::Question, "Select Points",
+                    what +
+                        "\n\nInto a copy of the tree, which shares unchanged data with it, or in place? The change "
+                        "in place cannot be undone.",
+                    QMessageBox::Cancel, window);
+    const QPushButton* copy = box.addButton("Into a copy", QMessageBox::AcceptRole);
+    const QPushButton* in_place = box.addButton("In place", QMessageBox::DestructiveRole);
+    box.setDefaultButton(const_cast<QPushButton*>(copy));
+    box.exec();
+    if (box.clickedButton() == in_place) return TargetChoice{{}, true};
+    if (box.clickedButton() != copy) return std::nullopt;
+    const fs::path name = ask_tree(window, "The copy", tree, suffix);
+    return name.empty() ? std::nullopt : std::optional(TargetChoice{name, false});
+}
+
+void log(MeshDocument& document, const std::string& line) { document.Log.Log(GLLogStream::SYSTEM, line.c_str()); }
+
+void log_outcome(MeshDocument& document, const std::vector<std::string>& warnings)
+{
+    for (const std::string& line : warnings) document.Log.Log(GLLogStream::WARNING, line.c_str());
+}
+
+// As what a filter has made.
+void add_layer(GLArea& view, const fs::path& tree)
+{
+    MeshDocument& document = *view.md();
+    const auto cloud = Registry::instance().open(tree);
+    if (cloud->info().points == 0) return log(document, tree.string() + " has no points, so no layer shows it.");
+    MeshModel* layer = document.addNewMesh(QString::fromStdString(tree.string()),
+                                           QString::fromStdString(tree.filename().string()), false);
+    try {
+        for (const Misfit& misfit : misfits(*layer, cloud->info().metadata, cloud->info().bounds()))
+            log_outcome(document, {tree.filename().string() + ": " + misfit.text});
+        for (const std::string& line : show_tree(*layer, cloud)) log(document, line);
+    } catch (...) {
+        document.delMesh(layer);
+        throw;
+    }
+}
+
+// The tree is written: what fails from here on is only shown.
+void show_result(GLArea& view, const fs::path& tree, bool in_place)
+{
+    try {
+        if (!in_place) return add_layer(view, tree);
+        for (const std::string& line : reload_layers(*view.md(), tree)) log(*view.md(), line);
+    } catch (...) {
+        log_outcome(*view.md(), {"Select Points: the tree " + tree.string() +
+                                 " was written, but its layer cannot be shown: " + current_error() +
+                                 " (do not repeat it; open the tree)"});
+    }
+}
+
+QString extract(GLArea& view, const PointSet& set, const fs::path& output, bool is_tree)
+{
+    ConvertReport report;
+    {
+        ShownOperation operation(window_of(view));
+        ExtractOptions options;
+        options.overwrite = !is_tree;  // the dialog has asked
+        options.progress = operation.progress();
+        report = extract_points(set, output, options);
+    }
+    for (const std::string& note : report.notes) log(*view.md(), note);
+    log_outcome(*view.md(), report.outcome.warnings);
+    if (is_tree) show_result(view, output, false);
+    return QString::fromStdString("extracted " + grouped(report.outcome.points_out) + " points to " + output.string() +
+                                  (report.points_skipped > 0 ? ", " + grouped(report.points_skipped) +
+                                                                   " points were dropped: the format needs finite "
+                                                                   "positions"
+                                                             : ""));
+}
+
+QString ask_class(QWidget* window, bool& good)
+{
+    QStringList classes;
+    for (unsigned number = 0; number < 256; ++number)
+        if (const std::string words = las_class_name(number); !words.empty())
+            classes << QString("%1 %2").arg(number).arg(QString::fromStdString(words));
+    return QInputDialog::getItem(window, "Classify selected points",
+                                 "Class of the selected points (0 to 255, names of LAS):", classes, 2, true, &good);
+}
+
+QString change(GLArea& view, const PointSet& set, SelectionUse use)
+{
+    QWidget* const window = window_of(view);
+    const fs::path tree = set.tree().folder();
+    const QString count = QString::fromStdString(grouped(set.size()) + " points of " + tree.filename().string());
+    QString chosen, question = "Delete " + count + "?", suffix = "-without";
+    bool good = true;
+    if (use == SelectionUse::classify) {
+        chosen = ask_class(window, good);
+        question = "Set the class of " + count + " to " + chosen + "?";
+        suffix = "-classified";
+    } else if (use == SelectionUse::save) {
+        chosen =
+            QInputDialog::getText(window, "Save the selection",
+                                  "Name of the attribute (1: selected, 0: not):", QLineEdit::Normal, "selected", &good)
+                .trimmed();
+        question = "Save the selection of " + count + " as the attribute '" + chosen + "'?";
+        suffix = "-selected";
+    }
+    if (!good) return {};
+    const unsigned number = chosen.section(' ', 0, 0).toUInt(&good);
+    if (use == SelectionUse::classify && (!good || number > 255))
+        throw Error(ErrorCode::invalid_argument, {}, "'" + chosen.toStdString() + "' is no class",
+                    "write a number from 0 to 255, or choose one of the list");
+    const auto target = ask_target(window, question, tree, suffix);
+    if (!target) return {};
+    fs::path changed;
+    QString words;
+    {
+        ShownOperation operation(window_of(view));
+        SetChangeOptions options;
+        options.target = *target;
+        options.progress = operation.progress();
+        if (use == SelectionUse::remove) {
+            const SetErasure done = delete_points(set, options);
+            log_outcome(*view.md(), done.report.outcome.warnings);
+            changed = done.tree;
+            words = QString::fromStdString("deleted " + grouped(done.report.points_deleted) + " points; ");
+        } else {
+            const SetChangeReport done = use == SelectionUse::save
+                                             ? save_as_attribute(set, chosen.toStdString(), options)
+                                             : classify_points(set, number, "classification", options);
+            log_outcome(*view.md(), done.outcome.warnings);
+            changed = done.tree;
+            words = use == SelectionUse::save ? "saved " + count + " as the attribute " + chosen + "; "
+                                              : "classified " + count + " as " + chosen + "; ";
+        }
+    }
+    show_result(view, changed, target->in_place);
+    return words + (target->in_place ? "in place" : "into " + QString::fromStdString(changed.string()));
+}
+
+}  // namespace
+
+QString use_selected(GLArea& view, MeshModel& layer, SelectionUse use)
+{
+    Operation::refuse_second();
+    const auto tree = Registry::instance().drawn(layer);
+    const auto set = SceneState::of(*view.md()).selection(layer);
+    if (!tree || !set)
+        throw Error(ErrorCode::invalid_argument, {}, "no point of " + layer.label().toStdString() + " is selected",
+                    "select points first");
+    if (tree->is_copy())
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            layer.label().toStdString() + " is an ordinary layer: what is drawn is a temporary copy of its points",
+            "save the layer as a point cloud tree (.pct) and open that");
+    if (use != SelectionUse::to_layer && use != SelectionUse::to_file) return change(view, *set, use);
+    QWidget* const window = window_of(view);
+    if (use == SelectionUse::to_layer) {
+        const fs::path output = ask_tree(window, "Extract to a layer", set->tree().folder(), "-part");
+        return output.empty() ? QString() : extract(view, *set, output, true);
+    }
+    const QString name = QFileDialog::getSaveFileName(
+        window, "Extract to a file", QString::fromStdString((set->tree().folder().parent_path()).string()),
+        "Point clouds (*.las *.laz *.ply *.pcd *.e57 *.xyz *.txt *.csv *.pts *.ptx);;All files (*)");
+    return name.isEmpty() ? QString() : extract(view, *set, name.toStdString(), false);
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,154 @@
+// The panels of tools: fields and tables by the names of their objects, and keys as the window system sends them.
+#include "tests/e2e/driver/commands.h"
+
+#include <meshlab/glarea.h>
+
+#include <QApplication>
+#include <QComboBox>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <QKeyEvent>
+#include <QKeySequence>
+#include <QLineEdit>
+#include <QMainWindow>
+#include <QTreeWidget>
+
+namespace {
+
+template <class T>
+T* named(TestDriver& driver, const QString& name)
+{
+    for (QWidget* widget : qApp->allWidgets())
+        if (widget->objectName() == name)
+            if (auto* found = qobject_cast<T*>(widget)) return found;
+    driver.fail("no widget '" + name + "' of this kind");
+}
+
+// field NAME = VALUE: a field or a choice
+Done field(TestDriver& driver, const QString& argument)
+{
+    const QString name = argument.section('=', 0, 0).trimmed(), value = argument.section('=', 1).trimmed();
+    auto* widget = named<QWidget>(driver, name);
+    if (auto* choice = qobject_cast<QComboBox*>(widget)) {
+        if (choice->findText(value) < 0) driver.fail("'" + name + "' offers no '" + value + "'");
+        choice->setCurrentIndex(choice->findText(value));
+    } else if (auto* edit = qobject_cast<QLineEdit*>(widget)) {
+        if (!edit->isVisible()) driver.fail("'" + name + "' is hidden");
+        edit->setText(value);
+        QMetaObject::invokeMethod(edit, "editingFinished");
+    } else {
+        driver.fail("'" + name + "' is of an unknown kind");
+    }
+    return Done::yes;
+}
+
+// print-table NAME: its rows as JSON
+Done print_table(TestDriver& driver, const QString& name)
+{
+    const auto* table = named<QTreeWidget>(driver, name);
+    QJsonArray rows;
+    for (int i = 0; i < table->topLevelItemCount(); ++i) {
+        QJsonArray row;
+        for (int column = 0; column < table->columnCount(); ++column) row << table->topLevelItem(i)->text(column);
+        if (table->topLevelItem(i)->data(0, Qt::CheckStateRole).isValid())
+            row << (table->topLevelItem(i)->checkState(0) == Qt::Checked);
+        rows << row;
+    }
+    say("table " + QJsonDocument(QJsonObject{{"name", name}, {"rows", rows}}).toJson(QJsonDocument::Compact));
+    return Done::yes;
+}
+
+QTreeWidgetItem* row_of(TestDriver& driver, const QString& argument)
+{
+    const auto* table = named<QTreeWidget>(driver, argument.section(' ', 0, 0));
+    auto* item = table->topLevelItem(argument.section(' ', 1, 1).toInt());
+    if (!item) driver.fail("no row " + argument);
+    return item;
+}
+
+// wait-rows NAME COUNT
+Done wait_rows(TestDriver& driver, const QString& argument)
+{
+    const auto* table = named<QTreeWidget>(driver, argument.section(' ', 0, 0));
+    return driver.until(table->topLevelItemCount() == argument.section(' ', 1, 1).toInt(),
+                        "rows: " + argument + ", now " + QString::number(table->topLevelItemCount()));
+}
+
+// choose-row NAME ROW
+Done choose_row(TestDriver& driver, const QString& argument)
+{
+    auto* item = row_of(driver, argument);
+    item->treeWidget()->setCurrentItem(item);
+    return Done::yes;
+}
+
+// tick-row NAME ROW on|off
+Done tick_row(TestDriver& driver, const QString& argument)
+{
+    row_of(driver, argument)->setCheckState(0, argument.endsWith(" on") ? Qt::Checked : Qt::Unchecked);
+    return Done::yes;
+}
+
+// rename-row NAME ROW TEXT: typed into the table
+Done rename_row(TestDriver& driver, const QString& argument)
+{
+    auto* item = row_of(driver, argument);
+    QTreeWidget* table = item->treeWidget();
+    if (driver.first_try) table->editItem(item, 0);
+    auto* editor = table->viewport()->findChild<QLineEdit*>();
+    if (!editor) return driver.until(false, "an editor in the table");
+    editor->setText(argument.section(' ', 2));
+    QKeyEvent enter(QEvent::KeyPress, Qt::Key_Return, Qt::NoModifier);
+    qApp->sendEvent(editor, &enter);
+    return Done::yes;
+}
+
+// key NAME: pressed and released in the view, as the window system sends it: first as an override of a shortcut; if
+// nobody takes that, MeshLab's shortcut gets it.
+Done key(TestDriver& driver, const QString& name)
+{
+    int code = QKeySequence::fromString(name)[0];
+    const auto modifiers = Qt::KeyboardModifiers(code & int(Qt::KeyboardModifierMask));
+    code &= ~int(Qt::KeyboardModifierMask);
+    if (code == 0 || code == Qt::Key_unknown) driver.fail("no key '" + name + "'");
+    QKeyEvent asks(QEvent::ShortcutOverride, code, modifiers);
+    asks.ignore();
+    qApp->sendEvent(driver.area(), &asks);
+    say(QString("key %1 %2").arg(name, asks.isAccepted() ? "taken" : "left"));
+    if (!asks.isAccepted() && code == Qt::Key_Escape) {
+        for (QAction* action : driver.window()->findChildren<QAction*>())
+            if (action->shortcut() == QKeySequence(Qt::Key_Escape)) action->trigger();
+        return Done::yes;
+    }
+    for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease}) {
+        QKeyEvent event(type, code, modifiers);
+        qApp->sendEvent(driver.area(), &event);
+    }
+    return Done::yes;
+}
+
+// window-picture NAME FILE: of a window that has a widget of this name
+Done window_picture(TestDriver& driver, const QString& argument)
+{
+    auto* widget = named<QWidget>(driver, argument.section(' ', 0, 0));
+    if (!widget->isVisible()) return driver.until(false, "a visible '" + argument + "'");
+    if (!widget->window()->grab().save(argument.section(' ', 1))) driver.fail("cannot write " + argument);
+    return Done::yes;
+}
+
+}  // namespace
+
+std::vector<Command> panel_commands()
+{
+    return {
+        {"field", field},
+        {"print-table", print_table},
+        {"wait-rows", wait_rows},
+        {"choose-row", choose_row},
+        {"tick-row", tick_row},
+        {"rename-row", rename_row},
+        {"key", key},
+        {"window-picture", window_picture},
+    };
+}

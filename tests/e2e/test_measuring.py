@@ -1,0 +1,240 @@
+"""The tool Measure in the real window: clicks on a real scan at map coordinates, the list, projects and exports."""
+
+import csv
+import json
+import math
+import re
+import unittest
+import xml.etree.ElementTree
+
+from meshlab import NO_TIME_LIMIT, MeshLabTest, different, pcmlab, sample
+
+LIST, VALUES = "PointCloudMeasureList", "PointCloudMeasureValues"
+MESSAGE = "PointCloudMeasureMessage"
+RELATIVE = 1e-9  # of numbers against those that are computed here
+
+
+def minus(a, b):
+    return [x - y for x, y in zip(a, b)]
+
+
+def dot(a, b):
+    return math.fsum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def vector_area(points):
+    """Half of the sum of the corners' cross products, relative to the first one."""
+    from_first = [minus(p, points[0]) for p in points]
+    parts = [cross(a, b) for a, b in zip(from_first, from_first[1:] + from_first[:1])]
+    return [0.5 * math.fsum(part[k] for part in parts) for k in range(3)]
+
+
+def expected(kind, points):
+    """The first numbers of a measure, by name, computed from its points alone."""
+    if kind == "distance":
+        steps = [minus(b, a) for a, b in zip(points, points[1:])]
+        return {"distance": math.fsum(math.hypot(*step) for step in steps),
+                "horizontal": math.fsum(math.hypot(*step[:2]) for step in steps),
+                "vertical": points[-1][2] - points[0][2]}
+    if kind == "height":
+        return {"height": points[1][2] - points[0][2]}
+    if kind == "angle":
+        a, b = minus(points[0], points[1]), minus(points[2], points[1])
+        return {"angle": math.degrees(math.atan2(math.hypot(*cross(a, b)), dot(a, b)))}
+    if kind == "area":
+        area = vector_area(points)
+        return {"true area": math.hypot(*area), "plan area": abs(area[2])}
+    if kind == "plane":  # through exactly three points
+        normal = cross(minus(points[2], points[1]), minus(points[3], points[1]))
+        return {"distance": abs(dot(normal, minus(points[0], points[1]))) / math.hypot(*normal)}
+    return {}
+
+
+def kept_in(project):
+    """The measures in a project file."""
+    text = xml.etree.ElementTree.parse(project).getroot().findtext("PointCloudMeasures")
+    return json.loads(text)["measures"] if text else []
+
+
+def positions(measure):
+    return [point["position"] for point in measure["points"]]
+
+
+class Measuring(MeshLabTest):
+    """On the field south of the trees, of which a view from above shows the middle."""
+
+    def start(self, tree):
+        return f"""
+            wait-view
+            {NO_TIME_LIMIT}
+            open {tree}
+            wait-layers 1
+            view-size 800 600
+            wait-status complete
+            trigger Measure
+            wait-log Measure: click points
+            """
+
+    def tree(self, name):
+        tree = self.folder / "scan.pct"
+        pcmlab("build", sample(name), "-o", tree)
+        return tree
+
+    def clicks(self, *places):
+        """Clicks, each answered before the next one."""
+        return "\n".join(f"click {x} {y}\nwait-label PointCloudMeasureHint {i + 1} points" for i, (x, y) in enumerate(places))
+
+    def kind(self, name):
+        return f"field PointCloudMeasureKind = {name}\n"
+
+    def test_numbers_list_project_and_files(self):
+        tree = self.tree("las/autzen_trim.laz")
+        project, out = self.folder / "p.mlp", self.folder
+        pictures = {name: self.result(f"{name}.png") for name in ("none", "all", "hidden", "shown", "close", "reopened")}
+        run = self.gui(f"""
+            {self.start(tree)}
+            picture {pictures["none"]}
+            {self.clicks((0.40, 0.50), (0.60, 0.50))}
+            click 0.5 0.6
+            wait-label PointCloudMeasureHint 3 points
+            screen {self.result("draft.png")}
+            key Return
+            wait-rows {LIST} 1
+            {self.kind("Height")}
+            click 0.42 0.53
+            click 0.3 0.55
+            wait-rows {LIST} 2
+            {self.kind("Angle")}
+            click 0.35 0.52
+            click 0.40 0.62
+            click 0.46 0.56
+            wait-rows {LIST} 3
+            {self.kind("Area")}
+            {self.clicks((0.30, 0.50), (0.40, 0.52), (0.40, 0.60), (0.31, 0.62))}
+            double-click 0.31 0.62
+            wait-rows {LIST} 4
+            {self.kind("Point to plane")}
+            {self.clicks((0.60, 0.55), (0.30, 0.50), (0.40, 0.52), (0.36, 0.60))}
+            click-right 0.5 0.5
+            wait-rows {LIST} 5
+            {self.kind("Point")}
+            click 0.5 0.55
+            wait-rows {LIST} 6
+            print-table {LIST}
+            print-table {VALUES}
+            wait-status complete
+            picture {pictures["all"]}
+            screen {self.result("screen.png")}
+            rename-row {LIST} 1 Kerb & "gutter" <1>
+            pause 200
+            tick-row {LIST} 0 off
+            pause 200
+            picture {pictures["hidden"]}
+            key Ctrl+Z
+            pause 200
+            picture {pictures["shown"]}
+            tick-row {LIST} 3 off
+            pause 200
+            choose-row {LIST} 2
+            pause 100
+            key Delete
+            wait-rows {LIST} 5
+            key Ctrl+Z
+            wait-rows {LIST} 6
+            key Ctrl+Shift+Z
+            wait-rows {LIST} 5
+            print-table {LIST}
+            press Export measures
+            pick {out / "m.csv"}
+            wait-log wrote 5 measures to {out / "m.csv"}
+            press Export measures
+            pick {out / "m.geojson"}
+            wait-log wrote 5 measures to {out / "m.geojson"}
+            press Export measures
+            pick {out / "m.dxf"}
+            wait-log wrote 5 measures to {out / "m.dxf"}
+            choose-row {LIST} 0
+            pause 100
+            press Jump to
+            pause 500
+            wait-status complete
+            picture {pictures["close"]}
+            screen {self.result("close-screen.png")}
+            trigger Save Project As...
+            pick {project}
+            pause 500
+            quit
+            """)
+        self.assertDriven(run)
+        self.check_numbers(run, project, out)
+        self.check_pictures(pictures)
+        run = self.gui(f"""
+            wait-view
+            view-size 800 600
+            open-project {project}
+            wait-layers 1
+            wait-status complete
+            pause 500
+            picture {pictures["reopened"]}
+            trigger Measure
+            wait-log Measure: click points
+            print-table {LIST}
+            quit
+            """)
+        self.assertEqual(run.tables(LIST)[0], self.second_list)
+        self.assertGreater(different(pictures["none"], pictures["reopened"]), 0.001, "labels without the tool")
+        self.assertDriven(run)
+
+    def check_numbers(self, run, project, out):
+        first, self.second_list = run.tables(LIST)
+        self.assertEqual([row[0] for row in first],
+                         ["Distance 1", "Height 1", "Angle 1", "Area 1", "Plane 1", "Point 1"])
+        for row in first:
+            self.assertRegex(row[1], r"^-?[0-9.]+ ± [0-9.]+ ?(ft|ft²|ft\^2|°)$")
+        self.assertEqual([row[::2] for row in self.second_list],
+                         [["Distance 1", True], ['Kerb & "gutter" <1>', True], ["Area 1", False], ["Plane 1", True],
+                          ["Point 1", True]])
+        measures = kept_in(project)
+        self.assertEqual([m["name"] for m in measures], [row[0] for row in self.second_list])
+        points = self.points_of_the_file()
+        for measure in measures:
+            for place in positions(measure):
+                self.assertIn(tuple(place), points, "not a point of the file, bit for bit")
+        rows = list(csv.DictReader(open(out / "m.csv", encoding="utf-8", newline="")))
+        compared = 0
+        for measure in measures:
+            for name, value in expected(measure["kind"], positions(measure)).items():
+                written = [r for r in rows if r["name"] == measure["name"] and r["quantity"] == name]
+                self.assertEqual(len(written), 1, (measure["name"], name))
+                self.assertAlmostEqual(float(written[0]["value"]) / value, 1, delta=RELATIVE)
+                self.assertGreater(float(written[0]["uncertainty"]), 0)
+                compared += 1
+        self.assertEqual(compared, 7)
+        features = json.load(open(out / "m.geojson", encoding="utf-8"))["features"]
+        self.assertEqual([f["properties"]["name"] for f in features], [m["name"] for m in measures])
+        self.assertEqual(features[0]["geometry"]["coordinates"], positions(measures[0]))
+        drawing = (out / "m.dxf").read_text()
+        self.assertIn("pcm_distance", drawing)
+        numbers = [float(text) for text in re.findall(r"^\s*(-?[0-9.]+)\s*$", drawing, re.M)]
+        for coordinate in positions(measures[0])[0]:
+            self.assertIn(coordinate, numbers)
+
+    def points_of_the_file(self):
+        table = self.folder / "points.csv"
+        pcmlab("convert", sample("las/autzen_trim.laz"), "-o", table)
+        with open(table, encoding="utf-8", newline="") as file:
+            return {tuple(float(row[axis]) for axis in "xyz") for row in csv.DictReader(file)}
+
+    def check_pictures(self, pictures):
+        self.assertGreater(different(pictures["none"], pictures["all"]), 0.01)
+        self.assertGreater(different(pictures["all"], pictures["hidden"]), 0.001)
+        self.assertLess(different(pictures["all"], pictures["shown"]), 0.01)
+        self.assertGreater(different(pictures["all"], pictures["close"]), 0.1)
+
+
+if __name__ == "__main__":
+    unittest.main()
