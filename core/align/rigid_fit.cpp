@@ -259,15 +259,11 @@ void put_uncertainty(RigidFit& fit, const Problem& problem, const FitOptions& op
     const SymmetricSystem<3> system = inertia(problem, rotation);
     const double arm = fit.scale * problem.moving.size;  // of a turned point, in the fixed cloud's units
     fit.variance_of_shift = 1 / problem.sum;
-    double squares = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-        squares += system.values[a] / 2;
+    for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t r = 0; r < 3; ++r)
             for (std::size_t c = 0; c < 3; ++c)
                 fit.covariance_of_rotation[r][c] +=
                     system.vectors[a][r] * system.vectors[a][c] / system.values[a] / (arm * arm);
-    }
-    fit.variance_of_scale = options.scale ? 1 / (squares * arm * arm) : 0;
     fit.weakest_axis = {system.vectors[2][0], system.vectors[2][1], system.vectors[2][2]};
     fit.angle_error = fit.coordinate_error / (arm * std::sqrt(system.values[2]));
 }
@@ -278,7 +274,8 @@ double RigidFit::error_at(const Vec3d& moving) const
 {
     const Vec3d x = motion(moving) - motion.target;
     SquareMatrix<3> covariance{};
-    // The place moves by shift + turn x arm + stretch * arm.
+    // The place moves by shift + turn x arm. A fitted scale moves it along the arm, by less than the turn does across
+    // it.
     const auto column = [&](std::size_t a) {
         Vec3d e{};
         e[a] = 1;
@@ -287,7 +284,7 @@ double RigidFit::error_at(const Vec3d& moving) const
     const std::array<Vec3d, 3> turned{column(0), column(1), column(2)};
     for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 3; ++c) {
-            covariance[r][c] = (r == c ? variance_of_shift : 0) + variance_of_scale * x[r] * x[c];
+            covariance[r][c] = (r == c ? variance_of_shift : 0);
             for (std::size_t i = 0; i < 3; ++i)
                 for (std::size_t j = 0; j < 3; ++j)
                     covariance[r][c] += turned[i][r] * covariance_of_rotation[i][j] * turned[j][c];

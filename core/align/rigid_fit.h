@@ -54,8 +54,8 @@ struct RigidFit {
     // The largest such value in a box of the moving cloud: at one of its corners.
     double largest_error(const Box3d& box) const;
 
-    // Of error_at(): the covariance of translation at the centroid, rotation and scale, divided by coordinate_error^2.
-    double variance_of_shift = 0, variance_of_scale = 0;
+    // Of error_at(): the covariance of translation at the centroid and of rotation, divided by coordinate_error^2.
+    double variance_of_shift = 0;
     std::array<Vec3d, 3> covariance_of_rotation{};
 };
 

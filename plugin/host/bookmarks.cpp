@@ -7,6 +7,8 @@
 
 #include <meshlab/glarea.h>
 
+#include <QRegularExpression>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -61,8 +63,8 @@ Bookmarks& Bookmarks::of(MeshDocument& document)
 
 QString Bookmarks::free_name(const QString& wanted) const
 {
-    const QString base = wanted.trimmed().isEmpty() ? QString("View") : wanted.trimmed();
-    QString name = base;
+    QString name = wanted.trimmed().isEmpty() ? QString("View") : wanted.trimmed();
+    const QString base = QString(name).remove(QRegularExpression(" \\d+$"));
     const auto taken = [&] {
         return std::any_of(frames_.begin(), frames_.end(),
                            [&](const CameraFrame& frame) { return frame.name == name.toStdString(); });

@@ -398,7 +398,7 @@ class PointCloudsPanel(MeshLabTest):
         self.assertEqual([frame["name"] for frame in written["frames"]], ["View", "View 2"])
         low, high = bounds(tree)
         self.assertTrue(all(a - 200 < x < b + 200 for a, x, b in zip(low, written["frames"][0]["target"], high)))
-        pcmlab("render", tree, "-o", self.folder / "frame.png", "--path", path, "--size", "64x48")
+        pcmlab("render", tree, "-o", self.folder / "frame%02d.png", "--path", path, "--size", "64x48")
         self.assertIn("PointCloudBookmarks", project.read_text())
         again = self.gui("wait-view\nwait-layers 1\nwait-rows PointCloudBookmarks 3\nprint-table PointCloudBookmarks\nquit\n",
                          project)

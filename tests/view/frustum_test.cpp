@@ -21,11 +21,11 @@ static_assert(std::numeric_limits<Long>::digits >= 64);
 
 // Clip coordinates, and the same sums over absolute values, which bound the rounding error of the computation in
 // double.
-struct Clip {
+struct ClipSums {
     std::array<Long, 4> value{}, bound{};
 };
 
-Clip exact_clip(const Camera& view, const Vec3d& source)
+ClipSums exact_clip(const Camera& view, const Vec3d& source)
 {
     const auto absolute = [](const Matrix4d& m) {
         Matrix4d result = m;
@@ -273,12 +273,12 @@ TEST(Frustum, ClassifiesBoxesAsExactProjectionDoes)
         for (int corner = 0; corner < 2; ++corner) box.extend(random.near(middle, size));
 
         bool all_inside = true, surely_inside = true, beyond = false, surely_beyond = false;
-        std::array<Clip, 8> corners;
+        std::array<ClipSums, 8> corners;
         for (unsigned c = 0; c < 8; ++c) corners[c] = exact_clip(stiff.view, corner_of(box, c));
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (const Long sign : {Long(-1), Long(1)}) {
                 bool all_beyond = true, all_surely_beyond = true;
-                for (const Clip& c : corners) {
+                for (const ClipSums& c : corners) {
                     const Long above = c.value[3] + sign * c.value[axis];  // >= 0 inside
                     const Long margin = 64 * epsilon * (c.bound[3] + c.bound[axis]);
                     all_inside = all_inside && above >= 0;
@@ -335,7 +335,7 @@ TEST(Frustum, PixelsAreThoseOfAProjectedSegmentInStiffViews)
         const auto frustum = Frustum::of(stiff.view);
         ASSERT_TRUE(frustum);
         const Vec3d point = random.near(frustum->eye(), stiff.reach);
-        const Clip clip = exact_clip(stiff.view, point);
+        const ClipSums clip = exact_clip(stiff.view, point);
         // Not where the rounding of the point's coordinates is of the size of its depth.
         if (!(clip.value[3] > 1e-9L * clip.bound[3]) || std::abs(clip.value[2]) > clip.value[3]) continue;
         if (std::abs(clip.value[0]) > 1e-3L * clip.value[3] || std::abs(clip.value[1]) > 1e-3L * clip.value[3])
@@ -348,7 +348,7 @@ TEST(Frustum, PixelsAreThoseOfAProjectedSegmentInStiffViews)
         const auto on_screen = [&](const Vec3d& at, double sign) {
             Camera moved = stiff.view;  // the segment's end relative to the point, without rounding it
             moved.origin = stiff.view.origin - (sign / 2) * across;
-            const Clip c = exact_clip(moved, at);
+            const ClipSums c = exact_clip(moved, at);
             return c.value[0] / c.value[3] * stiff.view.width / 2;
         };
         const Long seen = std::abs(on_screen(point, 1) - on_screen(point, -1));

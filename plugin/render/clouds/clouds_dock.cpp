@@ -8,6 +8,7 @@
 
 #include <meshlab/glarea.h>
 
+#include <QAction>
 #include <QLabel>
 #include <QMainWindow>
 #include <QMdiArea>
@@ -63,6 +64,9 @@ void CloudsDock::show_for(const GLArea& area)
         }
     }
     add_to_view_menu(*window, dock->toggleViewAction());
+    connect(dock->toggleViewAction(), &QAction::triggered, dock, [dock](bool shown) {
+        if (shown) dock->raise();
+    });
 }
 
 CloudsDock::CloudsDock(QMainWindow* window) : QDockWidget("Point Clouds", window)
