@@ -49,12 +49,6 @@ private:
     LengthUnit unit_;
 };
 
-// All values of a measure as lines "name<tab>value", its points with all digits included; for the clipboard.
-QString text_of(const Measure& measure, const std::string& unit);
-
-// The coordinates of a point, without the noise that the steps of its grid have in double: 636798.2 of 63679820 * 0.01.
-QString coordinates_of(const MeasuredPoint& point);
-
 // Makes project files keep the measures of documents, as the element PointCloudMeasures. Once per program.
 void keep_measures_in_projects();
 
