@@ -210,7 +210,8 @@ class Measuring(MeshLabTest):
         for measure in measures:
             for place in positions(measure):
                 self.assertIn(rounded(place), points, "not a point of the file")
-        rows = list(csv.DictReader(open(out / "m.csv", encoding="utf-8", newline="")))
+        with open(out / "m.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
         compared = 0
         for measure in measures:
             for name, value in expected(measure["kind"], positions(measure)).items():
@@ -220,7 +221,7 @@ class Measuring(MeshLabTest):
                 self.assertGreater(float(written[0]["uncertainty"]), 0)
                 compared += 1
         self.assertEqual(compared, 7)
-        features = json.load(open(out / "m.geojson", encoding="utf-8"))["features"]
+        features = json.loads((out / "m.geojson").read_text(encoding="utf-8"))["features"]
         self.assertEqual([f["properties"]["name"] for f in features], [m["name"] for m in measures])
         self.assertEqual(features[0]["geometry"]["coordinates"], positions(measures[0]))
         drawing = (out / "m.dxf").read_text()
@@ -238,7 +239,7 @@ class Measuring(MeshLabTest):
     def check_pictures(self, pictures):
         self.assertGreater(different(pictures["none"], pictures["all"]), 0.01)
         self.assertGreater(different(pictures["all"], pictures["hidden"]), 0.001)
-        self.assertLess(different(pictures["all"], pictures["shown"]), 0.01)
+        self.assertGreater(different(pictures["hidden"], pictures["shown"]), 0.001)
         self.assertGreater(different(pictures["all"], pictures["close"]), 0.1)
 
     def test_what_is_clicked_wrongly_changes_nothing(self):
@@ -333,16 +334,19 @@ class Measuring(MeshLabTest):
         a, b = (p[:2] for p in positions(measure))
         length = math.dist(a, b)
         u = [(y - x) / length for x, y in zip(a, b)]
-        expected_rows = {}
+        expected_rows, unclear = {}, set()  # the ends of the line are points of the cloud
         for p in self.points_of_the_file():
             d = minus(p[:2], a)
             along, right = dot(u, d), d[0] * u[1] - d[1] * u[0]
-            if 0 <= along <= length and abs(right) <= 10:
+            if -1e-6 <= along <= length + 1e-6 and abs(right) <= 10 + 1e-6:
                 expected_rows[p] = (along, right)
+                if min(abs(along), abs(length - along), 10 - abs(right)) < 1e-6:
+                    unclear.add(p)
         with open(out, encoding="utf-8", newline="") as file:
             rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
         self.assertGreater(len(rows), 500)
-        self.assertEqual({rounded(row[axis] for axis in "xyz") for row in rows} ^ set(expected_rows), set())
+        self.assertEqual(({rounded(row[axis] for axis in "xyz") for row in rows} ^ set(expected_rows)) - unclear, set())
+        self.assertLess(len(unclear), 5)
         for row in rows:
             along, right = expected_rows[rounded(row[axis] for axis in "xyz")]
             self.assertAlmostEqual(row["station"], along, delta=1e-9 * length)
@@ -379,8 +383,9 @@ class Measuring(MeshLabTest):
         from_command = pcmlab("volume", tree, "--polygon", *corners, "--reference", 425, "--side", 10)
         with open(out, encoding="utf-8", newline="") as file:
             values = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+        self.assertGreater(from_command["cut"], 0)
         for name in ("net", "cut", "fill"):
-            self.assertAlmostEqual(values[name] / from_command[name], 1, delta=RELATIVE)
+            self.assertAlmostEqual(values[name], from_command[name], delta=RELATIVE * from_command["cut"])
         self.assertEqual(values["level"], 425)
         self.assertAlmostEqual(values["plan area"] / abs(vector_area(positions(measure))[2]), 1, delta=RELATIVE)
 
