@@ -1,6 +1,7 @@
 // Plots of profiles: round numbers at the axes, what is where, zooming.
 #include "plugin/edit/measure/profile_plot.h"
 
+#include <QCoreApplication>
 #include <QMouseEvent>
 
 #include <gtest/gtest.h>

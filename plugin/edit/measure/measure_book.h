@@ -25,7 +25,7 @@ public:
     const MeasureList& list() const { return list_; }
     // Passes on what `step` throws; the list is then as it was.
     void change(const std::function<void(MeasureList& list)>& step);
-    // In place of all that are there, which cannot be had back.
+    // In place of the present ones, which cannot be had back.
     void replace(MeasureList list);
 
     // The one that is shown in another colour, whose numbers the panels show.
