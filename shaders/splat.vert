@@ -8,7 +8,9 @@
 //   ORTHOGRAPHIC (of DISC): parallel rays;
 //   QUADS: drawn as an instanced strip of four vertices in place of a point: points have a largest size, and vanish when their centre
 //     leaves the clip volume;
-//   DOUBLE (of DISC): values common to a splat's fragments are computed in double.
+//   DOUBLE (of DISC): values common to a splat's fragments are computed in double;
+//   CLIPS: points that a clip hides are not drawn;
+//   SELECTED: points whose x has a minus sign, 0 included, have another colour; their place is the same without it.
 //
 // `reference` is a point of the chunk near the eye, in the chunk's coordinates, exact in float; `translation` is where
 // it lies in eye space, computed in double. Near the reference the subtraction is exact, so the rounding error of
@@ -26,7 +28,12 @@
 #define rmat3 mat3
 #endif
 
+#if defined(SELECTED)
+layout(location = 0) in vec3 place_and_sign;
+#define position vec3(abs(place_and_sign.x), place_and_sign.yz)
+#else
 layout(location = 0) in vec3 position;
+#endif
 
 uniform vec3 reference;
 uniform rmat3 to_eye;
@@ -61,6 +68,42 @@ uniform vec3 uniform_colour;
 vec3 colour_of_point() { return uniform_colour; }
 #endif
 
+#if defined(SELECTED)
+uniform vec3 selected_colour;
+// Some of the point's own colour is left, so that shapes stay visible.
+vec3 shown_colour() { return floatBitsToInt(place_and_sign.x) < 0 ? mix(colour_of_point(), selected_colour, 0.75) : colour_of_point(); }
+#else
+vec3 shown_colour() { return colour_of_point(); }
+#endif
+
+#if defined(CLIPS)
+uniform vec4 clip_planes[24];  // of all clips, relative to the reference; what is on or before all planes of a clip is in it
+uniform int clip_ends[4];      // of each clip's planes
+uniform int clip_count;
+uniform int clip_outside;      // a bit for each clip that hides what is in it, in place of what is not
+
+bool is_clipped()
+{
+    vec3 p = position - reference;
+    int k = 0;
+    for (int c = 0; c < clip_count; ++c) {
+        bool inside = true;
+        for (; k < clip_ends[c]; ++k) inside = inside && dot(clip_planes[k].xyz, p) + clip_planes[k].w >= 0.0;
+        if (inside == ((clip_outside >> c & 1) != 0)) return true;
+    }
+    return false;
+}
+#else
+bool is_clipped() { return false; }
+#endif
+
+// Outside the clip volume in either depth convention.
+void draw_nothing()
+{
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = 1.0;
+}
+
 uniform float eye_scale;     // eye units per source unit
 uniform float least_radius;  // source units,
 uniform float least_pixels;  // limited to this diameter on the screen
@@ -72,10 +115,14 @@ uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (or
 
 void main()
 {
+    if (is_clipped()) {
+        draw_nothing();
+        return;
+    }
     vec3 eye = to_eye * (position - reference) + translation;
     gl_Position = projection * vec4(eye, 1.0);
     gl_PointSize = max(point_size, min(least_pixels, least_radius * eye_scale * pixels / gl_Position.w));
-    splat_colour = colour_of_point();
+    splat_colour = shown_colour();
 }
 
 #else
@@ -87,13 +134,6 @@ uniform vec2 viewport;    // pixels
 
 // `pixel` is the size of a pixel at the point's depth, source units.
 float radius_of_splat(float pixel) { return max(radius * radius_scale, min(least_radius, 0.5 * least_pixels * pixel)); }
-
-// Outside the clip volume in either depth convention.
-void draw_nothing()
-{
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = 1.0;
-}
 
 #if defined(QUADS)
 // This vertex's corner of a box.
@@ -113,12 +153,16 @@ uniform vec2 guard;    // scales x and y: the clip volume is wider by half the l
 
 void main()
 {
+    if (is_clipped()) {
+        draw_nothing();
+        return;
+    }
     vec3 eye = to_eye * (position - reference) + translation;
     vec4 place = projection * vec4(eye, 1.0);
     // Equation 7.1 with the side as a diameter. At least one pixel, so that no point vanishes.
     float unit = eye_scale * pixels / place.w;  // pixels of a square's side for a radius of 1
     float side = max(max(radius * radius_scale * unit, min(least_radius * unit, least_pixels)), 1.0);
-    splat_colour = colour_of_point();
+    splat_colour = shown_colour();
 #if defined(PARABOLOID)
     depth_radius_side = vec3(-eye.z, eye_scale * side / unit, side);
 #endif
@@ -200,7 +244,11 @@ uniform mat3 normal_to_eye;
 // Equations 7.2 to 7.4: rays are taken as parallel to the view around the splat's centre.
 void main()
 {
-    splat_colour = colour_of_point();
+    if (is_clipped()) {
+        draw_nothing();
+        return;
+    }
+    splat_colour = shown_colour();
     vec3 eye = to_eye * (position - reference) + translation;
     float depth = -eye.z;
     float r = radius_of_splat(abs(depth / focal.y) / eye_scale) * eye_scale;
@@ -297,7 +345,11 @@ void draw_disc(vec4 centre, vec4 u, vec4 v)
 //     nearest to the plane's horizon, where D.n is smallest.
 void main()
 {
-    splat_colour = colour_of_point();
+    if (is_clipped()) {
+        draw_nothing();
+        return;
+    }
+    splat_colour = shown_colour();
     rvec3 local = rvec3(position) - rvec3(reference);
 #if defined(ORTHOGRAPHIC)
     rvec3 view = centre_ray;

@@ -15,10 +15,12 @@ Run add_measure(Options& options);
 Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
+Run add_pick(Options& options);
 Run add_profile(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
 Run add_repair(Options& options);
+Run add_select(Options& options);
 Run add_set(Options& options);
 Run add_subsample(Options& options);
 Run add_transform(Options& options);
@@ -40,6 +42,12 @@ const std::vector<Command>& commands()
         {"delete", "Delete points of a tree", add_delete},
         {"repair", "Rebuild a tree's index from its chunks, without damaged chunks", add_repair},
         {"query", "Query a tree: points in a region, nearest neighbours, first hit of a ray", add_query},
+        {"pick", "Pick the point that a view shows at a pixel, or that a ray meets, and list all its attributes",
+         add_pick},
+        {"select",
+         "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
+         "delete them",
+         add_select},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",

@@ -35,6 +35,11 @@ void RegionOptions::add_to(Options& options, const char* group)
         .values(1)
         .one_value_each()
         .group(group);
+    add_limits_to(options, group);
+}
+
+void RegionOptions::add_limits_to(Options& options, const char* group)
+{
     options
         .option("--clip", clips_,
                 "Of these, only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold")

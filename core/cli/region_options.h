@@ -16,6 +16,8 @@ namespace pcm::cli {
 class RegionOptions {
 public:
     void add_to(Options& options, const char* group);
+    // --clip, --clip-outside and --where alone.
+    void add_limits_to(Options& options, const char* group);
     // Throws Error(invalid_argument) for more than one region, for a box that no point can be in, and everything that
     // parse_region() and parse_condition() throw.
     Selection get() const;

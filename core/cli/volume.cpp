@@ -40,13 +40,8 @@ Measure measure_of(const Arguments& arguments, const VolumeReport& report, const
     measure.kind = MeasureKind::volume;
     measure.name = arguments.name;
     measure.computed = report.values();
-    const Box3d box = cloud.info().bounds();
     std::vector<Vec3d> polygon = arguments.options.polygon;
-    if (polygon.empty())
-        polygon = {box.min,
-                   {box.max[0], box.min[1], box.min[2]},
-                   {box.max[0], box.max[1], box.min[2]},
-                   {box.min[0], box.max[1], box.min[2]}};
+    if (polygon.empty()) polygon = plan_rectangle(cloud.info().bounds());
     for (const Vec3d& p : polygon) measure.points.push_back({p, 0, 0, arguments.tree});
     return measure;
 }

@@ -21,4 +21,13 @@ struct Clip {
     }
 };
 
+// Whether points of the box stay that pass through all the clips.
+template <class Clips>
+BoxRelation relation_of(const Clips& clips, const Box3d& box)
+{
+    BoxRelation relation = BoxRelation::inside;
+    for (const Clip& clip : clips) relation = both(relation, clip.relation(box));
+    return relation;
+}
+
 }  // namespace pcm

@@ -71,6 +71,23 @@ bool Region::contains(const Vec3d& p) const
     }
 }
 
+std::optional<std::vector<Region::Plane>> Region::half_spaces() const
+{
+    if (kind_ == Kind::oriented_box || kind_ == Kind::convex) return planes_;
+    if (kind_ != Kind::box) return std::nullopt;
+    std::vector<Plane> planes;
+    for (std::size_t a = 0; a < 3; ++a) {
+        Plane least, most;
+        least.normal[a] = 1;
+        least.offset = centre_[a] - box_.min[a];
+        most.normal[a] = -1;
+        most.offset = box_.max[a] - centre_[a];
+        for (const Plane& plane : {least, most})
+            if (plane.offset != std::numeric_limits<double>::infinity()) planes.push_back(plane);
+    }
+    return planes;
+}
+
 BoxRelation Region::half_space(const Plane& plane, const Box3d& d)
 {
     const auto [low, high] = range(plane.normal, d);

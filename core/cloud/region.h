@@ -84,6 +84,14 @@ public:
     static Region lasso(const std::array<double, 16>& modelview, const std::array<double, 16>& projection,
                         const Vec3d& origin, const std::vector<Vec2d>& polygon);
 
+    // What lasso() was given; null for other regions.
+    struct View {
+        std::array<double, 16> modelview{}, projection{};
+        Vec3d origin{};
+        std::vector<Vec2d> polygon;
+    };
+    const View* view() const { return view_.get(); }
+
     // False for a point that is not finite.
     bool contains(const Vec3d& p) const;
     // `outside` for an empty box; `crosses` for a box that is not finite, unless it is surely outside.
@@ -93,6 +101,9 @@ public:
     const Box3d& bounds() const { return bounds_; }
     Kind kind() const { return kind_; }
     const Vec3d& centre() const { return centre_; }
+    // The half-spaces, relative to centre(), whose intersection the region is; none where it is everything. Absent for
+    // a region that is not such an intersection.
+    std::optional<std::vector<Plane>> half_spaces() const;
     // In the form that parse_region() reads, with all digits.
     std::string text() const { return text_; }
 
@@ -120,6 +131,7 @@ private:
     // Prism, lasso: x, y and w, of which (x / w, y / w) is in the polygon where w > 0.
     std::shared_ptr<const Polygon> polygon_;
     std::array<Plane, 3> rows_;
+    std::shared_ptr<const View> view_;
     // Sphere, ray. Lengths are squared after multiplication by inverse_unit_, a power of two near 1 / radius.
     double radius_ = 0, inverse_unit_ = 1, scaled_square_ = 0;
     Vec3d axis_{};

@@ -238,6 +238,7 @@ Region Region::lasso(const std::array<double, 16>& modelview, const std::array<d
         add({-1.0 * across.normal, -across.offset}, high + slack, w);
     }
     region.bound_by_planes();
+    region.view_ = std::make_shared<const View>(View{modelview, projection, origin, polygon});
     region.text_ = "lasso" + text_of(modelview) + text_of(projection) + pcm::text_of({origin}) + text_of(polygon);
     return region;
 }

@@ -1,5 +1,6 @@
 #include "pcm/gl/chunk_feed.h"
 
+#include "pcm/gl/view_clips.h"
 #include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ const CloudFact* ChunkFeed::fact_of(const CloudStyle& usable)
     return facts_.find(usable, [this](NodeId node) { return has_failed(node); });
 }
 
-VertexFormat ChunkFeed::format_of(const CloudStyle& usable, std::string& notice)
+VertexFormat ChunkFeed::format_of(const CloudStyle& usable, const std::vector<Clip>& clips, std::string& notice)
 {
     VertexFormat format = pcm::format_of(usable);
     const Schema& schema = cloud_->info().schema;
@@ -70,11 +71,11 @@ VertexFormat ChunkFeed::format_of(const CloudStyle& usable, std::string& notice)
         format.attribute = static_cast<std::uint32_t>(found - attributes_.begin()) + 1;
         if (found == attributes_.end()) attributes_.push_back(place);
     }
-    if (usable.where.empty()) return format;
-    std::string text;
+    if (usable.where.empty() && clips.empty()) return format;
+    std::string text = text_of(clips);
     for (const Condition& condition : usable.where) text += condition.text + "\n";
     const auto [place, is_new] = filter_numbers_.try_emplace(text, static_cast<std::uint32_t>(filters_.size()) + 1);
-    if (is_new) filters_.emplace_back(usable.where, schema);
+    if (is_new) filters_.emplace_back(usable.where, clips, schema);
     format.filter = place->second;
     const std::string& more = filters_[format.filter - 1].notice();
     if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
@@ -253,6 +254,37 @@ VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const
     return attributes;
 }
 
+void ChunkFeed::select(std::shared_ptr<const PointSet> points)
+{
+    if (points == selected_) return;
+    selected_ = std::move(points);
+    selections_.clear();
+}
+
+// 0: no point is selected, else a number made from those that are: vertices of a node whose selected points are the
+// same as before are not uploaded again.
+std::uint64_t ChunkFeed::selection_of(NodeId node)
+{
+    if (!selected_ || selected_->count(node) == 0) return 0;
+    if (selections_.empty()) selections_.resize(cloud_->tree()->nodes().size());
+    std::optional<std::uint64_t>& known = selections_[node];
+    if (known) return *known;
+    std::uint64_t number = selected_->count(node);
+    for (const std::uint32_t point :
+         selected_->has_all(node) ? std::vector<std::uint32_t>{} : selected_->points(node)) {
+        number = (number ^ point) * 0x9e3779b97f4a7c15u;
+        number ^= number >> 29;
+    }
+    known = number == 0 ? 1 : number;
+    return *known;
+}
+
+void ChunkFeed::find_flags(NodeId node, const std::vector<std::uint32_t>* points)
+{
+    flags_ = selected_->flags(node);
+    for (std::size_t i = 0; points && i < points->size(); ++i) flags_[i] = flags_[(*points)[i]];
+}
+
 Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms)
 {
     // The range of the colours is that of the whole cloud, and must be known first.
@@ -265,9 +297,15 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
         const auto found = arrivals_.find(node);
         const Chunk& whole = *found->second.chunk;
         const Grid& grid = cloud_->info().grid;
-        const Chunk shown = format.filter ? filters_[format.filter - 1].apply(whole, grid, columns_of(format)) : whole;
-        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes_of(node, shown, format),
-                         whole.points - shown.points))
+        const auto points = format.filter ? filters_[format.filter - 1].shown(whole, grid) : std::nullopt;
+        const Chunk shown = points ? ChunkFilter::take(whole, *points, columns_of(format)) : whole;
+        VertexAttributes attributes = attributes_of(node, shown, format);
+        attributes.selection = selection_of(node);
+        if (attributes.selection) {
+            find_flags(node, points ? &*points : nullptr);
+            attributes.selected = flags_.data();
+        }
+        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes, whole.points - shown.points))
             return false;
         arrivals_.erase(found);
         return true;

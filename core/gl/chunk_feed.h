@@ -6,6 +6,7 @@
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/vertex_format.h"
 #include "pcm/point_cloud.h"
+#include "pcm/query/point_set.h"
 #include "pcm/view/level_of_detail.h"
 #include "pcm/view/point_colours.h"
 #include "pcm/view/point_sizes.h"
@@ -36,10 +37,15 @@ public:
 
     L1Cache::Owner owner() const { return owner_; }
     const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
-    static bool is_current(const VertexEntry* entry, const VertexFormat& format)
+    // Whether the node's entry, which may be null, has what this format needs, and the selected points of now.
+    bool is_current(NodeId node, const VertexEntry* entry, const VertexFormat& format)
     {
-        return entry && entry->format.serves(format);
+        return entry && entry->format.serves(format) && entry->selection == selection_of(node);
     }
+
+    // The points that are shown in another colour from now on; null: none. They belong to the cloud's tree.
+    void select(std::shared_ptr<const PointSet> points);
+    const std::shared_ptr<const PointSet>& selected() const { return selected_; }
 
     // The first nodes of `wanted` that are not `current`: absent from video memory, or there in another format. Nodes
     // below one that cannot be loaded are left out, as they could not be drawn.
@@ -54,8 +60,9 @@ public:
     // What the colours of a usable style depend on as a whole; null for a style without such a fact, and while it is
     // not known: nothing is uploaded then.
     const CloudFact* fact_of(const CloudStyle& usable);
-    // The format of a usable style. `notice` is extended by the conditions that do not apply to this cloud.
-    VertexFormat format_of(const CloudStyle& usable, std::string& notice);
+    // The format of a usable style, for points that all clips leave. `notice` is extended by the conditions that do not
+    // apply to this cloud.
+    VertexFormat format_of(const CloudStyle& usable, const std::vector<Clip>& clips, std::string& notice);
     // The classes among the points that were uploaded with colours by class.
     const ClassSet& classes() const { return classes_; }
 
@@ -101,6 +108,9 @@ private:
     VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
     VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
     void fail(NodeId node, std::string error);
+    std::uint64_t selection_of(NodeId node);
+    // In flags_: whether these points of the node, null for all, are selected.
+    void find_flags(NodeId node, const std::vector<std::uint32_t>* points);
 
     const std::shared_ptr<PointCloud> cloud_;
     const std::shared_ptr<L1Cache> l1_;
@@ -117,9 +127,11 @@ private:
     std::vector<AttributePlace> attributes_;               // that colours were made from, by number - 1
     ClassSet classes_;
     std::uint32_t classes_filter_ = 0;  // that the points of these meet
-    std::vector<std::uint8_t> rgba_;
+    std::vector<std::uint8_t> rgba_, flags_;
     std::vector<float> values_, radii_, normals_;
     std::optional<PointSizes> sizes_;  // when first needed
+    std::shared_ptr<const PointSet> selected_;
+    std::vector<std::optional<std::uint64_t>> selections_;  // of each node, once it was asked for
 };
 
 }  // namespace pcm

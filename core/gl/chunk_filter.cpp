@@ -26,9 +26,10 @@ std::shared_ptr<const Column> kept_of(const Column& column, const std::vector<st
 
 }  // namespace
 
-ChunkFilter::ChunkFilter(const std::vector<Condition>& where, const Schema& schema)
+ChunkFilter::ChunkFilter(const std::vector<Condition>& where, const std::vector<Clip>& clips, const Schema& schema)
 {
     Selection selection;
+    selection.clips = clips;
     for (const Condition& condition : where) {
         Selection one;
         one.where = {condition};
@@ -40,22 +41,26 @@ ChunkFilter::ChunkFilter(const std::vector<Condition>& where, const Schema& sche
             notice_ += "the filter '" + condition.text + "' is not applied: " + error.what();
         }
     }
-    if (selection.where.empty()) return;
+    if (selection.where.empty() && clips.empty()) return;
     selector_.emplace(selection, schema);
     for (const std::size_t attribute : selector_->tested()) tested_.attributes.set(attribute);
 }
 
-Chunk ChunkFilter::apply(const Chunk& chunk, const Grid& grid, const ColumnSet& needed) const
+std::optional<std::vector<std::uint32_t>> ChunkFilter::shown(const Chunk& chunk, const Grid& grid) const
 {
-    if (!selector_) return chunk;
+    if (!selector_) return std::nullopt;
     std::vector<std::uint32_t> kept(chunk.points);
     std::iota(kept.begin(), kept.end(), 0u);
     std::vector<const Column*> columns;
     for (const auto& column : chunk.attributes) columns.push_back(column.get());
     selector_->narrow(
         columns, [&](std::size_t i) { return grid.to_source(chunk.positions->grid(i)); }, kept);
-    if (kept.size() == chunk.points) return chunk;
+    if (kept.size() == chunk.points) return std::nullopt;
+    return kept;
+}
 
+Chunk ChunkFilter::take(const Chunk& chunk, const std::vector<std::uint32_t>& kept, const ColumnSet& needed)
+{
     Chunk rest;
     rest.points = static_cast<std::uint32_t>(kept.size());
     auto positions = std::make_shared<ChunkPositions>();

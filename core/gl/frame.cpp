@@ -38,7 +38,8 @@ std::vector<TreeInView> Frame::trees() const
 {
     std::vector<TreeInView> trees;
     for (const FrameCloud& cloud : clouds)
-        trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view});
+        trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view,
+                         cloud.clips.empty() ? nullptr : &cloud.clips.all()});
     return trees;
 }
 
@@ -69,7 +70,7 @@ DetailLimits Frame::current_limits()
 void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples(),
-                 at_rest, cloud.values);
+                 at_rest, cloud.values, {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour});
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

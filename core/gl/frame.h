@@ -4,6 +4,7 @@
 #include "pcm/gl/picture_state.h"
 #include "pcm/gl/splat_pass.h"
 #include "pcm/gl/vertex_format.h"
+#include "pcm/gl/view_clips.h"
 
 #include <chrono>
 #include <cstdint>
@@ -19,6 +20,8 @@ struct FrameCloud {
     Camera view;
     CloudStyle style;
     ShownValues values;
+    ViewClips clips;
+    std::array<float, 3> selected_colour;
     VertexFormat format;
     std::vector<bool> current;   // per node of `wanted`: in L1 with the attributes of the style
     std::vector<NodeId> window;  // to be loaded
@@ -82,8 +85,9 @@ public:
     {
         if (cloud_) frame_.splats.end();
     }
-    void draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual,
-              const FrameCloud::Gap& gap)
+    // What SplatPass::draw() returns.
+    std::uint32_t draw(const FrameCloud& cloud, const DetailNode& node, const VertexEntry& entry, float residual,
+                       const FrameCloud::Gap& gap)
     {
         if (cloud_ != &cloud) {
             if (cloud_) frame_.splats.end();
@@ -95,7 +99,7 @@ public:
         look.error_px = residual;
         look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
         look.least_px = fill_of(gap.spacing_px, cloud.style);
-        frame_.splats.draw(entry, look);
+        return frame_.splats.draw(entry, look);
     }
 
 private:

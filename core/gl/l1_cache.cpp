@@ -193,6 +193,7 @@ bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, 
         entry.format = format;
         entry.points = static_cast<std::uint32_t>(positions.size());
         entry.hidden = hidden;
+        entry.selection = attributes.selected ? attributes.selection : 0;
         entry.origin = positions.origin;
         for (std::size_t a = 0; a < 3; ++a)
             entry.extent[a] =

@@ -71,11 +71,12 @@ struct VertexRange {
 struct VertexEntry {
     VertexFormat format;
     std::uint32_t points = 0;
-    std::uint32_t hidden = 0;  // points of the chunk that were not uploaded
-    Vec3i origin{};            // of the chunk, grid coordinates
-    Vec3d extent{};            // of the chunk, source units
-    float largest_radius = 0;  // of its points, source units; of a format with radii
-    float typical_radius = 0;  // root mean square of them
+    std::uint32_t hidden = 0;     // points of the chunk that were not uploaded
+    std::uint64_t selection = 0;  // VertexAttributes::selection; not 0: x of selected points has a minus sign
+    Vec3i origin{};               // of the chunk, grid coordinates
+    Vec3d extent{};               // of the chunk, source units
+    float largest_radius = 0;     // of its points, source units; of a format with radii
+    float typical_radius = 0;     // root mean square of them
     std::vector<VertexRange> ranges;
     std::vector<VertexGroup> groups;
     std::uint32_t stride() const { return format.stride(); }
@@ -86,6 +87,10 @@ struct VertexAttributes {
     const std::uint8_t* colours = nullptr;  // 4 bytes per point: RGBA, or a float where is_value() of the source
     const float* radii = nullptr;           // 1 per point
     const float* normals = nullptr;         // 3 per point
+    // Which points are selected: a byte per point, not 0 for these; null if none is. The number says which they are, so
+    // that the owner recognises vertices of another selection; 0 if none is.
+    const std::uint8_t* selected = nullptr;
+    std::uint64_t selection = 0;
 };
 
 // Bytes of a buffer object.

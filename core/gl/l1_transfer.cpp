@@ -24,6 +24,8 @@ void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, cons
         float position[3];
         for (std::size_t a = 0; a < 3; ++a)
             position[a] = static_cast<float>(static_cast<double>(xyz[a][first + i]) * scale[a]);
+        // Positions are not negative: the sign is free (shaders/splat.vert).
+        if (attributes.selected && attributes.selected[first + i] != 0) position[0] = -position[0];
         std::memcpy(to, position, 12);
         if (colours) std::memcpy(to + VertexFormat::colour_place, colours + 4 * (first + i), 4);
         if (format.radius) std::memcpy(to + radius_place, attributes.radii + first + i, 4);

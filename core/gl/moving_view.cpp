@@ -152,7 +152,8 @@ void mark_current(Frame& frame, const SceneSelection& selection)
         const std::vector<DetailNode>& wanted = selection.trees[t].wanted;
         cloud.current.assign(wanted.size(), false);
         for (std::size_t i = 0; i < wanted.size(); ++i)
-            cloud.current[i] = ChunkFeed::is_current(frame.l1.use(cloud.feed->owner(), wanted[i].node), cloud.format);
+            cloud.current[i] =
+                cloud.feed->is_current(wanted[i].node, frame.l1.use(cloud.feed->owner(), wanted[i].node), cloud.format);
     }
 }
 
@@ -183,14 +184,15 @@ void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost&
             const VertexEntry& entry = *cost.strokes()[s].entry;
             const FrameCloud& cloud = frame.clouds[place.tree];
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
-            strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
+            const std::uint32_t clipped =
+                strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
             ++report.nodes_drawn;
-            report.clouds[place.tree].points_drawn += entry.points;
+            report.clouds[place.tree].points_drawn += entry.points - clipped;
             report.clouds[place.tree].points_hidden += entry.hidden;
             p.kept.insert({frame.picture.key->items[place.tree].cloud, node.node});
         }
     });
-    report.points_drawn = report.points_added;
+    for (const CloudReport& cloud : report.clouds) report.points_drawn += cloud.points_drawn;
 }
 
 struct Progress {
@@ -209,7 +211,8 @@ Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnO
         const DetailSelection& wanted = selection.trees[t];
         report.nodes_wanted += wanted.wanted.size();
         for (std::size_t i = 0; i < wanted.wanted.size(); ++i) {
-            cloud.current[i] = ChunkFeed::is_current(cloud.feed->find(wanted.wanted[i].node), cloud.format);
+            cloud.current[i] =
+                cloud.feed->is_current(wanted.wanted[i].node, cloud.feed->find(wanted.wanted[i].node), cloud.format);
             report.nodes_missing += !cloud.current[i];
             progress.all_current = progress.all_current && (cloud.current[i] || !drawn[t][i]);
             progress.everything = progress.everything && cloud.current[i] && drawn[t][i];

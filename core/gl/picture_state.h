@@ -30,10 +30,14 @@ struct PictureKey {
         Matrix4d placement;
         CloudStyle style;
         ShownValues values;
+        std::string clips;                         // their text
+        std::shared_ptr<const PointSet> selected;  // kept, so that no other one has its address
+        std::array<float, 3> selected_colour;
         bool operator==(const Shown& o) const
         {
             return cloud == o.cloud && origin == o.origin && placement == o.placement && style == o.style &&
-                   values == o.values;
+                   values == o.values && clips == o.clips && selected == o.selected &&
+                   selected_colour == o.selected_colour;
         }
     };
     Matrix4d modelview, projection;

@@ -28,8 +28,8 @@ struct Renderer::Impl {
             throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, in the colours of two attributes",
                         "give it another DrawnCloud for the second, or the same colours");
         if (former.filter != cloud.format.filter)
-            throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, with other conditions",
-                        "give it another DrawnCloud for the second, or the same conditions");
+            throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, with other conditions or clips",
+                        "give it another DrawnCloud for the second, or the same conditions and clips");
         if (former.colour == ColourSource::none) {
             former.colour = cloud.format.colour;
             former.attribute = cloud.format.attribute;
@@ -75,7 +75,7 @@ struct Renderer::Impl {
         } else if (colouring == Colouring::height) {
             cloud.values.range = cloud.style.range;
         }
-        cloud.format = feed.format_of(cloud.style, report.notice);
+        cloud.format = feed.format_of(cloud.style, cloud.clips.by_point(), report.notice);
         report.style = cloud.style;
         report.range = cloud.values.range;
         return report;
@@ -95,12 +95,22 @@ struct Renderer::Impl {
         cloud.leader = frame.clouds.size();
         for (std::size_t t = frame.clouds.size(); t-- > 0;)
             if (frame.clouds[t].feed == cloud.feed) cloud.leader = t;
-        if (cloud.leader == frame.clouds.size()) cloud.feed->begin_frame();
+        cloud.clips = ViewClips(item.clips);
+        cloud.selected_colour = item.selected_colour;
+        const auto selected = item.selected && item.selected->belongs_to(*cloud.tree) ? item.selected : nullptr;
+        if (cloud.leader == frame.clouds.size()) {
+            cloud.feed->begin_frame();
+            cloud.feed->select(selected);
+        } else if (cloud.feed->selected() != selected) {
+            throw Error(ErrorCode::unsupported, {}, "one cloud is shown twice, with other selected points",
+                        "give it another DrawnCloud for the second, or the same selected points");
+        }
         CloudReport report = look_of(cloud, item.style, drawn.cloud->info().schema);
         cloud.view = scene;
         cloud.view.origin = item.origin;
         if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
-        key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style, cloud.values});
+        key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style, cloud.values, cloud.clips.text(),
+                             selected, item.selected_colour});
         if (cloud.leader == frame.clouds.size())
             frame.owners.push_back(cloud.feed->owner());
         else

@@ -20,12 +20,15 @@
 // else call glewInit(), whose GLEW_ERROR_NO_GLX_DISPLAY under EGL is harmless).
 #pragma once
 
+#include "pcm/cloud/clip.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/splat_style.h"
 #include "pcm/point_cloud.h"
+#include "pcm/query/point_set.h"
 #include "pcm/view/level_of_detail.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -77,14 +80,23 @@ private:
 };
 
 struct SceneItem {
-    // May occur twice with other placements, but not with colours of two attributes, or with other conditions.
+    // May occur twice with other placements, but not with colours of two attributes, with other conditions, or with
+    // other clips that have no planes.
     DrawnCloud* cloud = nullptr;
     Vec3d origin{};                        // source coordinates of the cloud's local origin
     Matrix4d placement = identity_matrix;  // from (source - origin) to the scene's coordinates; affine and invertible
     CloudStyle style;
+    // Only points that all of these leave are shown; source coordinates of the cloud. Clips with planes are moved
+    // without uploading points again, others (spheres, rays, cones) not.
+    std::vector<Clip> clips;
+    // Shown in another colour; null: none. Of the cloud's tree, else nothing is shown as selected. For two items of one
+    // cloud it is the same.
+    std::shared_ptr<const PointSet> selected;
+    std::array<float, 3> selected_colour{1.0f, 0.25f, 0.05f};
 };
 
 struct CloudReport {
+    // Without those that clips hide, but for up to 127 in each group of consecutive points that a clip's border cuts.
     std::uint64_t points_drawn = 0;
     std::uint64_t points_hidden = 0;  // beside these, by the style's conditions
     CloudStyle style;                 // as it was drawn
@@ -107,7 +119,8 @@ struct FrameReport {
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
     unsigned samples = 1;                      // of the picture
-    // Every point in view is in the picture, less those that conditions hide, and as large as it is meant to be.
+    // Every point in view is in the picture, less those that conditions or clips hide, and as large as it is meant to
+    // be.
     bool full_resolution = false;
     bool refining = false;  // the picture is not final yet
     bool repaint = false;   // ask for another frame at once; implies refining

@@ -64,9 +64,12 @@ void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::
             continue;
         }
         ++rest.nodes;
-        rest.points += entry->points;
-        rest.points_of[place.tree] += entry->points;
-        rest.hidden_of[place.tree] += entry->hidden;
+    }
+    if (rest.behind) return;
+    rest.points = frame.report.points_drawn;
+    for (std::size_t t = 0; t < frame.clouds.size(); ++t) {
+        rest.points_of[t] = frame.report.clouds[t].points_drawn;
+        rest.hidden_of[t] = frame.report.clouds[t].points_hidden;
     }
 }
 
@@ -117,7 +120,7 @@ private:
     bool is_current(std::size_t i) const
     {
         const FrameCloud& cloud = cloud_at(i);
-        return ChunkFeed::is_current(cloud.feed->find(node_at(i).node), cloud.format);
+        return cloud.feed->is_current(node_at(i).node, cloud.feed->find(node_at(i).node), cloud.format);
     }
 
     // The nodes that are drawn next, as far as L1 has room for them beside those that a moving view will show again:
@@ -201,10 +204,10 @@ private:
     {
         const FrameCloud& cloud = cloud_at(i);
         const VertexEntry& entry = *cloud.feed->find(node_at(i).node);
-        strokes.draw(cloud, node_at(i), entry, 0, {});
+        const std::uint32_t drawn = entry.points - strokes.draw(cloud, node_at(i), entry, 0, {});
         ++rest_.nodes;
-        rest_.points += entry.points;
-        rest_.points_of[place_at(i).tree] += entry.points;
+        rest_.points += drawn;
+        rest_.points_of[place_at(i).tree] += drawn;
         rest_.hidden_of[place_at(i).tree] += entry.hidden;
     }
 

@@ -76,7 +76,7 @@ struct SplatPass::Impl {
     std::vector<GLsizei> count;
 
     void begin(const Camera& camera, const TreeInfo& tree, const CloudStyle& usable, bool reversed,
-               unsigned framebuffer_samples, bool as_paraboloids, const ShownValues& values)
+               unsigned framebuffer_samples, bool as_paraboloids, const ShownValues& values, const ShownPoints& points)
     {
         if (!device) device = Device::ask();
         samples = std::max(framebuffer_samples, 1u);
@@ -89,7 +89,8 @@ struct SplatPass::Impl {
             view.reset();
             return;
         }
-        view = SplatView{*splat_camera, &tree, usable, viewport, 0, device->largest_point, values};
+        view = SplatView{*splat_camera,         &tree, usable, viewport, 0, device->largest_point, values, points.clips,
+                         points.selected_colour};
         if (paraboloids && traits_of(usable.splats).shape == SplatShape::sphere)
             view->style.radius_scale *= radius_of_paraboloid;
 
@@ -170,6 +171,7 @@ struct SplatPass::Impl {
                           : is_value(entry.format.colour)           ? Colouring::value
                                                                     : Colouring::vertex;
         p.samples = is_disc && device->sample_mask ? samples : 1;
+        p.selected = entry.selection != 0;
         p.doubles = traits_of(p.mode).has_doubles && device->doubles && may_use_doubles;
         return p;
     }
@@ -180,12 +182,16 @@ struct SplatPass::Impl {
         return found != programs.end() ? found->second : programs.emplace(p, SplatProgram(p)).first->second;
     }
 
-    void draw(const VertexEntry& entry, const ChunkLook& look)
+    std::uint32_t draw(const VertexEntry& entry, const ChunkLook& look)
     {
-        if (!view || entry.points == 0) return;
+        if (!view || entry.points == 0) return 0;
+        const Box3d box = view->box_of(entry);
+        const BoxRelation kept = view->kept_of(box);
+        if (kept == BoxRelation::outside) return entry.points;
         SplatPermutation p = permutation_for(entry);
+        p.clips = kept == BoxRelation::crosses;
         const SplatTraits& traits = traits_of(p.mode);
-        sieve->sort(entry, view->box_of(entry), traits.shape, look);
+        sieve->sort(entry, box, traits.shape, look, nullptr, p.clips ? view->clips : nullptr);
         for (const bool quads : {false, true}) {
             const std::vector<VertexRun>& runs = quads ? sieve->as_quads() : sieve->as_points();
             if (runs.empty()) continue;
@@ -203,12 +209,17 @@ struct SplatPass::Impl {
             enable(3, traits.reads_normal);
             draw_runs(entry, runs, quads);
         }
+        return sieve->clipped();
     }
 
     std::uint64_t preview(const VertexEntry& entry, std::vector<SplatPart>& parts)
     {
         if (!view || entry.points == 0) return 0;
-        sieve->sort(entry, view->box_of(entry), traits_of(permutation_for(entry).mode).shape, {}, &parts);
+        const Box3d box = view->box_of(entry);
+        const BoxRelation kept = view->kept_of(box);
+        if (kept == BoxRelation::outside) return 0;
+        sieve->sort(entry, box, traits_of(permutation_for(entry).mode).shape, {}, &parts,
+                    kept == BoxRelation::crosses ? view->clips : nullptr);
         std::uint64_t vertices = 0;
         for (const VertexRun& run : sieve->as_points()) vertices += run.count;
         for (const VertexRun& run : sieve->as_quads()) vertices += 4 * std::uint64_t(run.count);
@@ -297,11 +308,11 @@ SplatPass::SplatPass(SplatPass&&) noexcept = default;
 SplatPass& SplatPass::operator=(SplatPass&&) noexcept = default;
 
 void SplatPass::begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed,
-                      unsigned samples, bool paraboloids, const ShownValues& values)
+                      unsigned samples, bool paraboloids, const ShownValues& values, const ShownPoints& points)
 {
-    impl_->begin(view, info, usable, reversed, samples, paraboloids, values);
+    impl_->begin(view, info, usable, reversed, samples, paraboloids, values, points);
 }
-void SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { impl_->draw(entry, look); }
+std::uint32_t SplatPass::draw(const VertexEntry& entry, const ChunkLook& look) { return impl_->draw(entry, look); }
 std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart>& parts)
 {
     return impl_->preview(entry, parts);

@@ -43,6 +43,7 @@
 #pragma once
 
 #include "pcm/gl/splat_sieve.h"
+#include "pcm/gl/view_clips.h"
 #include "pcm/tree/tree.h"
 #include "pcm/view/level_of_detail.h"
 
@@ -56,6 +57,12 @@ namespace pcm {
 // Paraboloids are larger than the squares that they replace, about as large as circles around these, so that they leave
 // no more holes.
 inline constexpr float radius_of_paraboloid = 1.25f;
+
+// Which points of a cloud are shown, and which in another colour.
+struct ShownPoints {
+    const ViewClips* clips = nullptr;  // outlives the drawing; those that shaders test count
+    std::array<float, 3> selected_colour{};
+};
 
 class SplatPass {
 public:
@@ -73,11 +80,12 @@ public:
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
     // `values` are those that the style's ramp shows. `paraboloids`: adaptive splats are these.
     void begin(const Camera& view, const TreeInfo& info, const CloudStyle& usable, bool reversed, unsigned samples,
-               bool paraboloids = false, const ShownValues& values = {});
+               bool paraboloids = false, const ShownValues& values = {}, const ShownPoints& points = {});
     // Draws the entry's points in the style, as far as the entry has its attributes: without normals as adaptive
     // splats, without radii as constant ones (drawable_mode()), without colours in the style's uniform colour, with
-    // colours of another attribute in these.
-    void draw(const VertexEntry& entry, const ChunkLook& look);
+    // colours of another attribute in these. Returns the number of points that were left out in groups of which clips
+    // leave none; of other groups clipped points are not counted.
+    std::uint32_t draw(const VertexEntry& entry, const ChunkLook& look);
     // What draw() would draw with splats of their own sizes: adds the parts of the entry that are in view. Returns the
     // exact number of invocations of the vertex stage: one per point that is drawn, four where splats may be larger
     // than the driver's points.

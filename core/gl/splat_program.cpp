@@ -18,8 +18,9 @@ std::array<float, 2> floats(const std::array<double, 2>& v)
 
 bool SplatPermutation::operator<(const SplatPermutation& o) const
 {
-    return std::tie(mode, colouring, orthographic, quads, samples, doubles, paraboloid) <
-           std::tie(o.mode, o.colouring, o.orthographic, o.quads, o.samples, o.doubles, o.paraboloid);
+    return std::tie(mode, colouring, orthographic, quads, samples, doubles, paraboloid, clips, selected) <
+           std::tie(o.mode, o.colouring, o.orthographic, o.quads, o.samples, o.doubles, o.paraboloid, o.clips,
+                    o.selected);
 }
 
 std::vector<std::string> SplatPermutation::defines() const
@@ -34,6 +35,8 @@ std::vector<std::string> SplatPermutation::defines() const
     if (samples > 1) list.emplace_back("SAMPLES " + std::to_string(samples));
     if (doubles) list.emplace_back("DOUBLE");
     if (paraboloid) list.emplace_back("PARABOLOID");
+    if (clips) list.emplace_back("CLIPS");
+    if (selected) list.emplace_back("SELECTED");
     return list;
 }
 
@@ -56,12 +59,14 @@ SplatProgram::SplatProgram(const SplatPermutation& permutation)
       doubles_(permutation.doubles)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
-    at_ = {find("projection"),   find("to_eye"),        find("eye_scale"),     find("point_size"),   find("pixels"),
-           find("radius_scale"), find("viewport"),      find("guard"),         find("focal"),        find("principal"),
-           find("depth_of"),     find("sample_places"), find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
-           find("centre_ray"),   find("centre_pixel"),  find("pixel_bounds"),  find("near"),         find("reference"),
-           find("translation"),  find("from_eye"),      find("least_radius"),  find("least_pixels"), find("ramp"),
-           find("ramp_place"),   find("uniform_colour")};
+    at_ = {find("projection"),    find("to_eye"),       find("eye_scale"),      find("point_size"),
+           find("pixels"),        find("radius_scale"), find("viewport"),       find("guard"),
+           find("focal"),         find("principal"),    find("depth_of"),       find("sample_places"),
+           find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),        find("centre_ray"),
+           find("centre_pixel"),  find("pixel_bounds"), find("near"),           find("reference"),
+           find("translation"),   find("from_eye"),     find("least_radius"),   find("least_pixels"),
+           find("ramp"),          find("ramp_place"),   find("uniform_colour"), find("clip_planes"),
+           find("clip_ends"),     find("clip_count"),   find("clip_outside"),   find("selected_colour")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const
@@ -111,7 +116,17 @@ void SplatProgram::set_view(const SplatView& view) const
     if (at_.depth_of >= 0) glUniform2fv(at_.depth_of, 1, floats(c.depth_of).data());
     if (at_.ramp >= 0)
         glUniform3fv(at_.ramp, static_cast<GLsizei>(ramp_stops), traits_of(ramp_of(view.style)).table.front().data());
+    if (at_.selected_colour >= 0) glUniform3fv(at_.selected_colour, 1, view.selected_colour.data());
     if (at_.focal >= 0) set_disc(view);
+}
+
+void SplatProgram::set_clips(const SplatView& view, const Vec3d& reference, const Vec3d& extent) const
+{
+    const ClipUniforms clips = view.clips->uniforms(reference, extent);
+    glUniform4fv(at_.clip_planes, static_cast<GLsizei>(clips.planes.size()), clips.planes.front().data());
+    glUniform1iv(at_.clip_ends, static_cast<GLsizei>(clips.ends.size()), clips.ends.data());
+    glUniform1i(at_.clip_count, clips.count);
+    glUniform1i(at_.clip_outside, clips.outside);
 }
 
 // What a vertex holds, its z or a number, is at the place (it * x + y) ^ z of the ramp.
@@ -184,6 +199,7 @@ void SplatProgram::set_chunk(const SplatView& view, const VertexEntry& entry, co
     set(at_.from_eye, Vec3d{local[0] - camera.eye[0], local[1] - camera.eye[1], local[2] - camera.eye[2]});
     glUniform1f(at_.least_radius, look.least_radius);
     glUniform1f(at_.least_pixels, std::min(look.least_px, view.largest_point));
+    if (at_.clip_planes >= 0) set_clips(view, camera.view.origin + local, entry.extent);
     if (at_.ramp_place >= 0) set_values(view, entry);
     if (at_.uniform_colour >= 0) {
         const auto of_chunk = traits_of(view.style.colour).of_chunk;

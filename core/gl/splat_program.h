@@ -3,11 +3,13 @@
 // GL thread only.
 #pragma once
 
+#include "pcm/cloud/vector.h"
 #include "pcm/gl/chunk_look.h"
 #include "pcm/gl/l1_cache.h"
 #include "pcm/gl/shader_program.h"
 #include "pcm/gl/splat_camera.h"
 #include "pcm/gl/splat_style.h"
+#include "pcm/gl/view_clips.h"
 #include "pcm/tree/tree.h"
 
 #include <array>
@@ -25,6 +27,8 @@ struct SplatPermutation {
     unsigned samples = 1;
     bool doubles = false;
     bool paraboloid = false;  // of the mode adaptive
+    bool clips = false;
+    bool selected = false;  // some points of the chunk are
 
     bool operator<(const SplatPermutation& o) const;
     std::vector<std::string> defines() const;
@@ -39,9 +43,17 @@ struct SplatView {
     int guard = 0;                  // pixels by which the clip volume is extended on each side, for SplatShape::sphere
     float largest_point = 1;        // of the driver, pixels
     ShownValues values;
+    const ViewClips* clips = nullptr;  // none: nothing is clipped
+    std::array<float, 3> selected_colour{};
 
     // The box of a chunk's positions, relative to the view's origin.
     Box3d box_of(const VertexEntry& entry) const;
+    // Which of the chunk's points the clips that shaders test leave.
+    BoxRelation kept_of(const Box3d& local) const
+    {
+        if (!clips) return BoxRelation::inside;
+        return clips->relation({local.min + camera.view.origin, local.max + camera.view.origin});
+    }
 };
 
 class SplatProgram {
@@ -57,6 +69,7 @@ public:
 
 private:
     void set_disc(const SplatView& view) const;
+    void set_clips(const SplatView& view, const Vec3d& reference, const Vec3d& extent) const;
     void set_values(const SplatView& view, const VertexEntry& entry) const;
     void set(std::int32_t place, const Vec3d& v) const;
     void set(std::int32_t place, const std::array<double, 2>& v) const;
@@ -68,6 +81,7 @@ private:
         std::int32_t focal, principal, depth_of, sample_places, normal_to_eye;
         std::int32_t pixel_x, pixel_y, centre_ray, centre_pixel, pixel_bounds, near;
         std::int32_t reference, translation, from_eye, least_radius, least_pixels, ramp, ramp_place, uniform_colour;
+        std::int32_t clip_planes, clip_ends, clip_count, clip_outside, selected_colour;
     };
     ShaderProgram program_;
     Colouring colouring_;

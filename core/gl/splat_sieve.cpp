@@ -1,5 +1,7 @@
 #include "pcm/gl/splat_sieve.h"
 
+#include "pcm/cloud/vector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -36,15 +38,16 @@ SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, doubl
 }
 
 void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape shape, const ChunkLook& look,
-                      std::vector<SplatPart>* parts)
+                      std::vector<SplatPart>* parts, const ViewClips* clips)
 {
     as_points_.clear();
     as_quads_.clear();
+    clipped_ = 0;
     const Box3d reached = grown(whole, reach(shape, entry.largest_radius, look));
     if (!seen_ || !seen_->intersects(reached)) return;
     const bool all = seen_->contains(reached);
     const bool quads = needs_quads(shape, whole, entry.largest_radius, look);
-    if (all && !quads && (!parts || depth_range(whole) < by_groups)) {
+    if (all && !quads && !clips && (!parts || depth_range(whole) < by_groups)) {
         as_points_.push_back({0, entry.points});
         if (parts)
             parts->push_back(depth_range(whole) < even ? part_of(whole, entry.points)
@@ -59,6 +62,11 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
         for (std::size_t a = 0; a < 3; ++a) {
             box.min[a] = whole.min[a] + static_cast<double>(group.low[a]);
             box.max[a] = whole.min[a] + static_cast<double>(group.high[a]);
+        }
+        if (clips &&
+            clips->relation({box.min + camera_.view.origin, box.max + camera_.view.origin}) == BoxRelation::outside) {
+            clipped_ += points;
+            continue;
         }
         if (!all && !seen_->intersects(grown(box, reach(shape, group.largest_radius, look)))) continue;
         add_run(quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);

@@ -7,6 +7,7 @@
 #include "pcm/gl/splat_camera.h"
 #include "pcm/gl/splat_style.h"
 #include "pcm/gl/vertex_groups.h"
+#include "pcm/gl/view_clips.h"
 
 #include <optional>
 #include <vector>
@@ -26,8 +27,10 @@ public:
 
     // Sorts a chunk's points; `box` encloses their positions, relative to the view's origin. Adds their places to
     // `parts` unless it is null. No visible point is left out, and none of as_points() is too large for the driver.
+    // Groups of which `clips`, unless null, leave nothing are left out.
     void sort(const VertexEntry& entry, const Box3d& box, SplatShape shape, const ChunkLook& look,
-              std::vector<SplatPart>* parts = nullptr);
+              std::vector<SplatPart>* parts = nullptr, const ViewClips* clips = nullptr);
+    std::uint32_t clipped() const { return clipped_; }  // points in groups that were left out for the clips
     const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
     const std::vector<VertexRun>& as_quads() const { return as_quads_; }
 
@@ -44,6 +47,7 @@ private:
     double largest_point_;
     int guard_;
     std::optional<Frustum> seen_;  // the view with a border, relative to its origin
+    std::uint32_t clipped_ = 0;
     std::vector<VertexRun> as_points_, as_quads_;
 };
 

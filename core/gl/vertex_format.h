@@ -8,7 +8,8 @@
 
 namespace pcm {
 
-// Interleaved, in this order: float[3] position relative to the chunk's origin, source units; RGBA8 colour, or a float
+// Interleaved, in this order: float[3] position relative to the chunk's origin, source units, never negative (the sign
+// of x marks selected points); RGBA8 colour, or a float
 // where is_value() of its source (make_values()); float radius, source units; float[3] normal, of length 1 or, where
 // the cloud has none, 0. The format names which of the last three are present; with a normal, the colour's bytes are
 // present too, used or not. Strides are 12, 16, 20 or 32 bytes, which all divide L1's page, so that a chunk in

@@ -65,6 +65,9 @@ ProfileLine::ProfileLine(const std::vector<Vec3d>& points)
     stations_.push_back(0);
     for (std::size_t i = 1; i < points_.size(); ++i)
         stations_.push_back(stations_.back() + pcm::length(points_[i] - points_[i - 1]));
+    turns_.assign(points_.size(), 0);
+    for (std::size_t i = 1; i + 1 < points_.size(); ++i)
+        turns_[i] = exact_cross(points_[i] - points_[i - 1], points_[i + 1] - points_[i])[2];
 }
 
 std::optional<ProfilePoint> ProfileLine::locate(const Vec3d& position) const
@@ -77,11 +80,13 @@ std::optional<ProfilePoint> ProfileLine::locate(const Vec3d& position) const
         const Vec3d u = (points_[k + 1] - points_[k]) / size, d = p - points_[k];
         const double along = exact_dot(u, d), right = difference_of_products(u[1], d[0], u[0], d[1]);
         const bool cut = (k == 0 && along < 0) || (k + 1 == segments() && along > size);
+        // At a corner both segments have the same distance to the bit, and the first one is taken.
         const double t = std::clamp(along, 0.0, size);
-        const double distance = t == along ? std::fabs(right) : std::hypot(along - t, right);
+        const double distance = t == along ? std::fabs(right) : pcm::length(p - points_[along < 0 ? k : k + 1]);
         if (!(distance < nearest)) continue;
         nearest = distance;
-        found = ProfilePoint{stations_[k] + t, std::copysign(distance, right), position, static_cast<std::uint32_t>(k)};
+        const double side = along > size && k + 1 < segments() && turns_[k + 1] != 0 ? turns_[k + 1] : right;
+        found = ProfilePoint{stations_[k] + t, std::copysign(distance, side), position, static_cast<std::uint32_t>(k)};
         if (cut) found.reset();
     }
     return found;

@@ -5,7 +5,7 @@
 // straight across; corners are round). It belongs to the segment that is nearest, of equally near ones the first, so
 // that it is counted once. With t its place on the segment (0 to the segment's length, the foot of the perpendicular,
 // or the end that is nearer): station = length of the segments before + t; offset = distance to the line, positive to
-// the right of its direction, negative to the left.
+// the right of its direction, negative to the left; what is nearest to a corner lies on the corner's outer side.
 #pragma once
 
 #include "pcm/point_cloud.h"
@@ -54,6 +54,7 @@ public:
 private:
     std::vector<Vec3d> points_;  // z is 0
     std::vector<double> stations_;
+    std::vector<double> turns_;  // at each point: above 0 to the left, below 0 to the right
 };
 
 // One point; its attributes are those of number `i` in the view.
@@ -65,13 +66,15 @@ using ProfileVisitor = std::function<void(const ProfilePoint& point, const Point
 // PointCloud::points() throws.
 Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const ProfileVisitor& visit);
 
-// The profile for a plot: of the finest level (no finer than options.level) that has at most `most` points of it.
+// The profile for a plot: of the finest level (no finer than options.level) that has at most `most` points of it, or of
+// the coarsest one, which may have more. Memory: the points; Error(invalid_argument) when level 0 has more than 16
+// million.
 struct ProfileSample {
     std::vector<ProfilePoint> points;
     // Values in the attributes' units, a column for each component of each attribute: [column][point].
     std::vector<std::vector<double>> attributes;
-    std::optional<std::uint16_t> level;           // absent: the whole cloud, or options.level
-    Outcome outcome;                              // error: as of visit_profile()
+    std::optional<std::uint16_t> level;  // absent: the whole cloud, or options.level
+    Outcome outcome;                     // error: as of visit_profile()
 };
 ProfileSample sample_profile(PointCloud& cloud, const ProfileOptions& options, std::size_t most);
 

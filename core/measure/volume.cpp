@@ -23,12 +23,7 @@ constexpr double points_per_cell = 9;
 
 std::vector<Vec3d> polygon_of(PointCloud& cloud, const VolumeOptions& options)
 {
-    if (!options.polygon.empty()) return options.polygon;
-    const Box3d box = cloud.info().bounds();
-    return {{box.min[0], box.min[1], 0},
-            {box.max[0], box.min[1], 0},
-            {box.max[0], box.max[1], 0},
-            {box.min[0], box.max[1], 0}};
+    return options.polygon.empty() ? plan_rectangle(cloud.info().bounds()) : options.polygon;
 }
 
 // Checked as the polygon of a measure.
@@ -234,6 +229,14 @@ VolumeReport Volume::run()
 }
 
 }  // namespace
+
+std::vector<Vec3d> plan_rectangle(const Box3d& box)
+{
+    return {box.min,
+            {box.max[0], box.min[1], box.min[2]},
+            {box.max[0], box.max[1], box.min[2]},
+            {box.min[0], box.max[1], box.min[2]}};
+}
 
 HeightPlane plane_of(const Vec3d& point, const Vec3d& normal)
 {

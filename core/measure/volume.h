@@ -36,8 +36,12 @@ struct HeightPlane {
 // The plane through `point` with this normal. Throws Error(invalid_argument) for a vertical plane.
 HeightPlane plane_of(const Vec3d& point, const Vec3d& normal);
 
+// The corners of a box in plan, at its lowest z.
+std::vector<Vec3d> plan_rectangle(const Box3d& box);
+
 struct VolumeOptions {
-    std::vector<Vec3d> polygon;          // three or more points, seen from above; empty: the box of the first cloud
+    std::vector<Vec3d> polygon;          // three or more points, seen from above; empty: the box of the first cloud. A
+                                         // point of the cloud on the polygon's edge may count or not
     HeightPlane reference;               // not used with two clouds
     std::shared_ptr<PointCloud> before;  // the second cloud, whose surface is the reference; may be null
     double side = 0;                     // of a cell, source units; 0: so that a cell has about 9 points

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace pcm {
@@ -45,19 +44,26 @@ Flood::Index Flood::index_of(const Vec3d& p) const
 
 void Flood::make_cells()
 {
-    std::vector<std::uint64_t> keys(points_.size());
-    for (std::size_t i = 0; i < points_.size(); ++i) keys[i] = key_of(index_of(points_[i]));
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(points_.size());
+    for (std::uint32_t i = 0; i < points_.size(); ++i) keys[i] = {key_of(index_of(points_[i])), i};
+    std::sort(keys.begin(), keys.end());
     order_.resize(points_.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
     cell_of_.resize(points_.size());
-    for (std::uint32_t i = 0; i < order_.size(); ++i) {
-        const std::uint64_t key = keys[order_[i]];
-        if (cells_.empty() || cells_.back().key != key) cells_.push_back({key, i, i, i, {}});
+    for (std::uint32_t i = 0; i < keys.size(); ++i) {
+        const auto [key, point] = keys[i];
+        order_[i] = point;
+        if (cells_.empty() || cells_.back().key != key) {
+            if (rows_.empty() || rows_.back().key != key >> 21) {
+                const auto begin = static_cast<std::uint32_t>(cells_.size());
+                rows_.push_back({key >> 21, begin, begin});
+            }
+            cells_.push_back({key, i, i, i, {}});
+            ++rows_.back().end;
+        }
         Cell& cell = cells_.back();
         cell.open = ++cell.end;
-        cell.box.extend(points_[order_[i]]);
-        cell_of_[order_[i]] = static_cast<std::uint32_t>(cells_.size() - 1);
+        cell.box.extend(points_[point]);
+        cell_of_[point] = static_cast<std::uint32_t>(cells_.size() - 1);
     }
 }
 
@@ -100,20 +106,22 @@ void Flood::for_each_open_near(const Vec3d& low, const Vec3d& high, const Visit&
 {
     const double reach = distance_ * (1 + 1e-6);
     const Index from = index_of(low - Vec3d{reach, reach, reach}), to = index_of(high + Vec3d{reach, reach, reach});
-    Index at;
-    for (at[2] = std::max<std::int64_t>(from[2], 0); at[2] <= std::min(to[2], most_[2]); ++at[2])
-        for (at[1] = std::max<std::int64_t>(from[1], 0); at[1] <= std::min(to[1], most_[1]); ++at[1]) {
-            // Cells along x follow each other in the list.
-            at[0] = std::max<std::int64_t>(from[0], 0);
-            const std::uint64_t first = key_of(at);
-            at[0] = std::min(to[0], most_[0]);
-            if (at[0] < std::max<std::int64_t>(from[0], 0)) return;
-            const std::uint64_t last = key_of(at);
-            auto cell = std::lower_bound(cells_.begin(), cells_.end(), first,
-                                         [](const Cell& c, std::uint64_t key) { return c.key < key; });
-            for (; cell != cells_.end() && cell->key <= last; ++cell)
+    const std::int64_t first_x = std::max<std::int64_t>(from[0], 0), last_x = std::min(to[0], most_[0]),
+                       first_y = std::max<std::int64_t>(from[1], 0), last_y = std::min(to[1], most_[1]);
+    if (first_x > last_x || first_y > last_y) return;
+    const auto before = [](const auto& entry, std::uint64_t key) { return entry.key < key; };
+    for (std::int64_t z = std::max<std::int64_t>(from[2], 0); z <= std::min(to[2], most_[2]); ++z) {
+        const std::uint64_t last_row = key_of({last_x, last_y, z}) >> 21;
+        auto row = std::lower_bound(rows_.begin(), rows_.end(), key_of({first_x, first_y, z}) >> 21, before);
+        for (; row != rows_.end() && row->key <= last_row; ++row) {
+            const std::uint64_t last = row->key << 21 | static_cast<std::uint64_t>(last_x);
+            const auto end = cells_.begin() + row->end;
+            auto cell = std::lower_bound(cells_.begin() + row->begin, end,
+                                         row->key << 21 | static_cast<std::uint64_t>(first_x), before);
+            for (; cell != end && cell->key <= last; ++cell)
                 if (cell->open > cell->begin) visit(*cell);
         }
+    }
 }
 
 void Flood::spread_from(const Vec3d& p, Cell& cell)

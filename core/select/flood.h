@@ -34,6 +34,11 @@ private:
         std::uint32_t open;        // order_[begin, open): points that are not reached
         Box3d box;                 // tight
     };
+    // Cells that differ in x alone: they follow each other.
+    struct Row {
+        std::uint64_t key;
+        std::uint32_t begin, end;  // of cells_
+    };
     using Index = std::array<std::int64_t, 3>;
     Index index_of(const Vec3d& p) const;
     void make_cells();
@@ -52,6 +57,7 @@ private:
     bool whole_cells_ = false;  // a cell is reached as a whole
     Index most_{};              // the largest index on each axis
     std::vector<Cell> cells_;   // by key
+    std::vector<Row> rows_;     // by key
     std::vector<std::uint32_t> order_;
     std::vector<std::uint8_t> reached_;
     std::vector<std::uint32_t> next_;  // reached, not spread from: points, or cells that are reached as a whole

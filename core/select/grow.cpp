@@ -40,10 +40,17 @@ Box3d intersection(const Box3d& a, const Box3d& b)
     return both;
 }
 
+bool on_border(const Box3d& box, const Vec3d& p)
+{
+    for (std::size_t a = 0; a < 3; ++a)
+        if (p[a] == box.min[a] || p[a] == box.max[a]) return true;
+    return false;
+}
+
 // A box of the cloud, whose points are flooded together.
 struct Unit {
     Box3d box, reach;  // reach: grown by the distance
-    bool queued = false, complete = false;
+    bool queued = false, visited = false, complete = false;
     std::vector<std::size_t> neighbours;  // whose `reach` touches the box
 };
 
@@ -62,7 +69,7 @@ public:
 
     PointSet run()
     {
-        watch_.report(stage, 0);
+        watch_.report(stage, 0, true);
         plan();
         take_seeds();
         for (;;) {
@@ -158,6 +165,8 @@ private:
         }
         std::vector<Place> places;
         std::vector<Vec3d> points;
+        std::vector<bool> known;
+        std::size_t open = 0;
         Selection here = options_.limit;
         here.box = here.box ? intersection(*here.box, unit.box) : unit.box;
         ScanOptions scan;
@@ -165,13 +174,17 @@ private:
         scan.select = alone();
         scan_points(tree_, here, scan, [&](const ScannedPoints& found) {
             for (std::size_t i = 0; i < found.indices.size(); ++i) {
-                points.push_back(position(found, found.indices[i]));
+                const Vec3d p = position(found, found.indices[i]);
+                const bool is_known = reached.contains(found.node, found.numbers[i]);
+                open += !is_known;
+                // What an earlier visit has reached has spread in this unit already. A point on the unit's border may
+                // also be one of a neighbour, which has reached it.
+                if (is_known && unit.visited && !on_border(unit.box, p)) continue;
+                points.push_back(p);
                 places.push_back({found.node, found.numbers[i]});
+                known.push_back(is_known);
             }
         });
-        std::vector<bool> known(points.size());
-        for (std::size_t i = 0; i < places.size(); ++i) known[i] = reached.contains(places[i].node, places[i].number);
-        const auto open = static_cast<std::size_t>(std::count(known.begin(), known.end(), false));
         std::size_t found = 0;
         if (open > 0) {
             Flood flood(std::move(points), unit.box, distance_);
@@ -182,6 +195,7 @@ private:
             found = commit(unit, places, known, flood);
         }
         const std::lock_guard lock(mutex_);
+        unit.visited = true;
         unit.complete = found == open;
     }
 

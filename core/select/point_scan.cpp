@@ -130,7 +130,7 @@ void scan_points(const Tree& tree, const Selection& selection, const ScanOptions
                  const std::function<void(const ScannedPoints&)>& take)
 {
     Watch watch(options.select.progress);
-    watch.report(options.stage, options.begin);
+    watch.report(options.stage, options.begin, true);
     Scan(tree, selection, options, take).run(watch);
 }
 

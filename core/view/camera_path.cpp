@@ -72,6 +72,10 @@ CameraFrame frame_of(const Json& json)
         if (!json["rest"].is_boolean()) refuse("'rest' is neither true nor false");
         frame.rest = json["rest"].get<bool>();
     }
+    if (json.contains("name")) {
+        if (!json["name"].is_string()) refuse("'name' is not a text");
+        frame.name = json["name"].get<std::string>();
+    }
     check(frame);
     return frame;
 }
@@ -124,6 +128,11 @@ CameraPath CameraPath::read(const std::filesystem::path& file)
     if (!stream) throw Error::from_errno(errno, file, "opening the camera path");
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     if (stream.bad()) throw Error(ErrorCode::io, file, "the camera path cannot be read");
+    return of_text(text, file);
+}
+
+CameraPath CameraPath::of_text(const std::string& text, const std::filesystem::path& file)
+{
     std::size_t number = 0;
     try {
         return path_of(Json::parse(text), file.stem().string(), number);
@@ -134,6 +143,30 @@ CameraPath CameraPath::read(const std::filesystem::path& file)
             ErrorCode::bad_format, file,
             "camera path" + (number ? ", frame " + std::to_string(number) : std::string()) + ": " + error.what());
     }
+}
+
+std::string CameraPath::text() const
+{
+    nlohmann::ordered_json json;
+    json["format"] = "pcm camera path";
+    json["version"] = 1;
+    json["name"] = name;
+    json["coordinates"] = in_box ? "box" : "source";
+    json["frames"] = nlohmann::ordered_json::array();
+    for (const CameraFrame& frame : frames) {
+        nlohmann::ordered_json one;
+        if (!frame.name.empty()) one["name"] = frame.name;
+        one["eye"] = frame.eye;
+        one["target"] = frame.target;
+        one["up"] = frame.up;
+        if (frame.angle)
+            one["angle"] = *frame.angle;
+        else
+            one["height"] = frame.height;
+        if (frame.rest) one["rest"] = true;
+        json["frames"].push_back(one);
+    }
+    return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 CameraPath CameraPath::placed(const Box3d& box) const

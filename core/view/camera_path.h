@@ -5,9 +5,10 @@
 //      {"eye": [500050, 4800050, 400], "target": [500050, 4800050, 0], "up": [0, 1, 0], "height": 250, "rest": true}]}
 //
 // `angle` is the vertical angle of view in degrees; `height` instead makes the frame orthographic and gives the visible
-// height. `up` defaults to the z axis, `name` to the name of the file. At a frame with `rest` the camera stays until
-// the picture is complete. `"coordinates": "box"` makes a path that fits any cloud: x and y go from -1 to 1 across its
-// box; z is the height above the box's bottom in halves of its longest side, the unit of `height` too.
+// height. `up` defaults to the z axis, `name` to the name of the file; a frame may have a `name` of its own. At a frame
+// with `rest` the camera stays until the picture is complete. `"coordinates": "box"` makes a path that fits any cloud:
+// x and y go from -1 to 1 across its box; z is the height above the box's bottom in halves of its longest side, the
+// unit of `height` too.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -25,6 +26,7 @@ struct CameraFrame {
     std::optional<double> angle;         // vertical angle of view, degrees; absent: orthographic
     double height = 0;                   // orthographic: visible height, source units
     bool rest = false;                   // the camera stays until the picture is complete
+    std::string name;                    // of a bookmark; may be empty
 };
 
 // Throws Error(invalid_argument), saying what is wrong: numbers that are not finite, an angle that is not between 0 and
@@ -38,6 +40,10 @@ struct CameraPath {
 
     // Throws Error(not_found | permission | io | bad_format), saying what is wrong and in which frame.
     static CameraPath read(const std::filesystem::path& file);
+    // The same of a file's text; `source` is what it is called in errors.
+    static CameraPath of_text(const std::string& text, const std::filesystem::path& source);
+    // What read() reads back: all digits, in the coordinates of in_box.
+    std::string text() const;
 
     // The path in source coordinates; a path in box coordinates is placed in `box`.
     CameraPath placed(const Box3d& box) const;

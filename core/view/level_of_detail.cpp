@@ -62,6 +62,8 @@ private:
         if (node.subtree_points == 0) return;
         const Box3d box = trees_[tree].grid->to_source(node.box);
         if (!frusta_[tree]->intersects(box)) return;
+        const std::vector<Clip>* const clips = trees_[tree].clips;
+        if (clips && relation_of(*clips, box) == BoxRelation::outside) return;
         const double error =
             ancestor == no_ancestor ? infinity : frusta_[tree]->pixels(nodes[node.parent].spacing, box);
         const double rank =
@@ -119,7 +121,7 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
 DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
                               const DetailLimits& limits)
 {
-    return std::move(select_scene({{&nodes, &grid, view}}, limits).trees.front());
+    return std::move(select_scene({{&nodes, &grid, view, nullptr}}, limits).trees.front());
 }
 
 DrawSet choose_drawable(const DetailSelection& selection, const std::function<bool(const DetailNode&)>& resident)

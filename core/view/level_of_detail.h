@@ -8,6 +8,7 @@
 // All functions are pure: the same arguments give the same result on any thread.
 #pragma once
 
+#include "pcm/cloud/clip.h"
 #include "pcm/tree/tree.h"
 #include "pcm/view/frustum.h"
 
@@ -61,6 +62,7 @@ struct TreeInView {
     const std::vector<Node>* nodes = nullptr;
     const Grid* grid = nullptr;
     Camera view;
+    const std::vector<Clip>* clips = nullptr;  // nodes of which they leave nothing are left out
 };
 
 // The selection of each tree, and the order of the wanted nodes of all trees.
@@ -75,9 +77,9 @@ struct SceneSelection {
 };
 
 // Selects nodes over all trees in the limits' order (ties: lower tree, then lower node number), children only after
-// their parent, until no error is above the target or the next node does not fit the budget; nodes outside the view are
-// left out. The selection under a budget is therefore a prefix of the selection without one. Nodes must have parents
-// before children. O(n log n) in the number of nodes that are visible and above the target.
+// their parent, until no error is above the target or the next node does not fit the budget; nodes outside the view, or
+// clipped as a whole, are left out. The selection under a budget is therefore a prefix of the selection without one.
+// Nodes must have parents before children. O(n log n) in the number of nodes that are visible and above the target.
 SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
 
 // The same for one tree.

@@ -80,6 +80,26 @@ QIcon select_points_icon()
     return QIcon(picture);
 }
 
+QIcon align_icon()
+{
+    constexpr int size = 64;
+    QPixmap picture(size, size);
+    picture.fill(Qt::transparent);
+    QPainter painter(&picture);
+    painter.setRenderHint(QPainter::Antialiasing);
+    const QPointF moving[] = {{10, 50}, {20, 30}, {34, 54}}, fixed[] = {{28, 22}, {40, 6}, {56, 30}};
+    painter.setPen(QPen(QColor(90, 90, 90), 2, Qt::DashLine));
+    for (int i = 0; i < 3; ++i) painter.drawLine(moving[i], fixed[i]);
+    painter.setPen(QPen(QColor(40, 40, 40), 2));
+    for (int i = 0; i < 3; ++i) {
+        painter.setBrush(QColor(255, 140, 0));
+        painter.drawEllipse(moving[i], 7, 7);
+        painter.setBrush(QColor(0, 170, 255));
+        painter.drawEllipse(fixed[i], 7, 7);
+    }
+    return QIcon(picture);
+}
+
 QIcon measure_icon()
 {
     constexpr int size = 64;
@@ -98,6 +118,25 @@ QIcon measure_icon()
         painter.drawLine(end - QPoint(7, 0), end + QPoint(7, 0));
         painter.drawLine(end - QPoint(0, 7), end + QPoint(0, 7));
     }
+    return QIcon(picture);
+}
+
+QIcon pick_point_icon()
+{
+    constexpr int size = 64;
+    QPixmap picture(size, size);
+    picture.fill(Qt::transparent);
+    QPainter painter(&picture);
+    painter.setRenderHint(QPainter::Antialiasing);
+    painter.setPen(Qt::NoPen);
+    painter.setBrush(QColor(60, 110, 190));
+    for (const QPointF& place : {QPointF(10, 14), QPointF(52, 12), QPointF(14, 52), QPointF(54, 50), QPointF(31, 58)})
+        painter.drawEllipse(place, 4, 4);
+    painter.setBrush(QColor(200, 90, 30));
+    painter.drawEllipse(QPointF(32, 32), 6, 6);
+    painter.setPen(QPen(QColor(40, 40, 40), 3));
+    for (const QPoint& way : {QPoint(1, 0), QPoint(-1, 0), QPoint(0, 1), QPoint(0, -1)})
+        painter.drawLine(QPoint(32, 32) + 11 * way, QPoint(32, 32) + 24 * way);
     return QIcon(picture);
 }
 

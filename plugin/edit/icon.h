@@ -7,10 +7,14 @@ namespace pcm::host {
 
 // An eye above four arrows.
 QIcon first_person_icon();
+// A point in a cross, between others.
+QIcon pick_point_icon();
 // A box, a part of whose points is grey.
 QIcon clip_box_icon();
 // A dashed rectangle around coloured points.
 QIcon select_points_icon();
+// Two point clouds, joined by lines.
+QIcon align_icon();
 // A line between two crosses above a ruler.
 QIcon measure_icon();
 

@@ -1,8 +1,10 @@
 #include "plugin/edit/tools.h"
 
+#include "plugin/edit/align/align_tool.h"
 #include "plugin/edit/clip/clip_tool.h"
 #include "plugin/edit/icon.h"
 #include "plugin/edit/measure/measure_tool.h"
+#include "plugin/edit/pick/pick_tool.h"
 #include "plugin/edit/select/select_tool.h"
 #include "plugin/edit/walk/first_person_tool.h"
 
@@ -26,6 +28,10 @@ const std::vector<Tool>& tools()
          "the "
          "speed. The speed is proportional to the distance of the nearest points.",
          first_person_icon, make<FirstPersonTool>},
+        {"Pick Point",
+         "A click shows all that a cloud knows about the visible point under the cursor, at full resolution: source "
+         "coordinates with every digit, every attribute, spacing. Ctrl+C copies it.",
+         pick_point_icon, make<PickTool>},
         {"Clip Box",
          "A box in the view that hides all points outside or inside of it: dragged by its handles, typed, or taken "
          "from "
@@ -40,6 +46,10 @@ const std::vector<Tool>& tools()
          "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
          "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
          select_points_icon, make<SelectTool>},
+        {"Align by Picked Pairs",
+         "Moves one point cloud to another by three or more pairs of points that are picked in the view: residuals, "
+         "uncertainty, the layer's matrix with undo, or a new tree moved in double.",
+         align_icon, make<AlignTool>},
     };
     return table;
 }

@@ -1,8 +1,10 @@
 #include "plugin/filter/filter_plugin.h"
 
 #include "plugin/filter/filter.h"
+#include "plugin/filter/parameters.h"
 #include "plugin/host/cancelled.h"
 #include "plugin/host/field_buttons.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/text.h"
 
 #include <utility>
@@ -17,6 +19,13 @@ bool fits_in_view(Box3m before, const Box3m& after)
     if (before.IsNull() || after.IsNull()) return after.IsNull();
     before.Offset(before.Diag() / 100);
     return before.IsIn(after.min) && before.IsIn(after.max);
+}
+
+// The tree of a locked layer is not changed in place.
+void check_lock(const RichParameterList& parameters, MeshDocument& document)
+{
+    if (parameters.hasParameter("InPlace") && parameters.getBool("InPlace") && parameters.hasParameter("Tree"))
+        refuse_locked(document, tree_of(parameters, document));
 }
 
 const Filter& filter_of(int id) { return filters()[static_cast<std::size_t>(id)]; }
@@ -77,6 +86,7 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
             Log(GLLogStream::WARNING, std::string(filter.name) + ": " + line);
         };
         const Box3m before = document.bbox();
+        check_lock(parameters, document);
         filter.run({document, parameters, callback, log, warn});
         resets_view_ = !fits_in_view(before, document.bbox());
         return true;

@@ -11,7 +11,11 @@ Filter voxel_grid_filter();
 Filter subsample_filter();
 Filter merge();
 Filter transform();
+Filter align();
 Filter tree_information();
+Filter measure_filter();
+Filter profile_filter();
+Filter cut_volume();
 Filter estimate_radii();
 Filter estimate_normals();
 Filter remove_outliers();
@@ -19,8 +23,10 @@ Filter remove_outliers();
 const std::vector<Filter>& filters()
 {
     static const std::vector<Filter> table{
-        build_tree(), append(),    delete_points(),  compact(),          voxel_grid_filter(), subsample_filter(),
-        merge(),      transform(), estimate_radii(), estimate_normals(), remove_outliers(),   tree_information()};
+        build_tree(),       append(),          delete_points(),    compact(),        voxel_grid_filter(),
+        subsample_filter(), merge(),           transform(),        align(),          estimate_radii(),
+        estimate_normals(), remove_outliers(), tree_information(), measure_filter(), profile_filter(),
+        cut_volume()};
     return table;
 }
 

@@ -1,12 +1,11 @@
 // Transform Point Cloud Tree: by the layer's matrix, or by numbers.
 #include "pcm/build/builder.h"
 #include "pcm/cloud/vector.h"
-#include "pcm/io/pipe/transformed_reader.h"
 #include "pcm/system/error.h"
-#include "pcm/tree/tree_reader.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/host/moved_tree.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/text.h"
@@ -78,26 +77,21 @@ void run(const FilterRun& run)
     const std::filesystem::path path = tree_of(run.parameters, run.document);
     const ResultOptions result = result_options_of(run.parameters);
     const auto tree = Tree::open(path);
-    std::error_code ignored;
-    if (std::filesystem::equivalent(tree->folder(), result.target.copy, ignored))
-        throw Error(ErrorCode::invalid_argument, result.target.copy, "the output is the input tree",
-                    "give the new tree another name");
     const auto first = run.parameters.getBool("LayerMatrix") ? layer_map(run, path) : std::nullopt;
     const auto second = typed_map(run.parameters, tree->info().bounds());
     if (!first && !second)
         throw Error(ErrorCode::invalid_argument, {}, "no transformation was given, and the layer has no matrix",
                     "move the layer, or give a translation, a rotation or a scale");
-    std::unique_ptr<PointReader> points = std::make_unique<TreeReader>(tree, std::nullopt, Selection());
+    std::vector<Affine> maps;
     for (const auto& map : {first, second})
-        if (map) points = std::make_unique<TransformedReader>(std::move(points), *map);
+        if (map) maps.push_back(*map);
     BuildOptions build;
     build.memory_bytes = result.memory_bytes;
     build.threads = result.threads;
     build.overwrite = result.overwrite;
-    build.sampling = tree->info().sampling;
     Operation operation(run.callback);
     build.progress = operation.progress();
-    const BuildReport report = build_tree(*points, tree->info().sources, result.target.copy, build);
+    const BuildReport report = write_moved_tree(tree, maps, result.target.copy, build);
     log_result(run, "Transformed " + path.string() + (first ? ", by the layer's matrix" : ""), report);
     run.log("Largest position error: " + exact(report.outcome.error) + " source units.");
     show_result(run, path, result.target);

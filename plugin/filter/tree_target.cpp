@@ -2,8 +2,7 @@
 
 #include "plugin/filter/parameters.h"
 #include "plugin/host/layer.h"
-#include "plugin/host/misfit.h"
-#include "plugin/host/registry.h"
+#include "plugin/host/moved_tree.h"
 #include "plugin/host/text.h"
 
 namespace pcm::host {
@@ -28,21 +27,7 @@ TargetChoice target_of(const RichParameterList& parameters)
 
 void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)
 {
-    const auto cloud = Registry::instance().open(folder);
-    if (cloud->info().points == 0) {
-        run.log("The tree has no points, so no layer shows it.");
-        return;
-    }
-    MeshModel* layer = run.document.addNewMesh(QString::fromStdString(folder.string()),
-                                               QString::fromStdString(folder.filename().string()));
-    try {
-        for (const Misfit& misfit : misfits(*layer, cloud->info().metadata, cloud->info().bounds()))
-            run.log("Warning: " + folder.filename().string() + ": " + misfit.text);
-        for (const std::string& line : show_tree(*layer, cloud)) run.log(line);
-    } catch (...) {
-        run.document.delMesh(layer);
-        throw;
-    }
+    for (const std::string& line : add_layer_of(run.document, folder)) run.log(line);
 }
 
 void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)

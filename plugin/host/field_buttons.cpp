@@ -95,6 +95,21 @@ void pick_new_tree(QLineEdit& field)
     if (!folder.isEmpty()) write(field, folder.endsWith(".pct", Qt::CaseInsensitive) ? folder : folder + ".pct");
 }
 
+void pick_new_file(QLineEdit& field)
+{
+    // What is there already is the filter's concern.
+    const QString file = QFileDialog::getSaveFileName(field.window(), "Name a file", field.text(), "All files (*)",
+                                                      nullptr, QFileDialog::DontConfirmOverwrite);
+    if (!file.isEmpty()) write(field, file);
+}
+
+void pick_list(QLineEdit& field)
+{
+    const QString file = QFileDialog::getOpenFileName(field.window(), "Choose a list of measures", field.text(),
+                                                      "Lists of measures (*.json)");
+    if (!file.isEmpty()) write(field, file);
+}
+
 void write_box(QLineEdit& field, const std::optional<Box3d>& box, const QString& if_none)
 {
     if (box)
@@ -128,7 +143,9 @@ std::vector<Button> buttons_of(const QString& parameter, MeshDocument* document)
     if (parameter == "Inputs")
         return {{QStyle::SP_DirIcon, "Add a folder", pick_folder_of_files},
                 {QStyle::SP_FileIcon, "Add files", pick_files}};
-    if (parameter == "Tree") return {{QStyle::SP_DirOpenIcon, "Choose a tree", pick_tree}};
+    if (parameter == "OutputFile") return {{QStyle::SP_DialogSaveButton, "Name a file", pick_new_file}};
+    if (parameter == "ListFile") return {{QStyle::SP_DirOpenIcon, "Choose a list of measures", pick_list}};
+    if (parameter == "Tree" || parameter == "TreeBefore") return {{QStyle::SP_DirOpenIcon, "Choose a tree", pick_tree}};
     if (parameter == "Output") return {{QStyle::SP_DirOpenIcon, "Name a tree", pick_new_tree}};
     if (parameter.section("::", -1) == "TreeFolder") return {{QStyle::SP_DirOpenIcon, "Choose a folder", pick_folder}};
     if (parameter != "Box" || !document) return {};

@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 
 #include "plugin/host/layer.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/text.h"
 
 #include <cmath>
@@ -44,6 +45,7 @@ std::vector<std::string> delete_points_in(MeshDocument& document, const TreeLaye
                                           Operation& operation)
 {
     const std::filesystem::path folder = tree.cloud->tree()->folder();
+    refuse_locked(document, folder);
     EraseOptions options;
     options.progress = operation.progress();
     const EraseReport report = erase_points(folder, selection_of(region), options);

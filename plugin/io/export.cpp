@@ -4,9 +4,12 @@
 #include "pcm/io/formats.h"
 #include "pcm/io/pipe/require_points.h"
 #include "pcm/io/pipe/selected_reader.h"
+#include "pcm/io/pipe/transformed_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_reader.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/layer_reader.h"
+#include "plugin/host/placement.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/sample_change.h"
 #include "plugin/host/selection_text.h"
@@ -22,6 +25,7 @@ namespace {
 const QString binary = "Binary";
 const QString selected_only = "SelectedOnly";
 const QString level = "Level";
+const QString apply_matrix = "ApplyMatrix";
 const QString box = "Box";
 const QString where = "Where";
 const QString decimals = "Decimals";
@@ -87,7 +91,20 @@ void take_format_settings(const RichParameterList& parameters, WriteOptions& opt
     if (parameters.hasParameter(float_positions)) options.float_positions = parameters.getBool(float_positions);
 }
 
-bool is_identity(const MeshModel& layer) { return layer.cm.Tr == Matrix44m::Identity(); }
+// Where the layer's matrix puts the points that are written; nothing where they stay, or it is not to be applied.
+std::optional<Affine> placement_to_write(const MeshModel& layer, const RichParameterList& parameters)
+{
+    if (parameters.hasParameter(apply_matrix) && !parameters.getBool(apply_matrix)) return std::nullopt;
+    if (const auto tree = Registry::instance().find(layer)) return placement_of(layer, *tree);
+    if (layer.cm.Tr == Matrix44m::Identity()) return std::nullopt;
+    return map_of(layer.cm.Tr, Registry::instance().origin_of(*layer.parent).value_or(Vec3d{0, 0, 0}));
+}
+
+std::unique_ptr<PointReader> moved(std::unique_ptr<PointReader> points, const std::optional<Affine>& map)
+{
+    if (!map) return points;
+    return std::make_unique<TransformedReader>(std::move(points), *map);
+}
 
 std::vector<std::string> layer_lines(const MeshModel& layer, const LayerReader& reader, const LayerSelection& taken)
 {
@@ -144,6 +161,10 @@ void add_export_settings(RichParameterList& parameters, const std::string& exten
     else
         parameters.addParam(RichBool(selected_only, false, "Selected vertices only",
                                      "Write only the vertices that are selected. Default off."));
+    parameters.addParam(RichBool(apply_matrix, true, "Apply the layer's matrix",
+                                 "Write the points where the layer's matrix moves them, as the view shows them; a box "
+                                 "and conditions choose points before that. Off: where the cloud has them. Default "
+                                 "on."));
     parameters.addParam(RichString(box, "", "Box",
                                    "Write only points inside this box: its smallest x y z and its largest x y z, six "
                                    "numbers separated by blanks, in source coordinates and units, bounds included. "
@@ -174,9 +195,10 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
     std::vector<std::string> lines;
     ConvertReport report;
     std::string what;
+    const std::optional<Affine> placement = placement_to_write(layer, parameters);
     if (const auto tree = Registry::instance().find(layer)) {
         const auto bounds = [&] { return tree->cloud->info().bounds(); };
-        const auto open = [&] { return require_points(reader_of_tree(*tree, parameters), bounds); };
+        const auto open = [&] { return require_points(moved(reader_of_tree(*tree, parameters), placement), bounds); };
         report = write_cloud(open, path, options);
         what = "of the tree " + tree->cloud->tree()->folder().string();
     } else {
@@ -186,8 +208,9 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
             auto vertices = std::make_unique<LayerReader>(layer, taken);
             lines = layer_lines(layer, *vertices, taken);
             const auto passed = std::make_shared<Box3d>();
-            return require_points(std::make_unique<SelectedReader>(std::move(vertices), selection, passed),
-                                  [passed] { return *passed; });
+            return require_points(
+                moved(std::make_unique<SelectedReader>(std::move(vertices), selection, passed), placement),
+                [passed] { return *passed; });
         };
         report = write_cloud(open, path, options);
         what = "of the layer " + layer.label().toStdString();
@@ -199,7 +222,10 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
     for (const std::string& note : report.notes) lines.push_back("Note: " + note);
     for (const std::string& warning : report.outcome.warnings) lines.push_back("Warning: " + warning);
     if (const std::string changed = sample_warning(layer); !changed.empty()) lines.push_back("Warning: " + changed);
-    if (!is_identity(layer)) lines.emplace_back("The layer's matrix was not applied, as in all of MeshLab's exports.");
+    if (placement)
+        lines.emplace_back("The points are where the layer's matrix moves them.");
+    else if (layer.cm.Tr != Matrix44m::Identity())
+        lines.emplace_back("The layer's matrix was not applied.");
     return lines;
 }
 

@@ -129,7 +129,8 @@ void ExportDialog::export_current(const char* slot)
 
 void keep_file_of(MeshModel& layer)
 {
-    if (!Registry::instance().find(layer)) return;
+    // A file with the matrix applied and the layer's matrix together would move the points twice in a project.
+    if (!Registry::instance().find(layer) && layer.cm.Tr == Matrix44m::Identity()) return;
     // The log belongs to the document: if the document is destroyed, Qt drops this call.
     QTimer::singleShot(0, &layer.parent->Log, [document = layer.parent, mesh_id = layer.id(), file = layer.fullName()] {
         MeshModel* const shown = document->getMesh(mesh_id);

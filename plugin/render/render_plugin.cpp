@@ -1,10 +1,12 @@
 #include "plugin/render/render_plugin.h"
 
+#include "plugin/host/bookmarks.h"
 #include "plugin/host/drawn_copy.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
 #include "plugin/host/tree_cache.h"
+#include "plugin/render/clouds/clouds_dock.h"
 #include "plugin/render/disc_choice.h"
 #include "plugin/render/dock.h"
 #include "plugin/render/layer_watch.h"
@@ -44,6 +46,7 @@ PointCloudDecorator::PointCloudDecorator()
     connect(&registry, &Registry::discs_wanted, this, [](MeshDocument* document) { draw_discs(*document); });
     connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
     TreeCache::instance().remove_leftovers();
+    keep_bookmarks_in_projects();
 }
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const
@@ -195,6 +198,7 @@ void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
 {
     list(area, layer);
     Dock::show_for(area);
+    CloudsDock::show_for(area);
     area.update();
     QMetaObject::invokeMethod(&area, "updateMainWindowMenus");
     // Makes the layer panel list our parameters.

@@ -1,6 +1,7 @@
 #include "plugin/render/sample_watch.h"
 
 #include "plugin/host/layer.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/sample_change.h"
 #include "plugin/host/sample_deletion.h"
 #include "plugin/host/sample_region.h"
@@ -104,6 +105,15 @@ void settle(MeshModel& layer, const pcm::Camera& view)
         case SampleChange::Kind::none:
             return;
         case SampleChange::Kind::moved:
+            // MeshLab may freeze the same matrix once more before the next picture: that is another change.
+            watched().erase({layer.parent, layer.id()});
+            if (LayerMatrices::of(*layer.parent).is_locked(layer)) {
+                restore_sample(layer, *tree->sample);
+                return log(
+                    *layer.parent, GLLogStream::WARNING,
+                    "The layer '" + layer.label().toStdString() +
+                        "' is locked: the matrix that was frozen into MeshLab's sample is taken out of it again.");
+            }
             unfreeze(layer, *tree->sample, change);
             log(*layer.parent, GLLogStream::FILTER,
                 "The layer '" + layer.label().toStdString() +
@@ -143,6 +153,7 @@ void settle_when_idle(MeshDocument* document, int mesh_id, const pcm::Camera& vi
 
 void look_at_sample(MeshModel& layer, const pcm::Camera& view)
 {
+    LayerMatrices::of(*layer.parent).hold(layer);
     const auto tree = Registry::instance().find(layer);
     const std::pair<const MeshDocument*, int> key(layer.parent, layer.id());
     const LayerState state = tree && tree->sample ? state_of(layer, Watched::sample) : LayerState();

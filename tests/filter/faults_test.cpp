@@ -100,11 +100,17 @@ protected:
 // A small limit of memory: most chunks are written long before the end.
 INSTANTIATE_TEST_SUITE_P(
     Commands, FilterFaults,
-    testing::Values(FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, true},
-                    FaultCase{"outliers", {"outliers", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
-                    FaultCase{"outliers_of_a_copy", {"outliers", "-a", "1", "-k", "3", "-t", "1"}, false},
-                    FaultCase{"labels", {"outliers", "--label", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
-                    FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, false}),
+    testing::Values(
+        FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, true},
+        FaultCase{"outliers", {"outliers", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
+        FaultCase{"outliers_of_a_copy", {"outliers", "-a", "1", "-k", "3", "-t", "1"}, false},
+        FaultCase{"labels", {"outliers", "--label", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
+        FaultCase{"set_saved", {"select", "--sphere", "5", "4", "0", "3", "--save-attribute", "a"}, true},
+        FaultCase{"set_saved_in_a_copy", {"select", "--sphere", "5", "4", "0", "3", "--save-attribute", "a"}, false},
+        FaultCase{"set_classified", {"select", "--sphere", "5", "4", "0", "3", "--classify", "7"}, true},
+        FaultCase{"set_deleted", {"select", "--sphere", "5", "4", "0", "3", "--delete"}, true},
+        FaultCase{"set_deleted_from_a_copy", {"select", "--sphere", "5", "4", "0", "3", "--delete"}, false},
+        FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, false}),
     [](const auto& info) { return info.param.name; });
 
 TEST_P(FilterFaults, KilledAtAnyCall)

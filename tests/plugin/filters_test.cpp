@@ -32,8 +32,9 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
     for (const char* name :
          {build_name, "Append to Point Cloud Tree", "Delete Points of Point Cloud Tree", "Compact Point Cloud Tree",
           "Point Cloud Tree Information", "Voxel Grid of Point Cloud Tree", "Subsample Point Cloud Tree",
-          "Merge Point Cloud Trees", "Transform Point Cloud Tree", "Estimate Radii of Point Cloud Tree",
-          "Estimate Normals of Point Cloud Tree", "Remove Outliers of Point Cloud Tree"})
+          "Merge Point Cloud Trees", "Transform Point Cloud Tree", "Align Point Clouds by Pairs",
+          "Estimate Radii of Point Cloud Tree", "Estimate Normals of Point Cloud Tree",
+          "Remove Outliers of Point Cloud Tree", "Measure", "Cross-Section Profile", "Cut Volume"})
         EXPECT_TRUE(names.count(name)) << name;
 }
 

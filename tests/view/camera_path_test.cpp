@@ -212,6 +212,33 @@ protected:
     std::filesystem::path file_ = folder_ / "way.json";
 };
 
+TEST_F(PathFile, TextIsReadBackWithEveryDigitAndName)
+{
+    CameraPath path;
+    path.name = "tour \"one\"";
+    path.frames.push_back({{500010.1234567891, 4800020.1, 1.0 / 3}, {1, 2, 3}, {0, 0.6, 0.8}, 61.5, 0, true, "north"});
+    path.frames.push_back({{0, 0, 1e-9}, {1, 2, -3e9}, {0, 1, 0}, {}, 0.125, false, ""});
+    const CameraPath again = read(path.text());
+    EXPECT_EQ(again.name, path.name);
+    EXPECT_FALSE(again.in_box);
+    ASSERT_EQ(again.frames.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(again.frames[i].eye, path.frames[i].eye);
+        EXPECT_EQ(again.frames[i].target, path.frames[i].target);
+        EXPECT_EQ(again.frames[i].up, path.frames[i].up);
+        EXPECT_EQ(again.frames[i].angle, path.frames[i].angle);
+        EXPECT_EQ(again.frames[i].height, path.frames[i].height);
+        EXPECT_EQ(again.frames[i].rest, path.frames[i].rest);
+        EXPECT_EQ(again.frames[i].name, path.frames[i].name);
+    }
+    path.in_box = true;
+    EXPECT_TRUE(read(path.text()).in_box);
+    EXPECT_THROW(CameraPath::of_text("{", "bookmarks"), Error);
+    refused(R"({"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": [
+            {"eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "angle": 60, "name": 3}]})",
+            "'name' is not a text");
+}
+
 TEST_F(PathFile, IsReadAsDocumented)
 {
     const CameraPath path =

@@ -63,8 +63,6 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
     return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
 }
 
-Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
 // The place for a number in a name such as NAME%04d.png: its begin, its end and the least number of digits.
 struct Pattern {
     std::size_t begin = 0, end = 0;
@@ -105,29 +103,9 @@ void require_png(const fs::path& file)
 void add_camera(Options& options, RenderArguments& a)
 {
     const char* const group = "Camera (default: an oblique view of everything)";
-    const Option eye =
-        options.option("--eye", a.eye, "Camera position x y z, source coordinates").values(3).group(group);
-    const Option target = options.option("--target", a.target, "Point that the camera looks at (default: the middle)")
-                              .values(3)
-                              .group(group);
-    const Option up =
-        options.option("--up", a.up, "Direction that is up in the picture (default: 0 0 1)").values(3).group(group);
-    const Option angle =
-        options.option("--angle", a.angle, "Vertical angle of view, degrees (default 45)").group(group);
-    const Option parallel = options.flag("--orthographic", a.orthographic, "Parallel projection instead of perspective")
-                                .group(group)
-                                .excludes(angle);
-    const Option height = options.option("--height", a.height, "Orthographic: height of the view, source units")
-                              .group(group)
-                              .excludes(angle);
-    options.option("--path", a.path, "Camera path, JSON: one picture per frame")
-        .group(group)
-        .excludes(eye)
-        .excludes(target)
-        .excludes(up)
-        .excludes(angle)
-        .excludes(parallel)
-        .excludes(height);
+    const std::vector<Option> of_one_view = a.camera.add_to(options, group);
+    const Option path = options.option("--path", a.path, "Camera path, JSON: one picture per frame").group(group);
+    for (const Option& option : of_one_view) path.excludes(option);
 }
 
 void add_look(Options& options, RenderArguments& a)
@@ -230,15 +208,7 @@ void add_to(Options& options, RenderArguments& a)
     add_common(options, a.common);
 }
 
-PictureSize size_of(const RenderArguments& arguments)
-{
-    PictureSize size;
-    int end = 0;
-    if (std::sscanf(arguments.size.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 ||
-        static_cast<std::size_t>(end) != arguments.size.size() || size.width < 1 || size.height < 1)
-        refuse("--size '" + arguments.size + "' is not a size", "write WIDTHxHEIGHT in pixels, as in 1280x720");
-    return size;
-}
+PictureSize size_of(const RenderArguments& arguments) { return parse_size(arguments.size); }
 
 Background background_of(const RenderArguments& arguments)
 {
@@ -313,22 +283,7 @@ RenderOptions options_of(const RenderArguments& arguments)
 std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size)
 {
     if (!arguments.path.empty()) return CameraPath::read(arguments.path).placed(box).frames;
-    const bool parallel = arguments.orthographic || arguments.height;
-    CameraFrame frame = overview_of(box, parallel ? std::nullopt : std::optional<double>(arguments.angle.value_or(45)),
-                                    size.width, size.height);
-    if (arguments.height) frame.height = *arguments.height;
-    if (!arguments.up.empty()) frame.up = vector_of(arguments.up);
-    const Vec3d eye = frame.eye, target = frame.target;
-    if (!arguments.target.empty())
-        frame.target = vector_of(arguments.target);
-    else if (!arguments.eye.empty())
-        frame.target = box.centre();
-    if (!arguments.eye.empty())
-        frame.eye = vector_of(arguments.eye);
-    else
-        for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + (eye[a] - target[a]);
-    check(frame);
-    return {frame};
+    return {arguments.camera.frame(box, size)};
 }
 
 std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pictures)

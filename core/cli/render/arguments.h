@@ -1,6 +1,7 @@
 // The command line of `pcmlab render`.
 #pragma once
 
+#include "pcm/cli/camera_options.h"
 #include "pcm/cli/common.h"
 #include "pcm/gl/renderer.h"
 #include "pcm/view/camera_path.h"
@@ -20,9 +21,9 @@ struct RenderArguments {
     std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
     std::vector<std::string> where;
-    std::vector<double> eye, target, up;
-    std::optional<double> angle, height, frame_budget_ms;
-    bool orthographic = false, overwrite = false, legend = false;
+    CameraOptions camera;
+    std::optional<double> frame_budget_ms;
+    bool overwrite = false, legend = false;
     CloudStyle style;
     RenderOptions options;
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
@@ -31,9 +32,6 @@ struct RenderArguments {
 void add_to(Options& options, RenderArguments& arguments);
 
 // What the arguments mean, before a tree is opened. Throws Error(invalid_argument).
-struct PictureSize {
-    int width = 0, height = 0;
-};
 PictureSize size_of(const RenderArguments& arguments);
 struct Background {
     bool transparent = false;

@@ -1,10 +1,10 @@
 #include "plugin/edit/clip/clip_tool.h"
 
 #include "plugin/edit/clip/clip_drawing.h"
-#include "plugin/edit/clip/clip_history.h"
 #include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
+#include "plugin/host/clip_history.h"
 #include "plugin/host/picker.h"
 #include "plugin/host/text.h"
 

@@ -1,6 +1,7 @@
 #include "plugin/edit/select/chosen_points.h"
 
 #include "pcm/cloud/region.h"
+#include "pcm/select/front_points.h"
 #include "pcm/select/grow.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/select/select_points.h"
@@ -56,6 +57,14 @@ PointSet points_in_balls(PointCloud& cloud, const Query& shown, const std::vecto
         set.combine(SetOperation::add, points.node, points.numbers);
     });
     return set;
+}
+
+PointSet points_in_front(PointCloud& cloud, const Query& shown, const Camera& camera, const std::vector<Vec2d>& polygon)
+{
+    FrontOptions options;
+    options.shown = shown.selection();
+    options.select.progress = shown.progress;
+    return front_points(cloud.tree(), camera, polygon, options);
 }
 
 PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance)

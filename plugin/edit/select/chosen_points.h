@@ -1,8 +1,10 @@
 // The sets of points that the tool Select Points makes, of those that a view shows. Any thread.
 #pragma once
 
+#include "pcm/cloud/polygon.h"
 #include "pcm/point_cloud.h"
 #include "pcm/query/point_set.h"
+#include "pcm/view/camera.h"
 
 #include <vector>
 
@@ -18,6 +20,11 @@ struct Ball {
 };
 // Those in one of the balls at least; in one pass.
 PointSet points_in_balls(PointCloud& cloud, const Query& shown, const std::vector<Ball>& balls);
+
+// Of those in a polygon in normalised device coordinates of the camera, the ones that no other shown point hides
+// (select/front_points.h).
+PointSet points_in_front(PointCloud& cloud, const Query& shown, const Camera& camera,
+                         const std::vector<Vec2d>& polygon);
 
 // Those that steps no longer than `distance` reach from a point of the cloud (select/grow.h), through shown points.
 PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance);

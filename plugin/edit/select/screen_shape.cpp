@@ -35,15 +35,20 @@ Camera camera_for(const ViewMap& view, const std::optional<Affine>& placement)
     return camera;
 }
 
-Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optional<Affine>& placement)
+std::vector<Vec2d> polygon_of(const ScreenShape& shape, const ViewMap& view)
 {
     if (!has_area(shape))
         throw Error(ErrorCode::invalid_argument, {}, "the shape on the screen has no area",
                     "drag farther, or click three corners at least");
     std::vector<Vec2d> corners;
     for (const QPointF& pixel : shape) corners.push_back(view.device(pixel));
+    return corners;
+}
+
+Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optional<Affine>& placement)
+{
     const Camera camera = camera_for(view, placement);
-    return Region::lasso(camera.modelview, camera.projection, camera.origin, corners);
+    return Region::lasso(camera.modelview, camera.projection, camera.origin, polygon_of(shape, view));
 }
 
 std::optional<Ball> ball_in(const Ball& scene, const std::optional<Affine>& placement)

@@ -24,8 +24,11 @@ bool has_area(const ScreenShape& shape);
 // coordinates of the cloud then.
 Camera camera_for(const ViewMap& view, const std::optional<Affine>& placement);
 
+// The shape in normalised device coordinates. Throws Error(invalid_argument) for a shape without area.
+std::vector<Vec2d> polygon_of(const ScreenShape& shape, const ViewMap& view);
+
 // The points of the cloud that appear in the shape, between the view's near and far plane. Even-odd rule for a shape
-// that crosses itself. Throws Error(invalid_argument) for a shape without area.
+// that crosses itself. Throws what polygon_of() throws.
 Region region_of(const ScreenShape& shape, const ViewMap& view, const std::optional<Affine>& placement);
 
 // A ball of the scene in the coordinates of a cloud. A matrix that scales unequally makes an ellipsoid of it: the ball

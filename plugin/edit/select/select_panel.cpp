@@ -122,9 +122,10 @@ void SelectPanel::add_ways(QGridLayout& rows)
         attributes_->setCurrentIndex(0);
     });
     add_button(rows, row, 2, Button::where, "By condition", "Selects the shown points that meet the condition.");
-    add_button(rows, row + 1, 0, Button::all, "All shown", "Selects all points that the view shows.");
-    add_button(rows, row + 1, 1, Button::none, "None", "Selects nothing. Undo brings the selection back.");
-    add_button(rows, row + 1, 2, Button::invert, "Invert", "Selects the shown points that were not selected.");
+    add_button(rows, row + 1, 0, Button::all, "Select shown", "Selects all points that the view shows.");
+    add_button(rows, row + 1, 1, Button::none, "Select none", "Selects nothing. Undo brings the selection back.");
+    add_button(rows, row + 1, 2, Button::invert, "Invert selection",
+               "Selects the shown points that were not selected.");
     connect(shape_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &SelectPanel::shape_changed);
 }
 

@@ -112,12 +112,16 @@ void SelectTool::finish_shape()
     const bool rectangle = panel_->shape() == SelectPanel::Shape::rectangle;
     reset();
     const auto map = map_of(*view_);
-    if (!map) return;
-    if (panel_->front_only()) throw Error(ErrorCode::unsupported, {}, "Front only is not there yet");
-    select(layers_for_shapes(), rectangle ? "rectangle" : "polygon", [&](const MeshModel& layer) -> Choose {
-        const auto tree = Registry::instance().drawn(layer);
-        const Region region = region_of(drawn, *map, placement_of(layer, *tree));
-        return [region](PointCloud& cloud, const Query& shown) {
+    if (!map) return say("the view has not drawn the clouds yet");
+    const bool front = panel_->front_only();
+    const QString words = QString(rectangle ? "rectangle" : "polygon") + (front ? ", front only" : "");
+    select(layers_for_shapes(), words, [&](const MeshModel& layer) -> Choose {
+        const auto placement = placement_of(layer, *Registry::instance().drawn(layer));
+        if (front)
+            return
+                [camera = camera_for(*map, placement), polygon = polygon_of(drawn, *map)](
+                    PointCloud& cloud, const Query& shown) { return points_in_front(cloud, shown, camera, polygon); };
+        return [region = region_of(drawn, *map, placement)](PointCloud& cloud, const Query& shown) {
             Query query = shown;
             query.region = region;
             return points_of(cloud, query);

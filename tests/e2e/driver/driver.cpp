@@ -26,8 +26,8 @@ constexpr int step_ms = 5;          // between two commands, and between two tri
 std::vector<Command> all_commands()
 {
     std::vector<Command> all;
-    for (const auto& table : {waiting_commands(), window_commands(), view_commands(), tool_commands(), panel_commands(),
-                              output_commands()})
+    for (const auto& table : {waiting_commands(), window_commands(), view_commands(), tool_commands(), place_commands(),
+                              panel_commands(), output_commands()})
         all.insert(all.end(), table.begin(), table.end());
     return all;
 }

@@ -1,4 +1,4 @@
-#include "plugin/edit/clip/clip_history.h"
+#include "plugin/host/clip_history.h"
 
 namespace pcm::host {
 

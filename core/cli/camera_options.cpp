@@ -1,0 +1,65 @@
+#include "pcm/cli/camera_options.h"
+
+#include "pcm/system/error.h"
+
+#include <cstdio>
+
+namespace pcm::cli {
+namespace {
+
+Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+PictureSize parse_size(const std::string& text)
+{
+    PictureSize size;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%6dx%6d%n", &size.width, &size.height, &end) != 2 ||
+        static_cast<std::size_t>(end) != text.size() || size.width < 1 || size.height < 1)
+        throw Error(ErrorCode::invalid_argument, {}, "--size '" + text + "' is not a size",
+                    "write WIDTHxHEIGHT in pixels, as in 1280x720");
+    return size;
+}
+
+std::vector<Option> CameraOptions::add_to(Options& options, const char* group)
+{
+    const Option of_eye =
+        options.option("--eye", eye, "Camera position x y z, source coordinates").values(3).group(group);
+    const Option of_target = options.option("--target", target, "Point that the camera looks at (default: the middle)")
+                                 .values(3)
+                                 .group(group);
+    const Option of_up =
+        options.option("--up", up, "Direction that is up in the picture (default: 0 0 1)").values(3).group(group);
+    const Option of_angle =
+        options.option("--angle", angle, "Vertical angle of view, degrees (default 45)").group(group);
+    const Option parallel = options.flag("--orthographic", orthographic, "Parallel projection instead of perspective")
+                                .group(group)
+                                .excludes(of_angle);
+    const Option of_height = options.option("--height", height, "Orthographic: height of the view, source units")
+                                 .group(group)
+                                 .excludes(of_angle);
+    return {of_eye, of_target, of_up, of_angle, parallel, of_height};
+}
+
+CameraFrame CameraOptions::frame(const Box3d& box, PictureSize size) const
+{
+    const bool parallel = orthographic || height;
+    CameraFrame frame =
+        overview_of(box, parallel ? std::nullopt : std::optional<double>(angle.value_or(45)), size.width, size.height);
+    if (height) frame.height = *height;
+    if (!up.empty()) frame.up = vector_of(up);
+    const Vec3d whole_eye = frame.eye, whole_target = frame.target;
+    if (!target.empty())
+        frame.target = vector_of(target);
+    else if (!eye.empty())
+        frame.target = box.centre();
+    if (!eye.empty())
+        frame.eye = vector_of(eye);
+    else
+        for (std::size_t a = 0; a < 3; ++a) frame.eye[a] = frame.target[a] + (whole_eye[a] - whole_target[a]);
+    check(frame);
+    return frame;
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,31 @@
+// Options that describe a camera.
+#pragma once
+
+#include "pcm/cli/command_line.h"
+#include "pcm/view/camera_path.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::cli {
+
+struct PictureSize {
+    int width = 0, height = 0;
+};
+// Of "WIDTHxHEIGHT". Throws Error(invalid_argument).
+PictureSize parse_size(const std::string& text);
+
+// --eye, --target, --up, --angle, --orthographic, --height.
+struct CameraOptions {
+    std::vector<double> eye, target, up;
+    std::optional<double> angle, height;
+    bool orthographic = false;
+
+    std::vector<Option> add_to(Options& options, const char* group);  // these options
+    bool given() const { return !eye.empty() || !target.empty() || !up.empty() || angle || height || orthographic; }
+    // What is not given is as in an oblique view of the whole box. Throws Error(invalid_argument).
+    CameraFrame frame(const Box3d& box, PictureSize size) const;
+};
+
+}  // namespace pcm::cli

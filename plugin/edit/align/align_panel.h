@@ -1,0 +1,68 @@
+// The panel of the tool Align by Picked Pairs: layers, pairs with their residuals, the motion, and what is done with
+// it.
+#pragma once
+
+#include "plugin/edit/align/align_session.h"
+
+#include <QDockWidget>
+#include <QPointer>
+
+#include <functional>
+
+class GLArea;
+class QCheckBox;
+class QComboBox;
+class QGridLayout;
+class QLabel;
+class QPushButton;
+class QTableWidget;
+
+namespace pcm::host {
+
+// One for each window. GUI thread.
+class AlignPanel : public QDockWidget {
+    Q_OBJECT
+
+public:
+    static AlignPanel& of(const GLArea& view);
+
+    // Shows this session until another one is shown; null: none.
+    void show_session(AlignSession* session);
+    // One line about the last pick, or what went wrong.
+    void say(const QString& text);
+
+private:
+    explicit AlignPanel(QWidget* window);
+    void add_layers(QGridLayout& rows);
+    void add_pairs(QGridLayout& rows);
+    void add_result(QGridLayout& rows);
+    QPushButton* add_button(QGridLayout& rows, int row, int column, const char* text, const char* tooltip,
+                            void (AlignPanel::*pressed)());
+    void refresh();
+    void fill_layers();
+    void fill_table();
+    void choose();
+    void show_only();
+    // Runs `work`; what it throws is said in the panel.
+    void guarded(const std::function<void()>& work);
+
+    void swap();
+    void remove_pair();
+    void clear();
+    void load();
+    void save();
+    void apply();
+    void undo();
+    void redo();
+    void write_moved();
+
+    QPointer<AlignSession> session_;
+    QComboBox *moving_ = nullptr, *fixed_ = nullptr, *shown_ = nullptr;
+    QTableWidget* table_ = nullptr;
+    QCheckBox* scale_ = nullptr;
+    QLabel *message_ = nullptr, *summary_ = nullptr;
+    QPushButton *apply_ = nullptr, *undo_ = nullptr, *redo_ = nullptr, *write_ = nullptr;
+    bool filling_ = false;
+};
+
+}  // namespace pcm::host

@@ -1,0 +1,34 @@
+// The panel of the tool Pick Point: all that is known about a point.
+#pragma once
+
+#include "plugin/edit/pick/picked_text.h"
+
+#include <QDockWidget>
+
+#include <vector>
+
+class QLabel;
+class QPushButton;
+class QTableWidget;
+
+namespace pcm::host {
+
+class PickPanel : public QDockWidget {
+    Q_OBJECT
+
+public:
+    explicit PickPanel(QWidget* window);
+    // `complete`: false while the point is being confirmed.
+    void show_point(const std::vector<PickedLine>& lines, bool complete);
+    void say(const QString& text);
+
+signals:
+    void copy_asked();  // the button, or Ctrl+C in the panel
+
+private:
+    QTableWidget* table_;
+    QLabel* message_;
+    QPushButton* copy_;
+};
+
+}  // namespace pcm::host

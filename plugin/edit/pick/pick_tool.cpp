@@ -1,0 +1,196 @@
+#include "plugin/edit/pick/pick_tool.h"
+
+#include "pcm/system/text.h"
+#include "plugin/edit/scene_bounds.h"
+#include "plugin/edit/tool_dock.h"
+#include "plugin/edit/view_events.h"
+#include "plugin/host/annotations.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QClipboard>
+#include <QGuiApplication>
+#include <QKeyEvent>
+#include <QMainWindow>
+#include <QMouseEvent>
+#include <QVariantMap>
+
+namespace pcm::host {
+
+namespace {
+
+const char* const name = "Pick Point";
+const char* const owner = "pick";
+constexpr int click_px = 3;  // a click does not move farther
+
+}  // namespace
+
+PickTool::~PickTool() { delete panel_; }
+
+// Qt does not allow exceptions in event handlers.
+void PickTool::guarded(const std::function<void()>& work)
+{
+    try {
+        work();
+    } catch (...) {
+        say(QString::fromStdString(current_error()));
+    }
+}
+
+void PickTool::say(const QString& text)
+{
+    if (panel_) panel_->say(text);
+    if (view_) view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
+}
+
+bool PickTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    view_ = view;
+    setParent(view);  // the view does not delete its tools otherwise
+    if (bounds_of_shown(*view).empty()) {
+        say("no layer shows a point cloud");
+        view_ = nullptr;
+        return false;
+    }
+    if (!panel_) {
+        panel_ = new PickPanel(window_of(*view));
+        connect(panel_, &PickPanel::copy_asked, this, &PickTool::copy);
+    }
+    show_dock(*view, *panel_);
+    context_ = std::make_unique<QObject>();
+    view->installEventFilter(this);
+    view->setFocus();
+    view->setCursor(Qt::CrossCursor);
+    keep_unmodified(document);
+    if (shown_) show_point(true);
+    say("click a point in the view; Ctrl+C copies what is shown; dragging and the wheel move the camera, Esc switches "
+        "between this tool and the trackball");
+    return true;
+}
+
+void PickTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (view != view_) return;
+    context_.reset();
+    pressed_.reset();
+    view->removeEventFilter(this);
+    Annotations::of(document).set(owner, {});
+    if (panel_) panel_->hide();
+    view_ = nullptr;
+}
+
+void PickTool::click(const QPoint& place)
+{
+    if (panel_) panel_->say("searching ...");
+    pick(*view_, place, *context_, [this](const PickAnswer& answer) { guarded([&] { take(answer); }); });
+}
+
+void PickTool::take(const PickAnswer& answer)
+{
+    if (!view_) return;
+    if (answer.point) {
+        const MeshModel* const layer = view_->md()->getMesh(answer.point->mesh_id);
+        shown_ = answer.point;
+        lines_ = lines_of(*answer.point, layer ? layer->label() : QString());
+        show_point(answer.final);
+        if (answer.final)
+            say(QString("%1, %2").arg(QString::fromStdString(exact(answer.point->position)), lines_.front().value));
+    } else {
+        say(answer.message);
+    }
+    publish(answer);
+}
+
+void PickTool::show_point(bool complete)
+{
+    Annotation mark;
+    mark.marks = {shown_->shown_at};
+    mark.on_top = true;
+    Annotations::of(*view_->md()).set(owner, {mark});
+    if (panel_) panel_->show_point(lines_, complete);
+}
+
+void PickTool::copy()
+{
+    if (lines_.empty()) return say("nothing to copy: no point was picked");
+    QGuiApplication::clipboard()->setText(copied_text(lines_));
+    say("copied");
+}
+
+void PickTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    // The camera gets the press when the mouse has moved: it does not jump at clicks.
+    if (event->button() == Qt::LeftButton)
+        pressed_ = std::make_unique<QMouseEvent>(*event);
+    else
+        guarded([&] { give_to_camera(*view, *event); });
+}
+
+void PickTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    guarded([&] {
+        if (pressed_) {
+            if ((event->pos() - pressed_->pos()).manhattanLength() <= click_px) return;
+            give_to_camera(*view, *pressed_);
+            pressed_.reset();
+        }
+        give_to_camera(*view, *event);
+    });
+}
+
+void PickTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    const auto pressed = std::move(pressed_);
+    guarded([&] {
+        if (pressed && event->button() == Qt::LeftButton)
+            click(event->pos());
+        else
+            give_to_camera(*view, *event);
+    });
+}
+
+void PickTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_) return;
+    guarded([&] { give_to_camera(*view, *event); });
+    event->accept();
+}
+
+void PickTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
+{
+    if (view != view_ || !event->matches(QKeySequence::Copy)) return;
+    event->accept();
+    guarded([&] { copy(); });
+}
+
+bool PickTool::eventFilter(QObject* receiver, QEvent* event)
+{
+    if (receiver == view_ && view_ && !view_->suspendedEditor && event->type() == QEvent::ShortcutOverride &&
+        static_cast<QKeyEvent*>(event)->matches(QKeySequence::Copy)) {
+        event->accept();
+        return true;
+    }
+    return QObject::eventFilter(receiver, event);
+}
+
+void PickTool::publish(const PickAnswer& answer)
+{
+    QVariantMap state;
+    state["answers"] = ++answers_;
+    state["final"] = answer.final;
+    state["message"] = answer.message;
+    if (answer.point) {
+        QVariantMap values;
+        for (const PickedLine& line : lines_) values[line.name] = line.value;
+        state["point"] = values;
+        state["node"] = static_cast<qulonglong>(answer.point->node);
+        state["index"] = static_cast<qulonglong>(answer.point->point);
+    }
+    view_->setProperty("pcm_pick", state);
+}
+
+}  // namespace pcm::host

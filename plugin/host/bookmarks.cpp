@@ -1,0 +1,134 @@
+#include "plugin/host/bookmarks.h"
+
+#include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
+#include "plugin/host/project_parts.h"
+#include "plugin/host/trackball_pose.h"
+
+#include <meshlab/glarea.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pcm::host {
+
+namespace {
+
+// An orthographic view shows 1.75 above and below the centre at a distance of 8 (trackball_pose.h).
+constexpr double height_per_focus = 2 * 1.75 / 8;
+constexpr float orthographic_fov = 5;
+
+}  // namespace
+
+CameraFrame frame_of(const GLArea& view, const Vec3d& origin)
+{
+    const EyePose pose = pose_of(view.trackball.track, view.fov);
+    CameraFrame frame;
+    frame.eye = pose.eye + origin;
+    frame.target = pose.centre() + origin;
+    frame.up = pose.up;
+    if (pose.orthographic)
+        frame.height = pose.focus * height_per_focus;
+    else
+        frame.angle = double(view.fov);
+    return frame;
+}
+
+void look_from(GLArea& view, const CameraFrame& frame, const Vec3d& origin)
+{
+    check(frame);
+    EyePose pose;
+    pose.orthographic = !frame.angle;
+    pose.back = normalised(frame.eye - frame.target);
+    pose.right = normalised(cross(normalised(frame.up), pose.back));
+    pose.up = cross(pose.back, pose.right);
+    pose.focus = length(frame.eye - frame.target);
+    if (pose.orthographic) pose.focus = frame.height / height_per_focus;
+    pose.eye = frame.target - origin + pose.focus * pose.back;
+    // MeshLab's smallest angle marks an orthographic view, and its largest is 90 degrees.
+    const float fov = frame.angle ? float(std::clamp(*frame.angle, 5.5, 90.0)) : orthographic_fov;
+    view.fov = fov;
+    view.trackball.track = trackball_of(pose, fov);
+    view.update();
+}
+
+Bookmarks& Bookmarks::of(MeshDocument& document)
+{
+    auto* found = document.findChild<Bookmarks*>(QString(), Qt::FindDirectChildrenOnly);
+    return found ? *found : *new Bookmarks(&document);
+}
+
+QString Bookmarks::free_name(const QString& wanted) const
+{
+    const QString base = wanted.trimmed().isEmpty() ? QString("View") : wanted.trimmed();
+    QString name = base;
+    const auto taken = [&] {
+        return std::any_of(frames_.begin(), frames_.end(),
+                           [&](const CameraFrame& frame) { return frame.name == name.toStdString(); });
+    };
+    for (int n = 2; taken(); ++n) name = QString("%1 %2").arg(base).arg(n);
+    return name;
+}
+
+QString Bookmarks::add(CameraFrame frame, const QString& name)
+{
+    check(frame);
+    const QString free = free_name(name);
+    frame.name = free.toStdString();
+    frames_.push_back(std::move(frame));
+    emit changed();
+    return free;
+}
+
+void Bookmarks::rename(std::size_t number, const QString& name)
+{
+    if (number >= frames_.size() || frames_[number].name == name.trimmed().toStdString()) return;
+    frames_[number].name.clear();
+    frames_[number].name = free_name(name).toStdString();
+    emit changed();
+}
+
+void Bookmarks::remove(std::size_t number)
+{
+    if (number >= frames_.size()) return;
+    frames_.erase(frames_.begin() + std::ptrdiff_t(number));
+    emit changed();
+}
+
+void Bookmarks::clear()
+{
+    frames_.clear();
+    emit changed();
+}
+
+QString Bookmarks::text() const
+{
+    if (frames_.empty()) return {};
+    CameraPath path;
+    path.name = "bookmarks";
+    path.frames = frames_;
+    return QString::fromStdString(path.text());
+}
+
+void Bookmarks::add_text(const QString& text, const QString& source)
+{
+    const CameraPath path = CameraPath::of_text(text.toStdString(), source.toStdString());
+    if (path.in_box)
+        throw Error(ErrorCode::invalid_argument, source.toStdString(),
+                    "this camera path is in the coordinates of a cloud's box, and bookmarks are in source coordinates",
+                    "use a path with \"coordinates\": \"source\"");
+    for (const CameraFrame& frame : path.frames) add(frame, QString::fromStdString(frame.name));
+}
+
+void keep_bookmarks_in_projects()
+{
+    add_project_part({"PointCloudBookmarks", [](MeshDocument& document) { return Bookmarks::of(document).text(); },
+                      [](MeshDocument& document, const QString& text) {
+                          CameraPath::of_text(text.toStdString(), "bookmarks of the project");  // or nothing changes
+                          Bookmarks::of(document).clear();
+                          Bookmarks::of(document).add_text(text, "bookmarks of the project");
+                      }});
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,177 @@
+// DXF files, read back by a parser of their group codes.
+#include "pcm/cad/dxf_file.h"
+
+#include "pcm/cad/dxf_text.h"
+#include "pcm/system/error.h"
+#include "tests/support.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <map>
+
+namespace {
+
+using namespace pcm;
+
+struct Entity {
+    std::string type;
+    std::multimap<int, std::string> groups;
+    std::string text(int code) const
+    {
+        const auto found = groups.find(code);
+        return found == groups.end() ? "" : found->second;
+    }
+    double number(int code) const { return std::strtod(text(code).c_str(), nullptr); }
+    Vec3d at(int code) const { return {number(code), number(code + 10), number(code + 20)}; }
+};
+
+// The entities of the section ENTITIES, or the records of another one.
+std::vector<Entity> section(const std::filesystem::path& path, const std::string& name)
+{
+    std::ifstream file(path);
+    std::vector<Entity> found;
+    std::string code, value, inside;
+    bool starts = false;
+    while (std::getline(file, code) && std::getline(file, value)) {
+        const int number = std::stoi(code);
+        if (number == 0 && value == "SECTION") {
+            starts = true;
+        } else if (number == 2 && starts) {
+            inside = value;
+            starts = false;
+        } else if (number == 0 && value == "ENDSEC") {
+            inside.clear();
+        } else if (inside == name) {
+            if (number == 0)
+                found.push_back({value, {}});
+            else if (!found.empty())
+                found.back().groups.emplace(number, value);
+        }
+    }
+    return found;
+}
+
+class Dxf : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";
+    }
+    test::TemporaryFolder folder_;
+};
+
+TEST_F(Dxf, CoordinatesReadBackAsTheSameDoubles)
+{
+    const std::vector<Vec3d> points{{500000.123456789, 4800000.987654321, -0.1},
+                                    {1.0 / 3, -2.0 / 3, 1e-6 / 3},
+                                    {1e9 + 1.0 / 1024, -1e9 / 7, 123456789.123456789},
+                                    {0, -0.0, 5e-324},
+                                    {1e300, -1e-300, 1e22}};
+    DxfFile file(folder_ / "a.dxf", {{"scan", 1}});
+    for (const Vec3d& p : points) file.point("scan", p);
+    file.line("scan", points[0], points[1]);
+    file.polyline("scan", points, true);
+    file.polyline("scan", points, false);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.dxf"));  // not before it is complete
+    file.finish();
+    const std::vector<Entity> entities = section(folder_ / "a.dxf", "ENTITIES");
+    ASSERT_EQ(entities.size(), points.size() + 1 + 2 * (points.size() + 2));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(entities[i].type, "POINT");
+        EXPECT_EQ(entities[i].text(8), "scan");
+        EXPECT_EQ(entities[i].at(10), points[i]);
+    }
+    const Entity& line = entities[points.size()];
+    EXPECT_EQ(line.type, "LINE");
+    EXPECT_EQ(line.at(10), points[0]);
+    EXPECT_EQ(line.at(11), points[1]);
+    for (const bool closed : {true, false}) {
+        const std::size_t begin = points.size() + 1 + (closed ? 0 : points.size() + 2);
+        EXPECT_EQ(entities[begin].type, "POLYLINE");
+        EXPECT_EQ(std::stoi(entities[begin].text(70)), closed ? 9 : 8);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            EXPECT_EQ(entities[begin + 1 + i].type, "VERTEX");
+            EXPECT_EQ(entities[begin + 1 + i].at(10), points[i]);
+            EXPECT_EQ(std::stoi(entities[begin + 1 + i].text(70)), 32);
+        }
+        EXPECT_EQ(entities[begin + points.size() + 1].type, "SEQEND");
+    }
+}
+
+TEST_F(Dxf, HandlesAreNeverUsedTwice)
+{
+    DxfFile file(folder_ / "a.dxf", {{"a", 1}, {"b", 2}});
+    for (int i = 0; i < 300; ++i) file.point("a", {1.0 * i, 2, 3});
+    file.finish();
+    std::map<std::string, int> seen;
+    for (const char* name : {"TABLES", "BLOCKS", "ENTITIES", "OBJECTS"})
+        for (const Entity& entity : section(folder_ / "a.dxf", name))
+            if (const std::string handle = entity.text(5); !handle.empty() && entity.type != "DIMSTYLE") ++seen[handle];
+    EXPECT_GT(seen.size(), 300u);
+    for (const auto& [handle, times] : seen) EXPECT_EQ(times, 1) << handle;
+}
+
+TEST_F(Dxf, LayersAreInTheTable)
+{
+    DxfFile file(folder_ / "a.dxf", {{"ground/north", 3}, {"b", 5}, {"b", 6}});
+    file.point("ground/north", {1, 2, 3});
+    EXPECT_THROW(file.point("c", {1, 2, 3}), Error);
+    file.finish();
+    std::map<std::string, int> colours;
+    for (const Entity& entity : section(folder_ / "a.dxf", "TABLES"))
+        if (entity.type == "LAYER") colours[entity.text(2)] = std::stoi(entity.text(62));
+    EXPECT_EQ(colours, (std::map<std::string, int>{{"0", 7}, {"ground_north", 3}, {"b", 5}}));
+    EXPECT_EQ(section(folder_ / "a.dxf", "ENTITIES")[0].text(8), "ground_north");
+}
+
+TEST_F(Dxf, TextIsAscii)
+{
+    DxfFile file(folder_ / "a.dxf", {{"a", 1}});
+    file.text("a", {1, 2, 3}, 0.25, "5 \u00b1 2 m\u00b2, 50 %\n\U0001F600 ^");
+    EXPECT_THROW(file.text("a", {1, 2, 3}, 0, "x"), Error);
+    file.finish();
+    const Entity text = section(folder_ / "a.dxf", "ENTITIES").at(0);
+    EXPECT_EQ(text.text(1), "5 \\U+00B1 2 m\\U+00B2, 50 %%% \\U+D83D\\U+DE00 ^ ");
+    EXPECT_EQ(std::stod(text.text(40)), 0.25);
+    EXPECT_EQ(text.at(10), (Vec3d{1, 2, 3}));
+    EXPECT_EQ(dxf_text("a\xff\xc3"), "a??");
+    EXPECT_EQ(dxf_layer_name(""), "0");
+    EXPECT_EQ(dxf_layer_name("a|b`c"), "a_b_c");
+}
+
+TEST_F(Dxf, WrongNumbersAreRefused)
+{
+    DxfFile file(folder_ / "a.dxf", {{"a", 1}});
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    EXPECT_THROW(file.point("a", {nan, 0, 0}), Error);
+    EXPECT_THROW(file.line("a", {0, 0, 0}, {0, infinity, 0}), Error);
+    EXPECT_THROW(file.polyline("a", {{0, 0, 0}, {0, 0, nan}}, false), Error);
+    EXPECT_THROW(file.polyline("a", {{0, 0, 0}}, false), Error);
+    EXPECT_THROW(file.text("a", {0, 0, nan}, 1, "x"), Error);
+    EXPECT_THROW(file.text("a", {0, 0, 0}, nan, "x"), Error);
+}
+
+TEST_F(Dxf, FaultsOfTheDiskAreErrors)
+{
+    EXPECT_THROW(DxfFile(folder_ / "none" / "a.dxf", {}), Error);
+    {
+        DxfFile unfinished(folder_ / "a.dxf", {{"a", 1}});
+        unfinished.point("a", {1, 2, 3});
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST(DxfMissing, IsAClearError)
+{
+    if (writes_dxf()) GTEST_SKIP() << "built with dxflib";
+    try {
+        DxfFile file("a.dxf", {});
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::unsupported);
+    }
+}
+
+}  // namespace

@@ -1,0 +1,127 @@
+// Clicks at places of the scene, and the table of a panel as text.
+#include "tests/e2e/driver/commands.h"
+
+#include <meshlab/glarea.h>
+
+#include <QApplication>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <QLineEdit>
+#include <QMainWindow>
+#include <QMouseEvent>
+#include <QTableWidget>
+
+#include <cmath>
+
+namespace {
+
+// The pixel of a place in MeshLab's coordinates, as MeshLab's camera projects it (a perspective view).
+QPoint pixel_of(TestDriver& driver, const vcg::Point3f& place)
+{
+    const GLArea* view = driver.area();
+    if (view->fov <= 5) driver.fail("the view is orthographic");
+    const double half = std::tan(double(view->fov) * M_PI / 360);
+    const vcg::Similarityf& track = view->trackball.track;
+    const vcg::Point3f q = track.rot.Rotate(place + track.tra) * track.sca;
+    const double away = 1.75 / half - double(q[2]);
+    const double x = double(q[0]) / (away * half) * view->height() / view->width(), y = double(q[1]) / (away * half);
+    const QPoint pixel(int((x + 1) / 2 * view->width()), int((1 - y) / 2 * view->height()));
+    if (!view->rect().contains(pixel)) driver.fail("the place is out of view");
+    return pixel;
+}
+
+// click-place X Y Z: in MeshLab's coordinates
+Done click_place(TestDriver& driver, const QString& argument)
+{
+    const auto number = [&](int i) { return argument.section(' ', i, i).toFloat(); };
+    const QPoint at = pixel_of(driver, {number(0), number(1), number(2)});
+    for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
+        QMouseEvent event(type, at, driver.area()->mapToGlobal(at), Qt::LeftButton,
+                          type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, Qt::NoModifier);
+        qApp->sendEvent(driver.area(), &event);
+    }
+    return Done::yes;
+}
+
+// click-cell TABLE ROW COLUMN: clicks into a cell of a table of the window
+Done click_cell(TestDriver& driver, const QString& argument)
+{
+    auto* table = driver.window()->findChild<QTableWidget*>(argument.section(' ', 0, 0));
+    if (!table) driver.fail("no table '" + argument + "'");
+    QTableWidgetItem* item = table->item(argument.section(' ', 1, 1).toInt(), argument.section(' ', 2, 2).toInt());
+    if (!item) driver.fail("no cell '" + argument + "'");
+    const QPoint at = table->visualItemRect(item).center();
+    for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
+        QMouseEvent event(type, at, table->viewport()->mapToGlobal(at), Qt::LeftButton,
+                          type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, Qt::NoModifier);
+        qApp->sendEvent(table->viewport(), &event);
+    }
+    return Done::yes;
+}
+
+// check-cell TABLE ROW COLUMN on|off: a cell with a box to tick
+Done check_cell(TestDriver& driver, const QString& argument)
+{
+    auto* table = driver.window()->findChild<QTableWidget*>(argument.section(' ', 0, 0));
+    QTableWidgetItem* item =
+        table ? table->item(argument.section(' ', 1, 1).toInt(), argument.section(' ', 2, 2).toInt()) : nullptr;
+    if (!item || !(item->flags() & Qt::ItemIsUserCheckable)) driver.fail("no cell to tick '" + argument + "'");
+    item->setCheckState(argument.section(' ', 3, 3) == "on" ? Qt::Checked : Qt::Unchecked);
+    return Done::yes;
+}
+
+// print-table OBJECT: the cells of a table of the window; ticked ones as true and false
+Done print_table(TestDriver& driver, const QString& name)
+{
+    const auto* table = driver.window()->findChild<QTableWidget*>(name);
+    if (!table) driver.fail("no table '" + name + "'");
+    QJsonArray rows;
+    for (int r = 0; r < table->rowCount(); ++r) {
+        QJsonArray row;
+        for (int c = 0; c < table->columnCount(); ++c) {
+            const QTableWidgetItem* item = table->item(r, c);
+            if (item && (item->flags() & Qt::ItemIsUserCheckable) && item->text().isEmpty())
+                row << (item->checkState() == Qt::Checked);
+            else
+                row << (item ? QJsonValue(item->text()) : QJsonValue());
+        }
+        rows << row;
+    }
+    say("table " + QJsonDocument(QJsonObject{{"name", name}, {"rows", rows}}).toJson(QJsonDocument::Compact));
+    return Done::yes;
+}
+
+// wait-rows TABLE COUNT TEXT: until the table has so many rows and the text is in its last one
+Done wait_rows(TestDriver& driver, const QString& argument)
+{
+    const auto* table = driver.window()->findChild<QTableWidget*>(argument.section(' ', 0, 0));
+    const int rows = argument.section(' ', 1, 1).toInt();
+    bool found = table && table->rowCount() == rows;
+    if (found && rows > 0 && !argument.section(' ', 2).isEmpty()) {
+        QStringList cells;
+        for (int c = 0; c < table->columnCount(); ++c)
+            if (const auto* item = table->item(rows - 1, c)) cells << item->text();
+        found = cells.join(" | ").contains(argument.section(' ', 2));
+    }
+    return driver.until(found, "the table '" + argument + "'");
+}
+
+// set-text OBJECT TEXT: a field of the window
+Done set_text(TestDriver& driver, const QString& argument)
+{
+    auto* field = driver.window()->findChild<QLineEdit*>(argument.section(' ', 0, 0));
+    if (!field) driver.fail("no field '" + argument + "'");
+    field->setText(argument.section(' ', 1));
+    return Done::yes;
+}
+
+}  // namespace
+
+std::vector<Command> place_commands()
+{
+    return {
+        {"click-place", click_place}, {"click-cell", click_cell}, {"check-cell", check_cell},
+        {"print-table", print_table}, {"wait-rows", wait_rows},   {"set-text", set_text},
+    };
+}

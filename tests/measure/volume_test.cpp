@@ -1,0 +1,315 @@
+// Volumes against surfaces whose volume is known.
+#include "pcm/measure/volume.h"
+
+#include "pcm/measure/cell_grid.h"
+#include "pcm/measure/height_cells.h"
+#include "pcm/system/error.h"
+#include "tests/measure/measured_tree.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+const Vec3d origin{500000, 4800000, 100};
+
+// Points of the surface z = height(x, y) over 20 x 20, with noise; relative to the origin.
+std::vector<Vec3d> surface(const std::function<double(double, double)>& height, std::size_t count, double noise,
+                           std::uint64_t seed, const std::function<bool(double, double)>& has = {})
+{
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 20);
+    std::normal_distribution<double> normal(0, 1);
+    std::vector<Vec3d> points;
+    while (points.size() < count) {
+        const double x = unit(random), y = unit(random);
+        if (has && !has(x, y)) continue;
+        points.push_back(origin + Vec3d{x, y, height(x, y) + noise * normal(random)});
+    }
+    return points;
+}
+
+std::vector<Vec3d> at_origin(std::vector<Vec3d> polygon)
+{
+    for (Vec3d& p : polygon) p = p + origin;
+    return polygon;
+}
+
+const std::vector<Vec3d> square{{2, 2, 0}, {18, 2, 0}, {18, 18, 0}, {2, 18, 0}};
+
+TEST(CellGrid, AreasAddUpToThePolygon)
+{
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> unit(0.2, 1);
+    for (int round = 0; round < 60; ++round) {
+        const Vec2d at = round % 2 ? Vec2d{5e6, -4.8e6} : Vec2d{0, 0};
+        std::vector<Vec2d> polygon;
+        const std::size_t count = 3 + random() % 40;
+        std::vector<Vec3d> corners;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double t = 2 * pi * static_cast<double>(i) / static_cast<double>(count), r = 10 * unit(random);
+            polygon.push_back({at[0] + r * std::cos(t), at[1] + r * std::sin(t)});
+            corners.push_back({polygon.back()[0], polygon.back()[1], 0});
+        }
+        if (round % 3 == 0) std::reverse(polygon.begin(), polygon.end());
+        const CellGrid grid(polygon, 0.1 + unit(random));
+        double sum = 0;
+        for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+            sum += grid.area(cell);
+            EXPECT_LE(grid.area(cell), grid.side() * grid.side() * (1 + 1e-9));
+        }
+        const double area = std::fabs(vector_area(corners)[2]);
+        EXPECT_NEAR(sum, area, 1e-9 * area);
+        // Points are in the cell of their place exactly when they are in the polygon.
+        std::uniform_real_distribution<double> place(-11, 11);
+        for (int i = 0; i < 500; ++i) {
+            const Vec2d p{at[0] + place(random), at[1] + place(random)};
+            const std::size_t cell = grid.cell_of(p[0], p[1]);
+            ASSERT_EQ(cell < grid.size(), is_inside(polygon, p));
+            if (cell < grid.size()) {
+                EXPECT_GT(grid.area(cell), 0);
+            }
+        }
+    }
+    const CellGrid one({{0, 0}, {3, 0}, {3, 2}, {0, 2}}, 100);
+    EXPECT_EQ(one.size(), 1u);
+    EXPECT_DOUBLE_EQ(one.area(0), 6);
+}
+
+TEST(HeightCells, MergedCellsAreAsIfFilledTogether)
+{
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal(1e6, 0.01);
+    HeightCell all, parts[3], merged;
+    std::vector<double> heights;
+    for (int i = 0; i < 1000; ++i) {
+        heights.push_back(normal(random));
+        all.add(heights.back());
+        parts[random() % 2].add(heights.back());
+    }
+    for (const HeightCell& part : parts) merged.add(part);
+    long double mean = 0, squares = 0;
+    for (const double h : heights) mean += h / 1000.0L;
+    for (const double h : heights) squares += (h - mean) * (h - mean);
+    for (const HeightCell& cell : {all, merged}) {
+        EXPECT_EQ(cell.points, 1000u);
+        EXPECT_NEAR(cell.mean, double(mean), 1e-9);
+        EXPECT_NEAR(cell.squares, double(squares), 1e-6 * double(squares));
+        EXPECT_EQ(cell.lowest, *std::min_element(heights.begin(), heights.end()));
+        EXPECT_EQ(cell.highest, *std::max_element(heights.begin(), heights.end()));
+    }
+}
+
+TEST(HeightCells, GapsOfAPlaneAreFilledWithThePlane)
+{
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr std::size_t columns = 30, rows = 20;
+    std::vector<double> height(columns * rows), areas(columns * rows, 1);
+    const auto plane = [](std::size_t cell) {
+        return 0.3 * static_cast<double>(cell % columns) - 0.2 * static_cast<double>(cell / columns);
+    };
+    for (std::size_t cell = 0; cell < height.size(); ++cell) {
+        const std::size_t x = cell % columns, y = cell / columns;
+        height[cell] = x > 4 && x < 15 && y > 3 && y < 16 ? nan : plane(cell);
+    }
+    areas[columns + 20] = 0;  // a cell outside of the polygon is never filled
+    height[columns + 20] = nan;
+    fill_gaps(height, areas, columns);
+    for (std::size_t cell = 0; cell < height.size(); ++cell) {
+        if (cell == columns + 20)
+            EXPECT_TRUE(std::isnan(height[cell]));
+        else
+            EXPECT_NEAR(height[cell], plane(cell), 1e-3);
+    }
+    std::vector<double> none(4, nan);
+    fill_gaps(none, {1, 1, 1, 1}, 2);
+    EXPECT_TRUE(std::isnan(none[0]));
+}
+
+class Volumes : public testing::Test {
+protected:
+    TemporaryFolder folder_;
+};
+
+TEST_F(Volumes, OfASlopeAgainstAHeightAndAgainstItself)
+{
+    const auto slope = [](double x, double y) { return 0.1 * (x - 10) + 0.05 * (y - 10); };
+    const auto cloud = measured_tree(folder_, "a", surface(slope, 120000, 0.01, 1), origin);
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    options.reference.height = origin[2] - 3;
+    options.side = 0.5;
+    const VolumeReport above = measure_volume(*cloud, options);
+    EXPECT_NEAR(above.area, 256, 1e-9);
+    EXPECT_EQ(above.fill, 0);
+    EXPECT_EQ(above.area_without_data, 0);
+    EXPECT_NEAR(above.net(), 3 * 256, 5 * above.net_spread);
+    EXPECT_GT(above.net_spread, 0);
+    // Half of it lies above its middle: the integral of |slope| is that of the two sides.
+    options.reference.height = origin[2];
+    options.side = 0;
+    const VolumeReport both = measure_volume(*cloud, options);
+    double truth = 0;
+    for (int i = 0; i < 1600; ++i)
+        for (int j = 0; j < 1600; ++j) truth += std::max(0.0, slope(2 + (i + 0.5) / 100, 2 + (j + 0.5) / 100)) / 1e4;
+    EXPECT_NEAR(both.cut, truth, 0.005 * truth);
+    EXPECT_NEAR(both.fill, truth, 0.005 * truth);
+    EXPECT_NEAR(both.net(), 0, 0.2);
+    // Against its own plane nothing is left but noise; heights are relative to the plane, so that no cell is tilted.
+    options.reference = plane_of(origin + Vec3d{10, 10, 0}, {-0.1, -0.05, 1});
+    options.side = 1;
+    const VolumeReport none = measure_volume(*cloud, options);
+    EXPECT_NEAR(none.net(), 0, 5 * none.net_spread + 1e-3 * 256);
+    EXPECT_LT(none.cut + none.fill, 0.5);
+    EXPECT_EQ(none.cells, 256u);
+    EXPECT_EQ(none.cells_without_data, 0u);
+}
+
+// Pyramid of volume base * height / 3 in a polygon that is not convex; two clouds.
+TEST_F(Volumes, BetweenTwoClouds)
+{
+    const auto before = [](double x, double y) { return 0.02 * x - 0.03 * y; };
+    const auto heap = [](double x, double y) {
+        return std::max(0.0, 3 - std::max(std::fabs(x - 12), std::fabs(y - 12)));
+    };
+    const auto pit = [](double x, double y) { return std::max(0.0, 1 - std::max(std::fabs(x - 5), std::fabs(y - 5))); };
+    const auto after = [&](double x, double y) { return before(x, y) + heap(x, y) - pit(x, y); };
+    const auto old_cloud = measured_tree(folder_, "a", surface(before, 60000, 0.005, 1), origin);
+    const auto new_cloud = measured_tree(folder_, "b", surface(after, 90000, 0.005, 2), origin);
+    VolumeOptions options;
+    options.before = old_cloud;
+    options.polygon = at_origin({{1, 1, 0}, {19, 1, 0}, {19, 19, 0}, {8, 19, 0}, {8, 9, 0}, {1, 9, 0}});
+    options.side = 0.25;
+    const VolumeReport report = measure_volume(*new_cloud, options);
+    EXPECT_NEAR(report.cut, 36, 0.4);  // 6 * 6 * 3 / 3
+    EXPECT_NEAR(report.fill, 4.0 / 3, 0.4);
+    EXPECT_NEAR(report.net(), 36 - 4.0 / 3, 0.2);
+    EXPECT_GT(report.points[0], report.points[1]);
+    EXPECT_LT(report.values()[0].uncertainty, 1);
+    // In the other order the signs change.
+    options.before = new_cloud;
+    const VolumeReport back = measure_volume(*old_cloud, options);
+    EXPECT_NEAR(back.cut, report.fill, 1e-9);
+    EXPECT_NEAR(back.fill, report.cut, 1e-9);
+}
+
+TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
+{
+    const auto slope = [](double x, double y) { return 0.1 * x - 0.05 * y; };
+    const auto has = [](double x, double y) { return std::hypot(x - 10, y - 10) > 3; };
+    const auto cloud = measured_tree(folder_, "a", surface(slope, 80000, 0, 1, has), origin);
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    options.reference.height = origin[2] - 5;
+    options.side = 0.5;
+    const VolumeReport left_out = measure_volume(*cloud, options);
+    EXPECT_LT(left_out.area_without_data, pi * 9);  // the cells that lie in the hole as a whole
+    EXPECT_GT(left_out.area_without_data, pi * std::pow(3 - 0.5 * std::sqrt(2.0), 2));
+    EXPECT_NEAR(left_out.area_counted + left_out.area_without_data, 256, 1e-9);
+    EXPECT_EQ(left_out.area_interpolated, 0);
+    options.empty = EmptyCells::interpolated;
+    const VolumeReport filled = measure_volume(*cloud, options);
+    EXPECT_EQ(filled.area_without_data, left_out.area_without_data);
+    EXPECT_EQ(filled.area_interpolated, left_out.area_without_data);
+    const double truth = 256 * (5 + 0.1 * 10 - 0.05 * 10);
+    EXPECT_NEAR(filled.net(), truth, 1e-3 * truth);
+    EXPECT_NEAR(left_out.net(), truth - left_out.area_without_data * 5.5, 1e-2 * truth);
+}
+
+// The uncertainty is the spread of volumes of clouds with the same surface and other noise.
+TEST_F(Volumes, SpreadIsThatOfManyClouds)
+{
+    const auto flat = [](double, double) { return 0.0; };
+    std::vector<double> volumes;
+    double expected = 0;
+    for (std::uint64_t seed = 0; seed < 24; ++seed) {
+        const auto cloud = measured_tree(folder_, "a" + std::to_string(seed), surface(flat, 4000, 0.2, seed), origin);
+        VolumeOptions options;
+        options.polygon = at_origin(square);
+        options.reference.height = origin[2] - 1;
+        options.side = 2;
+        const VolumeReport report = measure_volume(*cloud, options);
+        volumes.push_back(report.net());
+        expected += report.net_spread / 24;
+    }
+    double mean = 0, squares = 0;
+    for (const double v : volumes) mean += v / 24;
+    for (const double v : volumes) squares += (v - mean) * (v - mean);
+    // 24 volumes know their spread to 15 %: three times that.
+    EXPECT_NEAR(std::sqrt(squares / 23), expected, 0.45 * expected);
+    EXPECT_NEAR(mean, 256, 4 * expected / std::sqrt(24.0));
+}
+
+TEST_F(Volumes, LowestAndHighestOfACell)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 40; ++i)
+        for (int j = 0; j < 40; ++j)
+            for (const double z : {1.0, 2.0, 6.0}) points.push_back(origin + Vec3d{0.25 + 0.5 * i, 0.25 + 0.5 * j, z});
+    const auto cloud = measured_tree(folder_, "a", points, origin);
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    options.reference.height = origin[2];
+    options.side = 1;
+    for (const auto& [kind, height] :
+         {std::pair{CellHeight::lowest, 1.0}, {CellHeight::mean, 3.0}, {CellHeight::highest, 6.0}}) {
+        options.height = kind;
+        EXPECT_NEAR(measure_volume(*cloud, options).net(), height * 256, 1e-6);
+    }
+    // Points of a condition alone; the usual side gives a cell some points.
+    options.where = {parse_condition("z<=" + std::to_string(origin[2] + 1.5))};
+    options.height = CellHeight::mean;
+    options.side = 0;
+    const VolumeReport ground = measure_volume(*cloud, options);
+    EXPECT_NEAR(ground.net(), ground.area_counted, 1e-6);
+    EXPECT_GT(ground.side, 0.3);
+    EXPECT_LT(ground.side, 3);
+}
+
+TEST_F(Volumes, WhatIsWrongIsRefused)
+{
+    const auto cloud = measured_tree(folder_, "a", surface([](double, double) { return 0.0; }, 2000, 0, 1), origin);
+    const auto refusal = [&](const std::function<void(VolumeOptions&)>& change) -> std::string {
+        VolumeOptions options;
+        options.polygon = at_origin(square);
+        change(options);
+        try {
+            measure_volume(*cloud, options);
+        } catch (const Error& error) {
+            return (error.code() == ErrorCode::cancelled ? "cancelled " : "") + std::string(error.what());
+        }
+        return "accepted";
+    };
+    EXPECT_EQ(refusal([](VolumeOptions&) {}), "accepted");
+    EXPECT_NE(refusal([](VolumeOptions& o) { o.polygon.resize(2); }).find("takes 3"), std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) { std::swap(o.polygon[1], o.polygon[2]); }).find("no area"),
+              std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) {
+                  o.polygon[3] = origin + Vec3d{30, 3, 0};
+              }).find("crosses"),
+              std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) {
+                  o.polygon = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+              }).find("no point of"),
+              std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) { o.side = -1; }).find("side"), std::string::npos);
+    EXPECT_NE(
+        refusal([](VolumeOptions& o) { o.progress = [](const ProgressUpdate&) { return false; }; }).find("cancelled"),
+        std::string::npos);
+    const std::string memory = refusal([](VolumeOptions& o) { o.side = 1e-6; });
+    EXPECT_NE(memory.find("more than"), std::string::npos) << memory;
+    // What it advises works.
+    const std::size_t at = memory.find("a side of ", memory.find("take"));
+    ASSERT_NE(at, std::string::npos) << memory;
+    const double advised = std::stod(memory.substr(at + 10));
+    EXPECT_EQ(refusal([&](VolumeOptions& o) { o.side = advised; }), "accepted");
+    EXPECT_THROW(plane_of({0, 0, 0}, {1, 0, 0}), Error);
+    EXPECT_THROW(plane_of({0, 0, 0}, {0, 0, 0}), Error);
+}
+
+}  // namespace
