@@ -94,7 +94,7 @@ protected:
     void SetUp() override
     {
         plot.resize(900, 420);
-        plot.show_points({{0, 100, qRgb(255, 0, 0)}, {10, 104, qRgb(0, 0, 255)}}, "Profile 1", "m");
+        plot.show_points({{0.37, 100.3, qRgb(255, 0, 0)}, {9.71, 103.9, qRgb(0, 0, 255)}}, "Profile 1", "m");
     }
     QRgb colour_at(double station, double height)
     {
@@ -113,11 +113,11 @@ protected:
 
 TEST_F(ProfilePlotTest, PointsAreWhereTheAxesSay)
 {
-    EXPECT_EQ(colour_at(0, 100), qRgb(255, 0, 0));
-    EXPECT_EQ(colour_at(10, 104), qRgb(0, 0, 255));
-    EXPECT_EQ(colour_at(5, 103.37), qRgb(255, 255, 255));
+    EXPECT_EQ(colour_at(0.37, 100.3), qRgb(255, 0, 0));
+    EXPECT_EQ(colour_at(9.71, 103.9), qRgb(0, 0, 255));
+    EXPECT_EQ(colour_at(5.3, 103.37), qRgb(255, 255, 255));
     plot.set_equal_scale(false);
-    EXPECT_EQ(colour_at(10, 104), qRgb(0, 0, 255));
+    EXPECT_EQ(colour_at(9.71, 103.9), qRgb(0, 0, 255));
     EXPECT_GT(plot.frame().pixel_y(100) - plot.frame().pixel_y(104), 200) << "the heights fill the plot";
 }
 
