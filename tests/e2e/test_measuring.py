@@ -54,6 +54,11 @@ def expected(kind, points):
     return {}
 
 
+def rounded(place):
+    """The file's steps are 0.01, of which 84921407 * 0.01 is 849214.0700000001 in double."""
+    return tuple(round(x, 6) for x in place)
+
+
 def kept_in(project):
     """The measures in a project file."""
     text = xml.etree.ElementTree.parse(project).getroot().findtext("PointCloudMeasures")
@@ -193,8 +198,9 @@ class Measuring(MeshLabTest):
         first, self.second_list = run.tables(LIST)
         self.assertEqual([row[0] for row in first],
                          ["Distance 1", "Height 1", "Angle 1", "Area 1", "Plane 1", "Point 1"])
-        for row in first:
+        for row in first[:-1]:
             self.assertRegex(row[1], r"^-?[0-9.]+ ± [0-9.]+ ?(ft|ft²|ft\^2|°)$")
+        self.assertRegex(first[-1][1], r"^636[0-9.]+ 849[0-9.]+ 4[0-9.]+$")
         self.assertEqual([row[::2] for row in self.second_list],
                          [["Distance 1", True], ['Kerb & "gutter" <1>', True], ["Area 1", False], ["Plane 1", True],
                           ["Point 1", True]])
@@ -203,8 +209,9 @@ class Measuring(MeshLabTest):
         points = self.points_of_the_file()
         for measure in measures:
             for place in positions(measure):
-                self.assertIn(tuple(place), points, "not a point of the file, bit for bit")
-        rows = list(csv.DictReader(open(out / "m.csv", encoding="utf-8", newline="")))
+                self.assertIn(rounded(place), points, "not a point of the file")
+        with open(out / "m.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
         compared = 0
         for measure in measures:
             for name, value in expected(measure["kind"], positions(measure)).items():
@@ -214,7 +221,7 @@ class Measuring(MeshLabTest):
                 self.assertGreater(float(written[0]["uncertainty"]), 0)
                 compared += 1
         self.assertEqual(compared, 7)
-        features = json.load(open(out / "m.geojson", encoding="utf-8"))["features"]
+        features = json.loads((out / "m.geojson").read_text(encoding="utf-8"))["features"]
         self.assertEqual([f["properties"]["name"] for f in features], [m["name"] for m in measures])
         self.assertEqual(features[0]["geometry"]["coordinates"], positions(measures[0]))
         drawing = (out / "m.dxf").read_text()
@@ -225,15 +232,162 @@ class Measuring(MeshLabTest):
 
     def points_of_the_file(self):
         table = self.folder / "points.csv"
-        pcmlab("convert", sample("las/autzen_trim.laz"), "-o", table)
+        pcmlab("convert", sample("las/autzen_trim.laz"), table)
         with open(table, encoding="utf-8", newline="") as file:
-            return {tuple(float(row[axis]) for axis in "xyz") for row in csv.DictReader(file)}
+            return {rounded(float(row[axis]) for axis in "xyz") for row in csv.DictReader(file)}
 
     def check_pictures(self, pictures):
         self.assertGreater(different(pictures["none"], pictures["all"]), 0.01)
         self.assertGreater(different(pictures["all"], pictures["hidden"]), 0.001)
-        self.assertLess(different(pictures["all"], pictures["shown"]), 0.01)
+        self.assertGreater(different(pictures["hidden"], pictures["shown"]), 0.001)
         self.assertGreater(different(pictures["all"], pictures["close"]), 0.1)
+
+    def test_what_is_clicked_wrongly_changes_nothing(self):
+        """Beside the cloud, too few points, Backspace, Esc; dragging and the wheel move the camera."""
+        tree = self.tree("las/autzen_trim.laz")
+        run = self.gui(f"""
+            {self.start(tree)}
+            print-camera before
+            click 0.05 0.05
+            wait-label {MESSAGE} No point
+            click 0.4 0.5
+            wait-label PointCloudMeasureHint 1 points
+            key Return
+            wait-label {MESSAGE} 1 of at least 2 points
+            click 0.6 0.5
+            wait-label PointCloudMeasureHint 2 points
+            click 0.95 0.95
+            wait-label {MESSAGE} No point
+            key Backspace
+            wait-label PointCloudMeasureHint 1 points
+            key Escape
+            wait-label {MESSAGE} cancelled
+            print-camera clicked
+            print-table {LIST}
+            drag 0.5 0.5 0.6 0.6
+            print-camera turned
+            wheel 2
+            print-camera zoomed
+            print-table {LIST}
+            {self.kind("Angle")}
+            click 0.5 0.55
+            click 0.5 0.55
+            click 0.5 0.55
+            wait-label {MESSAGE} angle
+            wait-label PointCloudMeasureHint 2 points
+            print-table {LIST}
+            {self.kind("Distance")}
+            wait-rows {LIST} 0
+            key Escape
+            pause 200
+            drag 0.5 0.5 0.4 0.4
+            print-camera suspended
+            trigger Measure
+            pause 200
+            trigger Measure
+            pause 200
+            print-layers
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(run.tables(LIST), [[], [], []])
+        cameras = run.cameras()
+        self.assertEqual(cameras["before"]["eye"], cameras["clicked"]["eye"])
+        self.assertNotEqual(cameras["clicked"]["eye"], cameras["turned"]["eye"])
+        self.assertNotEqual(cameras["turned"]["scale"], cameras["zoomed"]["scale"])
+        self.assertNotEqual(cameras["zoomed"]["eye"], cameras["suspended"]["eye"])
+        self.assertEqual([layer["modified"] for layer in run.layers()], [False])
+
+    def test_profile(self):
+        """All points within half of the width are in the plot and in its file, as a look at every point finds them."""
+        tree = self.tree("las/autzen_trim.laz")
+        project, out = self.folder / "p.mlp", self.folder / "profile.csv"
+        run = self.gui(f"""
+            {self.start(tree)}
+            {self.kind("Profile")}
+            field PointCloudMeasureWidth = no number
+            {self.clicks((0.40, 0.50), (0.60, 0.50))}
+            key Return
+            wait-label {MESSAGE} Width
+            key Backspace
+            field PointCloudMeasureWidth = 20
+            click 0.60 0.50
+            wait-label PointCloudMeasureHint 2 points
+            key Return
+            wait-label PointCloudProfileWords points
+            print-label PointCloudProfileWords
+            window-picture PointCloudProfilePlot {self.result("plot.png")}
+            press Points as CSV
+            pick {out}
+            wait-label {MESSAGE} wrote
+            print-label {MESSAGE}
+            print-table {LIST}
+            print-table {VALUES}
+            trigger Save Project As...
+            pick {project}
+            pause 500
+            quit
+            """)
+        self.assertDriven(run)
+        (measure,) = kept_in(project)
+        self.assertEqual((measure["kind"], measure["width"]), ("profile", 20))
+        a, b = (p[:2] for p in positions(measure))
+        length = math.dist(a, b)
+        u = [(y - x) / length for x, y in zip(a, b)]
+        expected_rows, unclear = {}, set()  # the ends of the line are points of the cloud
+        for p in self.points_of_the_file():
+            d = minus(p[:2], a)
+            along, right = dot(u, d), d[0] * u[1] - d[1] * u[0]
+            if -1e-6 <= along <= length + 1e-6 and abs(right) <= 10 + 1e-6:
+                expected_rows[p] = (along, right)
+                if min(abs(along), abs(length - along), 10 - abs(right)) < 1e-6:
+                    unclear.add(p)
+        with open(out, encoding="utf-8", newline="") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        self.assertGreater(len(rows), 500)
+        self.assertEqual(({rounded(row[axis] for axis in "xyz") for row in rows} ^ set(expected_rows)) - unclear, set())
+        self.assertLess(len(unclear), 5)
+        for row in rows:
+            along, right = expected_rows[rounded(row[axis] for axis in "xyz")]
+            self.assertAlmostEqual(row["station"], along, delta=1e-9 * length)
+            self.assertAlmostEqual(row["offset"], right, delta=1e-9 * length)
+        self.assertEqual(run.labels("PointCloudProfileWords"), [f"{len(rows):,} points"])
+        self.assertIn(f"wrote {len(rows):,} points to {out}", run.labels(MESSAGE)[0])
+
+    def test_volume(self):
+        """The numbers are those of the command, for the polygon that was clicked."""
+        tree = self.tree("las/autzen_trim.laz")
+        project, out = self.folder / "p.mlp", self.folder / "m.csv"
+        run = self.gui(f"""
+            {self.start(tree)}
+            {self.kind("Volume")}
+            field PointCloudMeasureLevel = 425
+            field PointCloudMeasureCell = 10
+            {self.clicks((0.30, 0.50), (0.40, 0.52), (0.40, 0.60), (0.31, 0.62))}
+            key Return
+            wait-label {MESSAGE} ft³
+            print-table {LIST}
+            print-table {VALUES}
+            screen {self.result("screen.png")}
+            press Export measures
+            pick {out}
+            wait-log wrote 1 measures
+            trigger Save Project As...
+            pick {project}
+            pause 500
+            quit
+            """)
+        self.assertDriven(run)
+        (measure,) = kept_in(project)
+        corners = [coordinate for p in positions(measure) for coordinate in p[:2]]
+        from_command = pcmlab("volume", tree, "--polygon", *corners, "--reference", 425, "--side", 10)
+        with open(out, encoding="utf-8", newline="") as file:
+            values = {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+        self.assertGreater(from_command["cut"], 0)
+        for name in ("net", "cut", "fill"):
+            self.assertAlmostEqual(values[name], from_command[name], delta=RELATIVE * from_command["cut"])
+        self.assertEqual(values["level"], 425)
+        self.assertAlmostEqual(values["plan area"] / abs(vector_area(positions(measure))[2]), 1, delta=RELATIVE)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #include "plugin/edit/measure/drawn_measures.h"
 
 #include "pcm/cloud/vector.h"
+#include "plugin/edit/measure/measure_text.h"
 
 #include <algorithm>
 
@@ -73,15 +74,7 @@ std::vector<Annotation> lines_of(MeasureKind kind, const std::vector<MeasuredPoi
 
 QString label(const Measure& measure, const std::string& unit)
 {
-    QString text = QString::fromStdString(measure.name);
-    if (measure.kind != MeasureKind::point) return text + "\n" + QString::fromStdString(label_of(measure, unit));
-    try {
-        for (const MeasureValue& value : values_of(measure))
-            text += "\n" + QString::fromStdString(value.name + " " + text_of(value, unit));
-    } catch (...) {
-        text += "\n" + QString::fromStdString(label_of(measure, unit));  // says what is wrong
-    }
-    return text;
+    return QString::fromStdString(measure.name) + "\n" + value_of(measure, unit);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ public:
     const MeasureList& list() const { return list_; }
     // Passes on what `step` throws; the list is then as it was.
     void change(const std::function<void(MeasureList& list)>& step);
-    // In place of all that are there, which cannot be had back.
+    // In place of the present ones, which cannot be had back.
     void replace(MeasureList list);
 
     // The one that is shown in another colour, whose numbers the panels show.
@@ -48,12 +48,6 @@ private:
     std::optional<std::size_t> selected_;
     LengthUnit unit_;
 };
-
-// All values of a measure as lines "name<tab>value", its points with all digits included; for the clipboard.
-QString text_of(const Measure& measure, const std::string& unit);
-
-// The coordinates of a point, without the noise that the steps of its grid have in double: 636798.2 of 63679820 * 0.01.
-QString coordinates_of(const MeasuredPoint& point);
 
 // Makes project files keep the measures of documents, as the element PointCloudMeasures. Once per program.
 void keep_measures_in_projects();

@@ -11,6 +11,7 @@
 
 #include <QFileDialog>
 #include <QFileInfo>
+#include <QPointer>
 
 #include <algorithm>
 #include <cmath>
@@ -82,7 +83,7 @@ void MeasureTool::plot(const Measure& measure)
             if (!view_) return;
             auto* window = new ProfileWindow(panel_, data);
             connect(window, &ProfileWindow::wanted, this, [this, data, window](const QString& extension) {
-                if (view_) guarded([&] { write_points(data, extension, window); });
+                guarded([&] { write_points(data, extension, *window); });
             });
             window->show();
             say(data->title + ": " + data->words);
@@ -91,29 +92,34 @@ void MeasureTool::plot(const Measure& measure)
 }
 
 void MeasureTool::write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension,
-                               QWidget* window)
+                               ProfileWindow& window)
 {
     const QString filter = extension == "csv" ? "Comma-separated values (*.csv)" : "Drawing (*.dxf)";
-    QString file = QFileDialog::getSaveFileName(window, "Write the points of the profile", "profile." + extension,
+    QString file = QFileDialog::getSaveFileName(&window, "Write the points of the profile", "profile." + extension,
                                                 filter, nullptr, QFileDialog::DontUseNativeDialog);
     if (file.isEmpty()) return;
     // The dialog has asked about the file that was typed alone.
     const bool typed = !QFileInfo(file).suffix().isEmpty();
     if (!typed) file += "." + extension;
-    begin("Writing", [this, data, file, typed](const ProgressFunction& progress) -> CloudWork::Result {
-        ProfileOptions options = data->options;
-        options.progress = progress;
-        for (const Attribute& attribute : data->frame.cloud->info().schema)
-            options.attributes.push_back(attribute.name);
-        ProfileFileOptions file_options;
-        file_options.overwrite = typed;
-        const Outcome outcome = write_profile(*data->frame.cloud, options, file.toStdString(), file_options);
-        return [this, outcome, file, moved = data->frame.placement.has_value()] {
-            say(QString("wrote %1 points to %2%3")
-                    .arg(QString::fromStdString(grouped(outcome.points_out)), file,
-                         moved ? ", in the cloud's own coordinates, without the layer's matrix" : ""));
-        };
-    });
+    begin("Writing",
+          [this, data, file, typed,
+           shown = QPointer<ProfileWindow>(&window)](const ProgressFunction& progress) -> CloudWork::Result {
+              ProfileOptions options = data->options;
+              options.progress = progress;
+              for (const Attribute& attribute : data->frame.cloud->info().schema)
+                  options.attributes.push_back(attribute.name);
+              ProfileFileOptions file_options;
+              file_options.overwrite = typed;
+              const Outcome outcome = write_profile(*data->frame.cloud, options, file.toStdString(), file_options);
+              return [this, outcome, file, shown, moved = data->frame.placement.has_value()] {
+                  const QString words =
+                      QString("wrote %1 points to %2%3")
+                          .arg(QString::fromStdString(grouped(outcome.points_out)), file,
+                               moved ? ", in the cloud's own coordinates, without the layer's matrix" : "");
+                  say(words);
+                  if (shown) shown->say(words);
+              };
+          });
 }
 
 void MeasureTool::find_volume(const Measure& measure)

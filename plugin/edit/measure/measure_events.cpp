@@ -69,7 +69,9 @@ void MeasureTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
     if (view != view_) return;
     using Button = MeasurePanel::Button;
     guarded([&] {
-        if (event->matches(QKeySequence::Undo)) {
+        if (event->key() == Qt::Key_Escape) {  // taken as an override; MeshLab's window would suspend the tool
+            event->accept();
+        } else if (event->matches(QKeySequence::Undo)) {
             event->accept();
             if (!take_back()) press(Button::undo);
         } else if (event->matches(QKeySequence::Redo)) {

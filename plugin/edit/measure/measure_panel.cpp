@@ -3,7 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/measure/draft.h"
-#include "plugin/edit/measure/measure_book.h"
+#include "plugin/edit/measure/measure_text.h"
 #include "plugin/host/text.h"
 
 #include <QComboBox>
@@ -213,7 +213,7 @@ void MeasurePanel::show_list(const MeasureList& list, std::optional<std::size_t>
     for (std::size_t i = 0; i < list.size(); ++i) {
         auto* item = new QTreeWidgetItem(list_);
         item->setText(0, QString::fromStdString(list[i].name));
-        item->setText(1, QString::fromStdString(label_of(list[i], unit)));
+        item->setText(1, value_of(list[i], unit));
         item->setToolTip(1, item->text(1));
         item->setCheckState(0, list[i].hidden ? Qt::Unchecked : Qt::Checked);
         item->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemIsUserCheckable | Qt::ItemIsEditable);

@@ -7,6 +7,7 @@
 #include "plugin/edit/measure/drawn_measures.h"
 #include "plugin/edit/measure/look_at.h"
 #include "plugin/edit/measure/measure_book.h"
+#include "plugin/edit/measure/measure_text.h"
 #include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
@@ -284,7 +285,7 @@ void MeasureTool::keep(Measure measure)
     book().change([&](MeasureList& list) { index = list.add(std::move(measure)); });
     book().select(index);
     const Measure& kept = book().list()[index];
-    say(QString::fromStdString(kept.name + ": " + label_of(kept, book().unit().symbol)));
+    say(QString::fromStdString(kept.name) + ": " + value_of(kept, book().unit().symbol));
 }
 
 void MeasureTool::write()

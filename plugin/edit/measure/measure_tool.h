@@ -22,6 +22,7 @@ class QMouseEvent;
 namespace pcm::host {
 
 class MeasureBook;
+class ProfileWindow;
 struct ProfileData;
 
 class MeasureTool : public QObject, public MeshEditInterface {
@@ -74,7 +75,7 @@ private:
     double width_for(const Measure& measure) const;
     void measure_cloud(std::size_t index);  // plots a profile, finds a volume
     void plot(const Measure& measure);
-    void write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension, QWidget* window);
+    void write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension, ProfileWindow& window);
     void find_volume(const Measure& measure);
     void take_volume(const Measure& measure, const std::vector<MeasureValue>& values);
     void begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work);

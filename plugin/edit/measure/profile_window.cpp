@@ -59,6 +59,8 @@ ProfileWindow::ProfileWindow(QWidget* parent, std::shared_ptr<const ProfileData>
     column->addLayout(line);
 }
 
+void ProfileWindow::say(const QString& text) { place_->setText(text); }
+
 void ProfileWindow::save_picture(const QString& file) const
 {
     QImageWriter writer(file);

@@ -7,7 +7,6 @@
 
 #include <memory>
 
-class QCheckBox;
 class QLabel;
 
 namespace pcm::host {
@@ -21,6 +20,7 @@ public:
 
     const ProfileData& data() const { return *data_; }
     ProfilePlot& plot() { return *plot_; }
+    void say(const QString& text);  // below the plot
     // Saves what the plot shows. Throws Error(io) where that fails.
     void save_picture(const QString& file) const;
 

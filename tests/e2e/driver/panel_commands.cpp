@@ -13,6 +13,11 @@
 #include <QLineEdit>
 #include <QMainWindow>
 #include <QTreeWidget>
+#include <QWindow>
+
+// Of QtGui: the way of keys from the window system.
+Q_GUI_EXPORT void qt_handleKeyEvent(QWindow* window, QEvent::Type type, int key, Qt::KeyboardModifiers modifiers,
+                                    const QString& text, bool repeated, ushort count);
 
 namespace {
 
@@ -112,19 +117,9 @@ Done key(TestDriver& driver, const QString& name)
     const auto modifiers = Qt::KeyboardModifiers(code & int(Qt::KeyboardModifierMask));
     code &= ~int(Qt::KeyboardModifierMask);
     if (code == 0 || code == Qt::Key_unknown) driver.fail("no key '" + name + "'");
-    QKeyEvent asks(QEvent::ShortcutOverride, code, modifiers);
-    asks.ignore();
-    qApp->sendEvent(driver.area(), &asks);
-    say(QString("key %1 %2").arg(name, asks.isAccepted() ? "taken" : "left"));
-    if (!asks.isAccepted() && code == Qt::Key_Escape) {
-        for (QAction* action : driver.window()->findChildren<QAction*>())
-            if (action->shortcut() == QKeySequence(Qt::Key_Escape)) action->trigger();
-        return Done::yes;
-    }
-    for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease}) {
-        QKeyEvent event(type, code, modifiers);
-        qApp->sendEvent(driver.area(), &event);
-    }
+    driver.area()->setFocus();
+    for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease})
+        qt_handleKeyEvent(driver.window()->windowHandle(), type, code, modifiers, QString(), false, 1);
     return Done::yes;
 }
 
