@@ -73,8 +73,8 @@ struct ProfileSample {
     std::vector<ProfilePoint> points;
     // Values in the attributes' units, a column for each component of each attribute: [column][point].
     std::vector<std::vector<double>> attributes;
-    std::optional<std::uint16_t> level;           // absent: the whole cloud, or options.level
-    Outcome outcome;                              // error: as of visit_profile()
+    std::optional<std::uint16_t> level;  // absent: the whole cloud, or options.level
+    Outcome outcome;                     // error: as of visit_profile()
 };
 ProfileSample sample_profile(PointCloud& cloud, const ProfileOptions& options, std::size_t most);
 
