@@ -47,7 +47,12 @@ protected:
         RichParameterList parameters;
         plugin().initParameterSet(action, document_, parameters);
         for (const auto& [name, text] : texts) parameters.setValue(name, StringValue(QString::fromStdString(text)));
-        for (const auto& [name, number] : numbers) parameters.setValue(name, IntValue(number));
+        for (const auto& [name, number] : numbers) {
+            if (name == std::string("Operation"))
+                parameters.setValue(name, EnumValue(number));
+            else
+                parameters.setValue(name, IntValue(number));
+        }
         for (const auto& [name, flag] : flags) parameters.setValue(name, BoolValue(flag));
         plugin().setLog(&document_.Log);
         return plugin().applyFilter(action, document_, parameters, nullptr);
@@ -99,8 +104,7 @@ TEST_F(SelectFilters, TheClipBoxLimitsTheSelection)
     ClipBox box;  // a half of the scene
     const Box3d cloud = PointCloud::open(tree_)->info().bounds();
     box.half = {cloud.extent(0) / 4, cloud.extent(1), cloud.extent(2)};
-    const Vec3d origin = *Registry::instance().origin_of(document_);
-    for (std::size_t a = 0; a < 3; ++a) box.centre[a] = cloud.centre()[a] - origin[a];
+    box.centre = cloud.centre();
     box.centre[0] -= cloud.extent(0) / 4;
     SceneState::of(document_).set_clip(box);
     ASSERT_TRUE(apply(select_name, {{"Where", "intensity >= 0"}})) << log();
