@@ -98,9 +98,10 @@ TEST_F(SelectCommand, OfALassoTheFront)
     EXPECT_EQ(select(lasso)["points"], count(in));
     EXPECT_EQ(select(lasso + "--front 800 800")["points"], count(in));
     write_las(folder_ / "low.las", points_, {{0.01, 0.01, 0.01}, {0, 0, -200}});
-    ASSERT_EQ(pcmlab("append " + path("in.pct") + " " + path("low.las")).code, 0);
-    EXPECT_EQ(select(lasso)["points"], 2 * count(in));
-    const double front = select(lasso + "--front 800 800")["points"];
+    const Result built = pcmlab("build " + path("in.las") + " " + path("low.las") + " -o " + path("two.pct"));
+    ASSERT_EQ(built.code, 0) << built.err;
+    EXPECT_EQ(select(lasso, "two.pct")["points"], 2 * count(in));
+    const double front = select(lasso + "--front 800 800", "two.pct")["points"];
     EXPECT_LT(front, 1.1 * static_cast<double>(count(in)));
     EXPECT_GE(front, static_cast<double>(count(in)));
     refused("--sphere 1 2 3 4 --front 800 800", 2, "needs a lasso");
