@@ -220,7 +220,6 @@ class Selecting(MeshLabTest):
             wait-view
             wait-layers 1
             {VIEW}
-            print-property pcm_camera
             trigger Clip Box
             wait-log drag a coloured cross
             {shown}

@@ -73,7 +73,7 @@ TEST(ScreenShape, ARegionHasThePointsThatAppearInTheShape)
 {
     const Vec3d origin{500000, 4800000, 100};
     const ViewMap view(test::camera_at(origin, false), 1);
-    Affine placement = Affine::rotation({0.2, 0.3, 1}, 0.7, origin, 2.5);
+    Affine placement = Affine::rotation({0.2, 0.3, 1}, 0.7, origin + Vec3d{700, -300, 20}, 2.5);
     placement.target = origin + Vec3d{1, -2, 0.5};
     const ScreenShape shape{{200, 150}, {600, 200}, {400, 300}, {580, 480}, {220, 450}};
     std::mt19937 random(5);
@@ -82,7 +82,8 @@ TEST(ScreenShape, ARegionHasThePointsThatAppearInTheShape)
         const Region region = region_of(shape, view, moved);
         int in = 0, out = 0;
         for (int i = 0; i < 20000; ++i) {
-            const Vec3d p = origin + Vec3d{anywhere(random), anywhere(random), anywhere(random)};
+            const Vec3d p =
+                (moved ? moved->pivot : origin) + Vec3d{anywhere(random), anywhere(random), anywhere(random)};
             const auto pixel = view.pixel_of(moved ? (*moved)(p) : p);
             bool expected = false;
             for (std::size_t k = 0; pixel && k < shape.size(); ++k) {

@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 
+#include <QAction>
 #include <QComboBox>
 #include <QGridLayout>
 #include <QLabel>
@@ -33,6 +34,7 @@ double positive(const QString& text, const char* what)
 SelectPanel::SelectPanel(QWidget* window) : QDockWidget("Select Points", window)
 {
     setObjectName("PointCloudSelectDock");
+    toggleViewAction()->setText("Panel of Select Points");  // the tool has the plain name
     auto* form = new QWidget;
     auto* rows = new QGridLayout(form);
     add_ways(*rows);
@@ -100,7 +102,7 @@ void SelectPanel::add_ways(QGridLayout& rows)
                         "visible from here, in front of all others. Default Through the cloud.");
     layers_ = add_choice(rows, "Layers", {"Current layer", "All shown layers"},
                          "Which clouds a selection is made in: the current layer (the one that is clicked, for brush "
-                         "and grow), or all that the view shows. Default Current layer.");
+                         "and grow), or all that the view shows and that are not locked. Default Current layer.");
     brush_ = add_field(rows, "Brush radius", "15",
                        "Pixels of the screen: points within a ball of this radius around the surface under the cursor "
                        "are selected. 1 to 1000, default 15.");

@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "plugin/edit/select/shown_points.h"
 #include "plugin/edit/view_events.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/text.h"
@@ -41,8 +42,14 @@ double SelectTool::stroke_step() const { return std::max(1.0, stroke_share * pan
 
 std::vector<MeshModel*> SelectTool::layers_for_shapes() const
 {
-    const auto shown = shown_layers(*view_);
-    if (panel_->all_layers() || shown.size() < 2) return shown;
+    auto shown = shown_layers(*view_);
+    if (panel_->all_layers()) {
+        const LayerMatrices& layers = LayerMatrices::of(*view_->md());
+        const auto locked = [&](const MeshModel* layer) { return layers.is_locked(*layer); };
+        shown.erase(std::remove_if(shown.begin(), shown.end(), locked), shown.end());
+        return shown;
+    }
+    if (shown.size() < 2) return shown;
     const auto found = std::find(shown.begin(), shown.end(), view_->md()->mm());
     if (found == shown.end())
         throw Error(ErrorCode::invalid_argument, {}, "the current layer is not shown as a point cloud",

@@ -5,6 +5,7 @@
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "plugin/host/layer.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/misfit.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/scene_state.h"
@@ -176,6 +177,7 @@ QString change(GLArea& view, const PointSet& set, SelectionUse use)
                     "write a number from 0 to 255, or choose one of the list");
     const auto target = ask_target(window, question, tree, suffix);
     if (!target) return {};
+    if (target->in_place) refuse_locked(*view.md(), tree);
     fs::path changed;
     QString words;
     {
