@@ -95,7 +95,7 @@ public:
         columns.attributes.set(3);
         return columns;
     }
-    bool touches(const Node& node) const override { return node.depth < 3; }
+    bool touches(NodeId, const Node& node) const override { return node.depth < 3; }
     std::vector<std::uint32_t> chosen(NodeId node, const Chunk& chunk) const override
     {
         EXPECT_TRUE(chunk.positions && chunk.attributes[3]);

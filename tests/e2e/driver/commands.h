@@ -15,5 +15,6 @@ std::vector<Command> window_commands();   // menus, dialogs, files
 std::vector<Command> view_commands();     // mouse and keys in the view, layers
 std::vector<Command> tool_commands();     // the tools of point clouds
 std::vector<Command> place_commands();    // places of the scene in the view
+std::vector<Command> table_commands();    // tables of panels
 std::vector<Command> panel_commands();    // the panels of tools
 std::vector<Command> output_commands();   // pictures, and state as text

@@ -27,7 +27,7 @@ std::vector<Command> all_commands()
 {
     std::vector<Command> all;
     for (const auto& table : {waiting_commands(), window_commands(), view_commands(), tool_commands(), place_commands(),
-                              panel_commands(), output_commands()})
+                              panel_commands(), table_commands(), output_commands()})
         all.insert(all.end(), table.begin(), table.end());
     return all;
 }

@@ -48,36 +48,12 @@ Done field(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
-// print-table NAME: its rows as JSON
-Done print_table(TestDriver& driver, const QString& name)
-{
-    const auto* table = named<QTreeWidget>(driver, name);
-    QJsonArray rows;
-    for (int i = 0; i < table->topLevelItemCount(); ++i) {
-        QJsonArray row;
-        for (int column = 0; column < table->columnCount(); ++column) row << table->topLevelItem(i)->text(column);
-        if (table->topLevelItem(i)->data(0, Qt::CheckStateRole).isValid())
-            row << (table->topLevelItem(i)->checkState(0) == Qt::Checked);
-        rows << row;
-    }
-    say("table " + QJsonDocument(QJsonObject{{"name", name}, {"rows", rows}}).toJson(QJsonDocument::Compact));
-    return Done::yes;
-}
-
 QTreeWidgetItem* row_of(TestDriver& driver, const QString& argument)
 {
     const auto* table = named<QTreeWidget>(driver, argument.section(' ', 0, 0));
     auto* item = table->topLevelItem(argument.section(' ', 1, 1).toInt());
     if (!item) driver.fail("no row " + argument);
     return item;
-}
-
-// wait-rows NAME COUNT
-Done wait_rows(TestDriver& driver, const QString& argument)
-{
-    const auto* table = named<QTreeWidget>(driver, argument.section(' ', 0, 0));
-    return driver.until(table->topLevelItemCount() == argument.section(' ', 1, 1).toInt(),
-                        "rows: " + argument + ", now " + QString::number(table->topLevelItemCount()));
 }
 
 // choose-row NAME ROW
@@ -138,8 +114,7 @@ std::vector<Command> panel_commands()
 {
     return {
         {"field", field},
-        {"print-table", print_table},
-        {"wait-rows", wait_rows},
+
         {"choose-row", choose_row},
         {"tick-row", tick_row},
         {"rename-row", rename_row},

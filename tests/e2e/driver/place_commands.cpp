@@ -71,42 +71,6 @@ Done check_cell(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
-// print-table OBJECT: the cells of a table of the window; ticked ones as true and false
-Done print_table(TestDriver& driver, const QString& name)
-{
-    const auto* table = driver.window()->findChild<QTableWidget*>(name);
-    if (!table) driver.fail("no table '" + name + "'");
-    QJsonArray rows;
-    for (int r = 0; r < table->rowCount(); ++r) {
-        QJsonArray row;
-        for (int c = 0; c < table->columnCount(); ++c) {
-            const QTableWidgetItem* item = table->item(r, c);
-            if (item && (item->flags() & Qt::ItemIsUserCheckable) && item->text().isEmpty())
-                row << (item->checkState() == Qt::Checked);
-            else
-                row << (item ? QJsonValue(item->text()) : QJsonValue());
-        }
-        rows << row;
-    }
-    say("table " + QJsonDocument(QJsonObject{{"name", name}, {"rows", rows}}).toJson(QJsonDocument::Compact));
-    return Done::yes;
-}
-
-// wait-rows TABLE COUNT TEXT: until the table has so many rows and the text is in its last one
-Done wait_rows(TestDriver& driver, const QString& argument)
-{
-    const auto* table = driver.window()->findChild<QTableWidget*>(argument.section(' ', 0, 0));
-    const int rows = argument.section(' ', 1, 1).toInt();
-    bool found = table && table->rowCount() == rows;
-    if (found && rows > 0 && !argument.section(' ', 2).isEmpty()) {
-        QStringList cells;
-        for (int c = 0; c < table->columnCount(); ++c)
-            if (const auto* item = table->item(rows - 1, c)) cells << item->text();
-        found = cells.join(" | ").contains(argument.section(' ', 2));
-    }
-    return driver.until(found, "the table '" + argument + "'");
-}
-
 // set-text OBJECT TEXT: a field of the window
 Done set_text(TestDriver& driver, const QString& argument)
 {
@@ -121,7 +85,9 @@ Done set_text(TestDriver& driver, const QString& argument)
 std::vector<Command> place_commands()
 {
     return {
-        {"click-place", click_place}, {"click-cell", click_cell}, {"check-cell", check_cell},
-        {"print-table", print_table}, {"wait-rows", wait_rows},   {"set-text", set_text},
+        {"click-place", click_place},
+        {"click-cell", click_cell},
+        {"check-cell", check_cell},
+        {"set-text", set_text},
     };
 }
