@@ -12,6 +12,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int label_distance = 8;  // from its anchor, pixels of the screen
+constexpr int label_rows = 6;      // of places that are tried above and below each other
 constexpr int label_margin = 4;    // within its box, Qt's pixels
 
 }  // namespace
@@ -30,11 +31,13 @@ std::vector<PlacedLabel> place_labels(const std::vector<std::pair<QString, QPoin
         const int right = x + label_distance, left = x - label_distance - size.width();
         const int above = y + label_distance, below = y - label_distance - size.height();
         std::vector<QRect> sides;
-        for (const QPoint& corner :
-             {QPoint(right, above), QPoint(right, below), QPoint(left, above), QPoint(left, below)})
-            sides.emplace_back(std::clamp(corner.x(), 0, std::max(0, view.width() - size.width())),
-                               std::clamp(corner.y(), 0, std::max(0, view.height() - size.height())), size.width(),
-                               size.height());
+        for (int row = 0; row < label_rows; ++row)
+            for (const QPoint& corner :
+                 {QPoint(right, above + row * size.height()), QPoint(right, below - row * size.height()),
+                  QPoint(left, above + row * size.height()), QPoint(left, below - row * size.height())})
+                sides.emplace_back(std::clamp(corner.x(), 0, std::max(0, view.width() - size.width())),
+                                   std::clamp(corner.y(), 0, std::max(0, view.height() - size.height())), size.width(),
+                                   size.height());
         const auto is_free = [&, &others = placed](const QRect& side) {
             return std::none_of(others.begin(), others.end(),
                                 [&](const PlacedLabel& other) { return other.place.intersects(side); });

@@ -20,7 +20,8 @@ struct PlacedLabel {
 };
 
 // Places for labels beside their anchors (window coordinates), in order: each on the first side where it covers no
-// earlier one, moved into the view. An anchor outside of the view has no label.
+// earlier one, or up to five rows farther above or below, moved into the view. An anchor outside of the view has no
+// label.
 std::vector<PlacedLabel> place_labels(const std::vector<std::pair<QString, QPointF>>& anchors,
                                       const std::map<QString, QSize>& sizes, const QSize& view);
 

@@ -30,6 +30,14 @@ TEST(Labels, DoNotCoverEachOtherWhereThatIsCheap)
     EXPECT_FALSE(placed[0].place.intersects(placed[1].place));
 }
 
+TEST(Labels, OfOnePlaceStandInRows)
+{
+    const std::vector<std::pair<QString, QPointF>> anchors(12, {"a", QPointF(200, 150)});
+    const auto placed = place_labels(anchors, sizes, view);
+    for (std::size_t i = 0; i < placed.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) EXPECT_FALSE(placed[i].place.intersects(placed[k].place)) << i << " " << k;
+}
+
 TEST(Labels, OfAnchorsOutOfViewAreNotThere)
 {
     EXPECT_TRUE(place_labels({{"a", QPointF(-1, 10)}, {"b", QPointF(10, 301)}}, sizes, view).empty());
