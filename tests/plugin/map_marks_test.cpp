@@ -85,7 +85,7 @@ TEST(MapMarks, TheGridHasRoundCoordinatesAtMapOffsets)
 {
     // 0.25 units a pixel: lines 100 pixels apart or more are 50 units apart.
     const Camera camera = plan({500010, 5000020, 130}, 100);
-    const auto grid = plan_grid(camera, 8, 100);
+    const auto grid = plan_grid(camera, 1000, 100);
     ASSERT_TRUE(grid);
     EXPECT_EQ(grid->step, 50);
     std::vector<QString> texts;
