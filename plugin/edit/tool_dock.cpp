@@ -4,6 +4,7 @@
 
 #include <meshlab/glarea.h>
 
+#include <QAction>
 #include <QDockWidget>
 #include <QMainWindow>
 
@@ -18,6 +19,7 @@ void show_dock(const GLArea& view, QDockWidget& dock)
         if (auto* settings = window->findChild<QDockWidget*>("PointCloudDock"))
             if (!settings->isHidden()) window->tabifyDockWidget(settings, &dock);
     }
+    dock.toggleViewAction()->setText("Panel of " + dock.windowTitle());  // the tool has the plain name
     dock.show();
     dock.raise();
 }

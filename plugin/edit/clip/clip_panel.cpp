@@ -42,7 +42,6 @@ QString degrees_text(double degrees) { return QString::number(degrees, 'g', 12);
 ClipPanel::ClipPanel(QWidget* window) : QDockWidget("Clip Box", window)
 {
     setObjectName("PointCloudClipBoxDock");
-    toggleViewAction()->setText("Panel of Clip Box");  // the tool has the plain name
     auto* form = new QWidget;
     auto* rows = new QGridLayout(form);
     enabled_ = new QCheckBox("Clip box on");

@@ -34,7 +34,6 @@ double positive(const QString& text, const char* what)
 SelectPanel::SelectPanel(QWidget* window) : QDockWidget("Select Points", window)
 {
     setObjectName("PointCloudSelectDock");
-    toggleViewAction()->setText("Panel of Select Points");  // the tool has the plain name
     auto* form = new QWidget;
     auto* rows = new QGridLayout(form);
     add_ways(*rows);
