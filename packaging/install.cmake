@@ -11,18 +11,21 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # not for a program to name. tests/install holds the lists against the includes and compiles each header by itself.
 set(public_headers
   point_cloud.h make_cloud.h
-  query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h cache/l2_cache.h knn/neighbourhoods.h
+  query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h query/point_set.h cache/l2_cache.h knn/neighbourhoods.h
   build/builder.h convert/convert.h update/append.h update/compact.h update/erase.h update/repair.h update/target.h
   filter/neighbour_attributes.h filter/outliers.h filter/voxel_grid.h filter/subsample.h filter/merge.h
   tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
-  cloud/affine.h cloud/attribute.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
+  pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
+  measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h measure/surface.h
+  select/select_points.h select/front_points.h select/grow.h select/set_changes.h select/set_points.h
+  cloud/affine.h cloud/attribute.h cloud/clip.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
   cloud/selection.h cloud/vector.h
   system/error.h system/progress.h
   view/camera.h view/camera_path.h view/clearance.h view/first_person.h view/frustum.h view/level_of_detail.h view/motion.h)
 set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
-  cache/load_times.h cloud/matrix.h cloud/nearest_float.h filter/filter_report.h filter/normal_orientation.h
+  cache/load_times.h cloud/matrix.h cloud/nearest_float.h cloud/polygon.h io/crs/coordinate_system.h view/point_sizes.h filter/filter_report.h filter/normal_orientation.h
   filter/point_values.h filter/result_tree.h filter/voxel_lattice.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h
   io/text/text_layout.h system/file.h system/page_allocator.h
   system/tree_folder.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)

@@ -146,7 +146,7 @@ class MeshLabTest(unittest.TestCase):
         if self.first_view:
             self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
         if not self.scale_bar:
-            self.setting("ScaleBar", "RichBool", "false")
+            self.setting("ScaleBar", "RichBool", "false", tooltip="Default on.")
         (self.folder / "runtime").mkdir(mode=0o700)
 
     def setting(self, name, kind, value, **more):

@@ -42,6 +42,13 @@ GLArea* current_view(const QMainWindow& window)
     return first;
 }
 
+// Does not ask for more width than the panel of settings, beside which it stands: MeshLab refuses to split narrow
+// views.
+class NarrowScrollArea : public QScrollArea {
+public:
+    QSize sizeHint() const override { return {200, QScrollArea::sizeHint().height()}; }
+};
+
 void add_to_view_menu(QMainWindow& window, QAction* action)
 {
     for (QMenu* menu : window.menuBar()->findChildren<QMenu*>(QString(), Qt::FindDirectChildrenOnly))
@@ -82,7 +89,7 @@ CloudsDock::CloudsDock(QMainWindow* window) : QDockWidget("Point Clouds", window
     rows->addWidget(move_);
     rows->addWidget(new QLabel("<b>Camera bookmarks</b>"));
     rows->addWidget(bookmarks_, 1);
-    auto* scroll = new QScrollArea;
+    auto* scroll = new NarrowScrollArea;
     scroll->setWidgetResizable(true);
     scroll->setFrameShape(QFrame::NoFrame);
     scroll->setWidget(form);

@@ -44,7 +44,7 @@ MoveFields::MoveFields(QWidget* parent) : QWidget(parent)
     const char* const tooltips[] = {"Along x, source units. Default 0.", "Along y, source units. Default 0.",
                                     "Along z, source units. Default 0."};
     for (int a = 0; a < 3; ++a) translate_[std::size_t(a)] = field(0, a + 1, names[a], "0", tooltips[a]);
-    rows->addWidget(new QLabel("Turn"), 1, 0);
+    rows->addWidget(new QLabel("Rotate"), 1, 0);
     axis_ = new QComboBox;
     axis_->setObjectName("PointCloudMoveAxis");
     axis_->addItems({"about z", "about y", "about x"});
@@ -52,7 +52,7 @@ MoveFields::MoveFields(QWidget* parent) : QWidget(parent)
     rows->addWidget(axis_, 1, 1);
     degrees_ = field(1, 2, "PointCloudMoveDegrees", "0",
                      "Degrees, counter-clockwise where the axis points to the viewer. Default 0.");
-    rows->addWidget(new QLabel("Scale"), 2, 0);
+    rows->addWidget(new QLabel("Scale by"), 2, 0);
     scale_ = field(2, 1, "PointCloudMoveScale", "1", "Factor about the centre of the cloud, above 0. Default 1.");
     const auto button = [&](int row, int column, const char* text, const char* tooltip, auto&& pressed) {
         auto* made = new QPushButton(text);
@@ -114,7 +114,7 @@ void MoveFields::move()
         if (!(scale > 0)) throw std::runtime_error("Scale is not above 0");
         Vec3d axis{0, 0, 0};
         axis[std::size_t(2 - axis_->currentIndex())] = 1;
-        const double radians = number_in(*degrees_, "Turn") * pi / 180;
+        const double radians = number_in(*degrees_, "Rotate") * pi / 180;
         Affine map = Affine::rotation(axis, radians, centre, scale);
         for (std::size_t a = 0; a < 3; ++a) map.target[a] += number_in(*translate_[a], "Shift");
         LayerMatrices::of(*layer.parent).set(layer, matrix_of(after(map, present), tree.origin), "move");
