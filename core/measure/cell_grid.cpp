@@ -58,6 +58,7 @@ CellGrid::CellGrid(const std::vector<Vec2d>& polygon, double side) : polygon_(po
 {
     const Vec2d extent = extent_of(polygon, origin_);
     for (Vec2d& p : polygon_) p = {p[0] - origin_[0], p[1] - origin_[1]};
+    inside_.emplace(polygon_);
     const double columns = std::ceil(extent[0] / side), rows = std::ceil(extent[1] / side);
     if (!(columns < 2147483648.0) || !(rows < 2147483648.0))
         throw Error(ErrorCode::invalid_argument, {}, "the cells of the grid are too small for the polygon");
@@ -113,7 +114,7 @@ void CellGrid::find_areas()
             }
             // All of a cell that no edge passes is where its neighbour is, unless that is on an edge.
             const bool known = column > 0 && kinds_[cell - 1] != Kind::edge;
-            if (known ? kinds_[cell - 1] == Kind::inside : is_inside(polygon_, {x + side_ / 2, y + side_ / 2})) {
+            if (known ? kinds_[cell - 1] == Kind::inside : inside_->contains(x + side_ / 2, y + side_ / 2)) {
                 kinds_[cell] = Kind::inside;
                 areas_[cell] = side_ * side_;
             }
@@ -128,7 +129,7 @@ std::size_t CellGrid::cell_of(double x, double y) const
     if (!(columns >= 0 && rows >= 0) || columns > static_cast<double>(columns_) || rows > static_cast<double>(rows_))
         return size();
     const std::size_t cell = index_along(p[1], rows_) * columns_ + index_along(p[0], columns_);
-    if (kinds_[cell] == Kind::outside || (kinds_[cell] == Kind::edge && !is_inside(polygon_, p))) return size();
+    if (kinds_[cell] == Kind::outside || (kinds_[cell] == Kind::edge && !inside_->contains(p[0], p[1]))) return size();
     return cell;
 }
 

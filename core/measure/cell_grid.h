@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace pcm {
@@ -33,6 +34,7 @@ private:
     std::size_t index_along(double distance, std::size_t count) const;
 
     std::vector<Vec2d> polygon_;  // relative to origin_
+    std::optional<Polygon> inside_;
     Vec2d origin_{};
     double side_;
     std::size_t columns_ = 0, rows_ = 0;

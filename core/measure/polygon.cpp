@@ -70,18 +70,6 @@ std::optional<EdgePair> find_crossing(const std::vector<Vec2d>& polygon)
     return {};
 }
 
-bool is_inside(const std::vector<Vec2d>& polygon, const Vec2d& p)
-{
-    bool inside = false;
-    for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-        const Vec2d &a = polygon[j], &b = polygon[i];
-        if ((a[1] > p[1]) == (b[1] > p[1])) continue;
-        const double side = turn(a, b, p);
-        if (b[1] > a[1] ? side > 0 : side < 0) inside = !inside;
-    }
-    return inside;
-}
-
 std::vector<Vec3d> without_repeats(const std::vector<Vec3d>& polygon)
 {
     std::vector<Vec3d> points;

@@ -1,6 +1,7 @@
 // Polygons in space and in plan: area, and whether they cross themselves.
 #pragma once
 
+#include "pcm/cloud/polygon.h"
 #include "pcm/cloud/vector.h"
 
 #include <array>
@@ -9,8 +10,6 @@
 #include <vector>
 
 namespace pcm {
-
-using Vec2d = std::array<double, 2>;
 
 // Twice the signed area of the triangle: positive where a, b, c turn counter-clockwise, and 0 only where no more can be
 // said. Exact to some units in the last place of the differences b - a and c - a.
@@ -26,9 +25,6 @@ struct EdgePair {
     std::size_t first, second;
 };
 std::optional<EdgePair> find_crossing(const std::vector<Vec2d>& polygon);
-
-// Whether the point is in the polygon (even-odd rule; points of the boundary may be either).
-bool is_inside(const std::vector<Vec2d>& polygon, const Vec2d& p);
 
 // The same polygon without points that repeat the one before.
 std::vector<Vec3d> without_repeats(const std::vector<Vec3d>& polygon);

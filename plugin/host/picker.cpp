@@ -7,6 +7,7 @@
 #include "plugin/host/mesh_occlusion.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/shown_points.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
 
@@ -65,22 +66,6 @@ std::shared_ptr<PointPicker> picker_of(const std::shared_ptr<PointCloud>& cloud)
     Entry& entry = (*pickers)[cloud.get()];
     if (!entry.picker) entry = {cloud, std::make_shared<PointPicker>(cloud->cache())};
     return entry.picker;
-}
-
-// The conditions that views apply to a cloud of this schema.
-std::vector<Condition> applicable(const std::vector<Condition>& where, const Schema& schema)
-{
-    std::vector<Condition> kept;
-    for (const Condition& condition : where) {
-        Selection one;
-        one.where = {condition};
-        try {
-            Selector(one, schema);
-            kept.push_back(condition);
-        } catch (const Error&) {  // views show all points then, and say so
-        }
-    }
-    return kept;
 }
 
 std::vector<Target> targets_of(GLArea& area, const Camera& camera, const ShownClouds& shown, double x, double y,

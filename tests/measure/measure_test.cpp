@@ -478,14 +478,9 @@ TEST(Measure, Labels)
     EXPECT_NE(label_of(measure_at(MeasureKind::distance, {{0, 0, 0}}), "m").find("takes 2"), std::string::npos);
 }
 
-TEST(Polygon, InsideAndCrossings)
+TEST(MeasuredPolygon, Crossings)
 {
     const std::vector<Vec2d> polygon{{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}};
-    EXPECT_TRUE(is_inside(polygon, {1, 1}));
-    EXPECT_FALSE(is_inside(polygon, {2, 2}));
-    EXPECT_FALSE(is_inside(polygon, {5, 1}));
-    EXPECT_FALSE(is_inside(polygon, {-1, 0}));
-    EXPECT_FALSE(is_inside(polygon, {-1, 4}));  // level with two corners
     EXPECT_FALSE(find_crossing(polygon));
     const auto crossing = find_crossing({{0, 0}, {4, 4}, {4, 0}, {0, 3}});
     ASSERT_TRUE(crossing);

@@ -5,7 +5,7 @@
 #include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/measure/profile_window.h"
-#include "plugin/edit/select/shown_points.h"
+#include "plugin/host/shown_points.h"
 
 #include <meshlab/glarea.h>
 

@@ -3,12 +3,12 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 #include "plugin/edit/scene_bounds.h"
-#include "plugin/edit/select/shown_points.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/annotations.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/shown_points.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>

@@ -1,4 +1,4 @@
-#include "plugin/edit/select/shown_points.h"
+#include "plugin/host/shown_points.h"
 
 #include "pcm/cloud/selection.h"
 #include "pcm/system/error.h"
@@ -9,22 +9,20 @@
 
 namespace pcm::host {
 
-namespace {
-
-// Whether the cloud has what the condition is about.
-bool applies(const Condition& condition, const Schema& schema)
+std::vector<Condition> applicable(const std::vector<Condition>& where, const Schema& schema)
 {
-    try {
+    std::vector<Condition> kept;
+    for (const Condition& condition : where) {
         Selection one;
         one.where = {condition};
-        const Selector test(one, schema);
-        return true;
-    } catch (const Error&) {
-        return false;
+        try {
+            Selector(one, schema);
+            kept.push_back(condition);
+        } catch (const Error&) {  // views show all points then, and say so
+        }
     }
+    return kept;
 }
-
-}  // namespace
 
 Query shown_points(GLArea& view, const MeshModel& layer)
 {
@@ -33,8 +31,7 @@ Query shown_points(GLArea& view, const MeshModel& layer)
     const auto shown = shown_in(view);
     if (!tree || !shown) return query;
     if (const auto clip = clip_of(layer)) query.clips.push_back(*clip);
-    for (const Condition& condition : shown->where)
-        if (applies(condition, tree->cloud->info().schema)) query.where.push_back(condition);
+    query.where = applicable(shown->where, tree->cloud->info().schema);
     return query;
 }
 
