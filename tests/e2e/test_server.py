@@ -1,8 +1,9 @@
 """meshlabserver: scripts build trees and print their information, without a window."""
 
+import subprocess
 import unittest
 
-from meshlab import MeshLabTest, pcmlab
+from meshlab import BUILD, SOURCE, MeshLabTest, pcmlab
 
 
 def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False, largest=0,
@@ -108,6 +109,21 @@ class Server(MeshLabTest):
         self.assertRefused([build(self.las, self.folder / "t.pct")], "t.pct")
         run = self.server([build(self.las, self.folder / "t.pct", overwrite=True)])
         self.assertEqual(run.code, 0, run.text)
+
+    def test_a_private_meshlab_has_all_plugins_each_time(self):
+        prefix = self.folder / "prefix"
+        ours = {path.name for path in (BUILD / "plugins").glob("*.so")}
+        listings = set()
+        for _ in range(20):
+            subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, prefix], check=True, capture_output=True, timeout=60)
+            listings.add(frozenset(path.name for path in prefix.glob("lib/*/meshlab/plugins/*.so")))
+            old = next(prefix.glob("lib/*/meshlab/plugins")) / "libpcm_old.so"
+            old.symlink_to(prefix / "nothing")
+        self.assertEqual(len(listings), 1)
+        listing = listings.pop()
+        self.assertLessEqual(ours, listing)
+        self.assertIn("libfilter_select.so", listing)
+        self.assertNotIn("libpcm_old.so", listing, "a plugin that is no more")
 
 
 if __name__ == "__main__":
