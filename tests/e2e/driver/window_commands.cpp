@@ -146,8 +146,6 @@ Done parameter(TestDriver& driver, const QString& argument)
         parameters->setValue(name, BoolValue(number != 0));
     else if (value.isString())
         parameters->setValue(name, StringValue(argument.section('=', 1).trimmed()));
-    else if (value.isBool())
-        parameters->setValue(name, BoolValue(argument.section('=', 1).trimmed() == "true"));
     else
         parameters->setValue(name, IntValue(static_cast<int>(number)));
     driver.area()->update();
