@@ -20,7 +20,6 @@ namespace pcm::host {
 
 namespace {
 
-const char* const name = "Clip Box";
 const char* const owner = "clip";
 constexpr double reach_px = 9;  // of a handle
 constexpr int click_px = 3;     // a click does not move farther
@@ -52,32 +51,9 @@ const std::optional<ClipBox>& ClipTool::box() const { return SceneState::of(*vie
 
 ClipHistory& ClipTool::history() const { return ClipHistory::of(*view_->md()); }
 
-// Qt does not allow exceptions in event handlers.
-void ClipTool::guarded(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (...) {
-        say(QString::fromStdString(current_error()));
-    }
-}
-
-void ClipTool::say(const QString& text)
-{
-    if (panel_) panel_->say(text);
-    if (view_ && !text.isEmpty())
-        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
-}
-
 bool ClipTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
-    view_ = view;
-    setParent(view);  // the view does not delete its tools otherwise
-    if (bounds_of_shown(*view).empty()) {
-        say("no layer shows a point cloud");
-        view_ = nullptr;
-        return false;
-    }
+    if (!take_view(*view)) return false;
     if (!panel_) {
         panel_ = new ClipPanel(window_of(*view));
         connect(panel_, &ClipPanel::pressed, this, [this](ClipPanel::Button button) {

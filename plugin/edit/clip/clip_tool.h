@@ -6,7 +6,7 @@
 #include "plugin/edit/clip/box_handles.h"
 #include "plugin/edit/clip/clip_panel.h"
 
-#include <common/interfaces.h>
+#include "plugin/edit/view_tool.h"
 
 #include <QPointer>
 
@@ -17,18 +17,15 @@ namespace pcm::host {
 
 class ClipHistory;
 
-class ClipTool : public QObject, public MeshEditInterface {
+class ClipTool : public ViewTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
 public:
+    ClipTool() : ViewTool("Clip Box") {}
     ~ClipTool() override;
-    QString pluginName() const override { return "EditPointCloud"; }
-
-    bool isSingleMeshEdit() const override { return false; }
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
-    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override {}
 
     void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
     void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
@@ -44,8 +41,10 @@ private:
     enum class Picking { nothing, box, section };
     const std::optional<ClipBox>& box() const;
     ClipHistory& history() const;
-    void guarded(const std::function<void()>& work);
-    void say(const QString& text);
+    void say_in_panel(const QString& text) override
+    {
+        if (panel_) panel_->say(text);
+    }
     void show();  // in the panel and in the view
     void press(ClipPanel::Button button);
     void take_box(const Box3d& bounds);
@@ -56,7 +55,6 @@ private:
     bool cancel();  // what is being done; false if nothing is
     void hover(const QPoint& place);
 
-    GLArea* view_ = nullptr;  // while the tool is on
     QPointer<ClipPanel> panel_;
     std::optional<BoxHandle> dragged_, hovered_;
     ClipBox before_drag_;

@@ -8,7 +8,6 @@
 #include "plugin/edit/measure/look_at.h"
 #include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/measure/measure_text.h"
-#include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/annotations.h"
@@ -31,7 +30,6 @@ namespace pcm::host {
 
 namespace {
 
-const char* const name = "Measure";
 const char* const draft_owner = "measure draft";
 
 // The point in the coordinates of the scene.
@@ -67,7 +65,7 @@ QString so_far(const Draft& draft, const std::string& unit)
 
 }  // namespace
 
-MeasureTool::MeasureTool() : picks_(std::make_unique<QObject>())
+MeasureTool::MeasureTool() : ViewTool("Measure"), picks_(std::make_unique<QObject>())
 {
     connect(&work_, &CloudWork::progressed, this, [this](const QString& stage, double fraction) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
@@ -82,32 +80,9 @@ MeasureTool::~MeasureTool() { delete panel_; }
 
 MeasureBook& MeasureTool::book() const { return MeasureBook::of(*view_->md()); }
 
-// Qt does not allow exceptions in event handlers.
-void MeasureTool::guarded(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (...) {
-        say(QString::fromStdString(current_error()));
-    }
-}
-
-void MeasureTool::say(const QString& text)
-{
-    if (panel_) panel_->say(text);
-    if (view_ && !text.isEmpty())
-        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
-}
-
 bool MeasureTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
-    view_ = view;
-    setParent(view);  // the view does not delete its tools otherwise
-    if (bounds_of_shown(*view).empty()) {
-        say("no layer shows a point cloud");
-        view_ = nullptr;
-        return false;
-    }
+    if (!take_view(*view)) return false;
     if (!panel_) make_panel();
     show_dock(*view, *panel_);
     connect(&MeasureBook::of(document), &MeasureBook::changed, this, &MeasureTool::show_panel, Qt::UniqueConnection);

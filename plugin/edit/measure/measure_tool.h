@@ -9,7 +9,7 @@
 #include "plugin/edit/measure/measure_panel.h"
 #include "plugin/host/picker.h"
 
-#include <common/interfaces.h>
+#include "plugin/edit/view_tool.h"
 
 #include <QPointer>
 
@@ -25,19 +25,15 @@ class MeasureBook;
 class ProfileWindow;
 struct ProfileData;
 
-class MeasureTool : public QObject, public MeshEditInterface {
+class MeasureTool : public ViewTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
 public:
     MeasureTool();
     ~MeasureTool() override;
-    QString pluginName() const override { return "EditPointCloud"; }
-
-    bool isSingleMeshEdit() const override { return false; }
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
-    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override {}
     void Decorate(MeshModel&, GLArea* view, QPainter* painter) override;
 
     void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
@@ -52,8 +48,10 @@ protected:
 
 private:
     MeasureBook& book() const;
-    void guarded(const std::function<void()>& work);
-    void say(const QString& text);
+    void say_in_panel(const QString& text) override
+    {
+        if (panel_) panel_->say(text);
+    }
     void make_panel();
     void show_panel();
     void show_draft();
@@ -80,7 +78,6 @@ private:
     void take_volume(const Measure& measure, const std::vector<MeasureValue>& values);
     void begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work);
 
-    GLArea* view_ = nullptr;  // while the tool is on
     QPointer<MeasurePanel> panel_;
     Draft draft_;
     std::unique_ptr<QObject> picks_;  // parent of the contexts of picks that are not answered

@@ -1,7 +1,6 @@
 #include "plugin/edit/pick/pick_tool.h"
 
 #include "pcm/system/text.h"
-#include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/annotations.h"
@@ -20,7 +19,6 @@ namespace pcm::host {
 
 namespace {
 
-const char* const name = "Pick Point";
 const char* const owner = "pick";
 constexpr int click_px = 3;  // a click does not move farther
 
@@ -28,31 +26,9 @@ constexpr int click_px = 3;  // a click does not move farther
 
 PickTool::~PickTool() { delete panel_; }
 
-// Qt does not allow exceptions in event handlers.
-void PickTool::guarded(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (...) {
-        say(QString::fromStdString(current_error()));
-    }
-}
-
-void PickTool::say(const QString& text)
-{
-    if (panel_) panel_->say(text);
-    if (view_) view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
-}
-
 bool PickTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
-    view_ = view;
-    setParent(view);  // the view does not delete its tools otherwise
-    if (bounds_of_shown(*view).empty()) {
-        say("no layer shows a point cloud");
-        view_ = nullptr;
-        return false;
-    }
+    if (!take_view(*view)) return false;
     if (!panel_) {
         panel_ = new PickPanel(window_of(*view));
         connect(panel_, &PickPanel::copy_asked, this, &PickTool::copy);

@@ -7,7 +7,7 @@
 #include "plugin/edit/pick/pick_panel.h"
 #include "plugin/host/picker.h"
 
-#include <common/interfaces.h>
+#include "plugin/edit/view_tool.h"
 
 #include <QPointer>
 
@@ -19,18 +19,15 @@ class QMouseEvent;
 
 namespace pcm::host {
 
-class PickTool : public QObject, public MeshEditInterface {
+class PickTool : public ViewTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
 public:
+    PickTool() : ViewTool("Pick Point") {}
     ~PickTool() override;
-    QString pluginName() const override { return "EditPointCloud"; }
-
-    bool isSingleMeshEdit() const override { return false; }
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
-    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override {}
 
     void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
     void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
@@ -43,8 +40,10 @@ protected:
     bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private:
-    void guarded(const std::function<void()>& work);
-    void say(const QString& text);
+    void say_in_panel(const QString& text) override
+    {
+        if (panel_) panel_->say(text);
+    }
     void click(const QPoint& place);
     void take(const PickAnswer& answer);
     void show_point(bool complete);
@@ -52,7 +51,6 @@ private:
     // For observers such as tests.
     void publish(const PickAnswer& answer);
 
-    GLArea* view_ = nullptr;  // while the tool is on
     QPointer<PickPanel> panel_;
     std::optional<Picked> shown_;           // the last exact answer
     std::vector<PickedLine> lines_;         // of it

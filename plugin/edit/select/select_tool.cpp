@@ -2,7 +2,6 @@
 
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
-#include "plugin/edit/scene_bounds.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/annotations.h"
@@ -24,7 +23,6 @@ namespace pcm::host {
 
 namespace {
 
-const char* const name = "Select Points";
 const char* const owner = "select";
 constexpr int click_px = 3;        // a click does not move farther
 constexpr double corner_px = 1.5;  // between corners drawn free-hand
@@ -57,7 +55,7 @@ QStringList attribute_names(const PointCloud& cloud)
 
 }  // namespace
 
-SelectTool::SelectTool()
+SelectTool::SelectTool() : ViewTool("Select Points")
 {
     connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(fraction, stage);
@@ -65,23 +63,6 @@ SelectTool::SelectTool()
 }
 
 SelectTool::~SelectTool() { delete panel_; }
-
-// Qt does not allow exceptions in event handlers.
-void SelectTool::guarded(const std::function<void()>& work)
-{
-    try {
-        work();
-    } catch (...) {
-        say(QString::fromStdString(current_error()));
-    }
-}
-
-void SelectTool::say(const QString& text)
-{
-    if (panel_) panel_->say(text);
-    if (view_ && !text.isEmpty())
-        view_->md()->Log.Log(GLLogStream::SYSTEM, qPrintable(QString("%1: %2").arg(name, text)));
-}
 
 void SelectTool::publish(const QString& state)
 {
@@ -94,13 +75,7 @@ void SelectTool::publish(const QString& state)
 
 bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
-    view_ = view;
-    setParent(view);  // the view does not delete its tools otherwise
-    if (bounds_of_shown(*view).empty()) {
-        say("no layer shows a point cloud");
-        view_ = nullptr;
-        return false;
-    }
+    if (!take_view(*view)) return false;
     if (!panel_) {
         panel_ = new SelectPanel(window_of(*view));
         connect(panel_, &SelectPanel::pressed, this, [this](SelectPanel::Button button) {

@@ -12,7 +12,7 @@
 #include "plugin/edit/worker.h"
 #include "plugin/host/picker.h"
 
-#include <common/interfaces.h>
+#include "plugin/edit/view_tool.h"
 
 #include <QPointer>
 
@@ -23,19 +23,15 @@
 
 namespace pcm::host {
 
-class SelectTool : public QObject, public MeshEditInterface {
+class SelectTool : public ViewTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
 public:
     SelectTool();
     ~SelectTool() override;
-    QString pluginName() const override { return "EditPointCloud"; }
-
-    bool isSingleMeshEdit() const override { return false; }
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
-    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override { show(); }
 
     void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
     void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
@@ -49,8 +45,10 @@ protected:
 
 private:
     using Choose = std::function<PointSet(PointCloud& cloud, const Query& shown)>;
-    void guarded(const std::function<void()>& work);
-    void say(const QString& text);
+    void say_in_panel(const QString& text) override
+    {
+        if (panel_) panel_->say(text);
+    }
     void show();
     void draw();
     void publish(const QString& state);
@@ -75,7 +73,6 @@ private:
     void use(SelectionUse what);
     void selection_changed();
 
-    GLArea* view_ = nullptr;  // while the tool is on
     QPointer<SelectPanel> panel_;
     Worker worker_, counter_;  // of points; of what is known about the selected ones
     QString statistics_;       // of the selection that is shown

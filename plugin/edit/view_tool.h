@@ -1,0 +1,37 @@
+// What the tools with a panel have in common. GUI thread.
+#pragma once
+
+#include <common/interfaces.h>
+
+#include <QObject>
+#include <QString>
+
+#include <functional>
+
+class GLArea;
+
+namespace pcm::host {
+
+class ViewTool : public QObject, public MeshEditInterface {
+public:
+    QString pluginName() const override { return "EditPointCloud"; }
+    bool isSingleMeshEdit() const override { return false; }
+    void LayerChanged(MeshDocument&, MeshModel&, GLArea*, MLSceneGLSharedDataContext*) override {}
+
+protected:
+    explicit ViewTool(const char* name) : name_(name) {}
+    // Takes the view. False, with a message, where it shows no cloud: the tool does not start.
+    bool take_view(GLArea& view);
+    // Qt does not allow exceptions in event handlers: what the work throws is said.
+    void guarded(const std::function<void()>& work);
+    // In the panel and in MeshLab's log; an empty text empties the panel's line alone.
+    void say(const QString& text);
+    virtual void say_in_panel(const QString& text) = 0;
+
+    GLArea* view_ = nullptr;  // while the tool is on
+
+private:
+    const char* const name_;
+};
+
+}  // namespace pcm::host
