@@ -1,6 +1,6 @@
 #include "pcm/measure/measure_values.h"
 
-#include "pcm/measure/exact_products.h"
+#include "pcm/cloud/exact_products.h"
 #include "pcm/measure/line_length.h"
 #include "pcm/system/error.h"
 

@@ -1,6 +1,6 @@
 #include "pcm/measure/polygon.h"
 
-#include "pcm/measure/exact_products.h"
+#include "pcm/cloud/exact_products.h"
 
 #include <algorithm>
 

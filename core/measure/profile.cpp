@@ -1,6 +1,6 @@
 #include "pcm/measure/profile.h"
 
-#include "pcm/measure/exact_products.h"
+#include "pcm/cloud/exact_products.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

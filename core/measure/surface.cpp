@@ -1,6 +1,6 @@
 #include "pcm/measure/surface.h"
 
-#include "pcm/measure/exact_products.h"
+#include "pcm/cloud/exact_products.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 

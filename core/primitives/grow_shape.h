@@ -1,0 +1,40 @@
+// Follows a shape through a whole cloud: the connected points near its surface.
+#pragma once
+
+#include "pcm/cloud/selection.h"
+#include "pcm/fit/shape_fit.h"
+#include "pcm/query/point_set.h"
+#include "pcm/system/progress.h"
+
+#include <cstdint>
+
+namespace pcm {
+
+struct GrowShapeOptions {
+    double threshold = 0;      // largest distance of a point from the surface, source units; above 0
+    double step = 0;           // longest way from point to point, source units; above 0
+    double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals
+    unsigned most_rounds = 5;  // of growing and fitting again to what was reached; 0: the shape stays
+    Selection limit;           // only points that it chooses are reached
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    unsigned threads = 0;  // 0: one per processor
+    ProgressFunction progress;
+};
+
+struct GrownShape {
+    ShapeFit fit;            // to all points reached; without is_inlier
+    PointSet points;         // reached
+    unsigned rounds = 0;     // done
+    bool converged = false;  // the last round changed the shape by less than its errors
+};
+
+// From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface
+// is at most the threshold. Streams; memory as select/grow.h. Throws what grow() throws.
+GrownShape grow_shape(const Shape& shape, const PointSet& seeds, const GrowShapeOptions& options);
+
+// All points of the cloud near the surface, connected or not, inside of the selection.
+PointSet points_on_shape(const std::shared_ptr<const Tree>& tree, const Shape& shape, double threshold,
+                         double normal_angle, const Selection& limit, unsigned threads = 0,
+                         const ProgressFunction& progress = {});
+
+}  // namespace pcm
