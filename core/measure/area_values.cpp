@@ -1,6 +1,6 @@
 // The numbers of polygons and planes.
-#include "pcm/measure/best_plane.h"
 #include "pcm/cloud/exact_products.h"
+#include "pcm/measure/best_plane.h"
 #include "pcm/measure/line_length.h"
 #include "pcm/measure/measure_values.h"
 #include "pcm/measure/polygon.h"
