@@ -62,8 +62,8 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
                   unsigned most_steps)
 {
     const ShapeModel& model = model_of(start.kind);
-    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps);
-    ShapeFit fit = judged(model, polished.patch, polished.sums, {}, 1);
+    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps, true);
+    ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
@@ -75,7 +75,7 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.is_inlier.assign(points.size(), 0);
     const double cosine = band.least_cosine;
     const Shape shape = model.shape_of(polished.patch);
-    double distance = 0;
+    double distance = 0, squares = 0;
     for (std::size_t i = 0; i < working.size(); ++i) {
         model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
         bool in = std::fabs(distance) <= band.threshold;
@@ -84,8 +84,10 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
             in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
         }
         fit.is_inlier[working.index[i]] = in;
+        if (in) squares += distance * distance;
     }
     fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
 }
 
