@@ -54,6 +54,9 @@ double size_of(const std::array<double, most_parameters>& step)
     return size;
 }
 
+// The mixture is known well enough after so many steps.
+constexpr unsigned most_learned = 8;
+
 double mean_square(const PatchSums& sums) { return sums.used > 0 ? sums.squares / sums.used : 0; }
 
 }  // namespace
@@ -73,27 +76,30 @@ PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const W
     DistanceBins bins;
     best.sums = sums_of(model, start, points, band, best.mixture, &bins);
     double damping = 0;
+    unsigned learned = 0;
     for (unsigned done = 0; done < most_steps; ++done) {
+        if (weighted && learned < most_learned && damping == 0 && std::isfinite(band.threshold)) {
+            ++learned;
+            if (best.mixture.learn(bins, std::sqrt(mean_square(best.sums))))
+                best.sums = sums_of(model, best.patch, points, band, best.mixture);
+        }
         std::array<double, most_parameters> step{};
         if (best.sums.inliers < model.parameters || !step_of(model, best.sums, extent, damping, step)) return best;
-        NoiseMixture mixture = best.mixture;
-        if (weighted) mixture.learn(bins, std::sqrt(mean_square(best.sums)));
         const SurfacePatch next = model.moved(best.patch, step.data());
         DistanceBins next_bins;
-        const PatchSums sums = sums_of(model, next, points, band, mixture, &next_bins);
-        // Weights pull to where this cost is not quite the least.
-        const double slack = weighted ? 4 * mean_square(best.sums) : 0;
-        if (is_proper(model.shape_of(next)) && sums.cost <= best.sums.cost * (1 + 1e-9) + slack) {
-            const bool small = gain_of(best.sums, step) <= 1e-10 * mean_square(best.sums) || size_of(step) < 1e-13;
-            best = {next, sums, mixture, done > 0 && small && damping == 0};
+        const PatchSums sums = sums_of(model, next, points, band, best.mixture, &next_bins);
+        const double square = mean_square(best.sums);
+        const bool small = gain_of(best.sums, step) <= 1e-10 * square || size_of(step) < 1e-13;
+        if (is_proper(model.shape_of(next)) && sums.cost <= best.sums.cost * (1 + 1e-12) + 1e-6 * square) {
+            best.patch = next;
+            best.sums = sums;
+            best.converged = small && damping <= 1e-6;
             bins = next_bins;
             if (best.converged) return best;
             damping = damping > 1e-6 ? damping / 10 : 0;
         } else {
-            if (size_of(step) < 1e-13 || damping > 1e8) {
-                best.converged = true;
-                return best;
-            }
+            best.converged = small || damping > 1e8;
+            if (best.converged) return best;
             damping = std::max(1e-4, damping * 10);
         }
     }

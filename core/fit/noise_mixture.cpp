@@ -56,20 +56,18 @@ double density_at_cut(double deviation, double threshold, double points)
     return points * 2 * reach * gauss(reach) / within(reach);
 }
 
-NoiseMixture::NoiseMixture(double threshold) : threshold_(threshold)
-{
-    weights_.fill(1);
-    make_table();
-}
+NoiseMixture::NoiseMixture(double threshold) : threshold_(threshold) { make_table(); }
 
-void NoiseMixture::all_belong(double rms)
+bool NoiseMixture::all_belong(double rms)
 {
+    const bool change = share_ < 1;
     share_ = 1;
     deviation_ = deviation_of_cut(rms, tapered_cut * threshold_);
-    make_table();
+    if (change) make_table();
+    return change;
 }
 
-void NoiseMixture::learn(const DistanceBins& bins, double rms)
+bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 {
     double points = 0;
     for (const double count : bins.counts) points += count;
@@ -98,21 +96,27 @@ void NoiseMixture::learn(const DistanceBins& bins, double rms)
     share = std::min(share, 1 - 1e-9);
     if (deviation_ > 0 && std::fabs(share - share_) < 0.01 &&
         std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_)
-        return;
+        return false;
     share_ = share;
     deviation_ = threshold_ / reach;
     make_table();
+    return true;
 }
 
 void NoiseMixture::make_table()
 {
     if (!std::isfinite(threshold_)) return;
-    table_scale_ = static_cast<double>(table_size) / threshold_;
+    table_step_ = threshold_ / static_cast<double>(table_size);
     const double reach = share_ < 1 ? threshold_ / deviation_ : 1, top = share_ * 2 * reach * gauss(0) / within(reach);
     for (std::size_t i = 0; i < weights_.size(); ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
         const double noise = top * std::exp(-c * c / 2);
         weights_[i] = taper(part) * (share_ < 1 ? noise / (noise + 1 - share_) : 1);
+    }
+    for (std::size_t i = 0; i < table_size; ++i) {
+        const double from = static_cast<double>(i) * table_step_, grows = weights_[i + 1] - weights_[i];
+        costs_[i + 1] = costs_[i] + table_step_ * (2 * from * weights_[i] + from * grows +
+                                                   table_step_ * (weights_[i] + grows * (2.0 / 3)));
     }
 }
 

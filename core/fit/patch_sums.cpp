@@ -86,7 +86,6 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
     PatchSums sums;
     sums.parameters = model.parameters;
     const std::size_t n = std::min(points.size(), band.points);
-    const double limit = band.threshold * band.threshold;
     const double bin = static_cast<double>(DistanceBins::size) / band.threshold;
     PatchBlock block;
     BlockSums block_sums;
@@ -99,18 +98,18 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
             take_away_other_normals(model, patch, points, band.least_cosine, first, count, weight);
         std::size_t near = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            const double square = block.distance[i] * block.distance[i];
-            sums.cost += weight[i] > 0 ? square : limit;
             if (!(weight[i] > 0)) continue;
             ++near;
             const double away = std::fabs(block.distance[i]);
             if (bins) ++bins->counts[std::min(DistanceBins::size - 1, static_cast<std::size_t>(away * bin))];
             const NoiseMixture::Weight by = mixture.weight(away);
+            sums.cost += by.cost;
             weight[i] = by.weight;
             sums.used += by.weight;
             sums.slope += by.slope;
         }
         sums.inliers += near;
+        sums.cost += static_cast<double>(count - near) * mixture.cost_beyond();
         if (near > 0) block_sums.add(sums, block, count);
     }
     return sums;
