@@ -1,0 +1,144 @@
+#include "pcm/fit/shape_search.h"
+
+#include "pcm/fit/least_squares.h"
+#include "pcm/fit/point_normals.h"
+#include "pcm/fit/sample_draw.h"
+#include "pcm/fit/sample_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t improved_points = 4096;
+
+// What the estimators are made of. In the order of the enumerators.
+struct EstimatorParts {
+    SampleScoring scoring;
+    bool progressive;  // points of good quality are drawn first
+    bool pretest;      // a sample is scored if one more point is near its shape: T(d,d) with d = 1
+};
+constexpr EstimatorParts parts_of[] = {
+    {SampleScoring::count, false, false},       // ransac
+    {SampleScoring::squares, false, false},     // msac
+    {SampleScoring::likelihood, false, false},  // mlesac
+    {SampleScoring::squares, true, false},      // prosac
+    {SampleScoring::count, false, true},        // rransac
+    {SampleScoring::squares, false, true},      // rmsac
+};
+
+class Search {
+public:
+    Search(const WorkingPoints& points, const SearchOptions& options)
+        : points_(points),
+          options_(options),
+          model_(model_of(options.fit.kind)),
+          parts_(parts_of[static_cast<std::size_t>(options.fit.estimator)]),
+          normals_(points),
+          draw_(points, normals_, model_.sampled, parts_.progressive, options.fit.seed),
+          random_(options.fit.seed ^ 0x7e57),
+          least_cosine_(options.fit.normal_angle < pi / 2 ? std::cos(options.fit.normal_angle) : -1),
+          score_(points, model_, parts_.scoring, options.threshold, least_cosine_)
+    {
+        best_.score = best_.of_first = std::numeric_limits<double>::infinity();
+    }
+
+    SearchResult run()
+    {
+        double enough = options_.fit.iterations;  // samples
+        for (; static_cast<double>(result_.samples) < enough; ++result_.samples) {
+            if (result_.samples % 16 == 0 && !options_.on(static_cast<double>(result_.samples) / enough)) break;
+            SampledPoint sample[most_sampled];
+            if (!draw(sample)) continue;
+            Shape solutions[most_solutions];
+            const std::size_t count = model_.solve(sample, solutions);
+            bool better = false;
+            for (std::size_t i = 0; i < count; ++i)
+                better = (!parts_.pretest || passes(solutions[i])) && consider(solutions[i]) ? true : better;
+            if (!better) continue;
+            improve();
+            enough = std::min<double>(options_.fit.iterations, samples_needed());
+        }
+        return result_;
+    }
+
+private:
+    bool draw(SampledPoint* sample)
+    {
+        std::size_t drawn[most_sampled];
+        if (!draw_.draw(drawn)) return false;
+        for (std::size_t i = 0; i < model_.sampled; ++i) sample[i].place = points_.at(drawn[i]);
+        for (std::size_t i = 0; model_.needs_normals && i < model_.sampled; ++i) {
+            sample[i].normal = normals_.at(drawn[i]);
+            if (!(dot(sample[i].normal, sample[i].normal) > 0)) return false;
+        }
+        return true;
+    }
+
+    bool in_range(const Shape& shape) const
+    {
+        const double radius = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
+        if (!is_proper(shape)) return false;
+        if (!traits_of(shape.kind).radius) return true;
+        return radius >= options_.fit.least_radius && radius <= options_.fit.largest_radius && shape.radius < 1e7;
+    }
+
+    bool passes(const Shape& shape) { return score_.is_near(shape, random_.below(points_.size())); }
+
+    bool consider(const Shape& shape)
+    {
+        if (!in_range(shape)) return false;
+        const SampleScore::Value value = score_.of(shape, best_);
+        if (!(value.score < best_.score)) return false;
+        result_.shape = shape;
+        best_ = value;
+        result_.found = true;
+        return true;
+    }
+
+    // Least squares of the points near the best sample.
+    void improve()
+    {
+        PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
+        SurfacePatch patch = model_.patch_at(result_.shape, {});
+        for (unsigned round = 0; round < 2; ++round) {
+            patch = polish(model_, patch, points_, band, 4).patch;
+            band.threshold = options_.threshold;
+            const Shape shape = model_.shape_of(patch);
+            if (!in_range(shape)) return;
+            consider(shape);
+            patch = model_.patch_at(shape, {});
+        }
+    }
+
+    double samples_needed() const
+    {
+        const double of_all = static_cast<double>(best_.inliers) / static_cast<double>(points_.size());
+        const double drawn = draw_.share(of_all, [this](std::size_t i) { return score_.is_near(result_.shape, i); });
+        const double good = std::pow(drawn, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1);
+        if (good >= 1) return 1;
+        return good > 0 ? std::log1p(-options_.fit.probability) / std::log1p(-good) : options_.fit.iterations;
+    }
+
+    const WorkingPoints& points_;
+    const SearchOptions& options_;
+    const ShapeModel& model_;
+    const EstimatorParts& parts_;
+    SampleNormals normals_;
+    SampleDraw draw_;
+    SampleNumbers random_;
+    double least_cosine_;
+    SampleScore score_;
+    SampleScore::Value best_;
+    SearchResult result_;
+};
+
+}  // namespace
+
+SearchResult search_shape(const WorkingPoints& points, const SearchOptions& options)
+{
+    return Search(points, options).run();
+}
+
+}  // namespace pcm
