@@ -1,8 +1,8 @@
 #include "pcm/primitives/near_points.h"
 
 #include "pcm/bpc/chunk.h"
-#include "pcm/cloud/attribute.h"
 #include "pcm/cloud/box_distance.h"
+#include "pcm/primitives/normal_column.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
@@ -106,17 +106,14 @@ public:
           options_(options),
           selector_(options.limit, tree.info().schema),
           rounding_(tree.info()),
+          normals_(tree.info().schema),
           watch_(options.progress),
           nearest_(options.count > 0 ? options.count : spacing_sample),
           spread_(options.most)
     {
         columns_.positions = true;
         for (const std::size_t k : selector_.tested()) columns_.attributes.set(k);
-        const auto normal = tree.info().schema.find(attribute_name::normal);
-        if (normal && tree.info().schema[*normal].components == 3) {
-            normal_ = *normal;
-            columns_.attributes.set(*normal);
-        }
+        if (normals_.exists()) columns_.attributes.set(normals_.place());
         limit_ = options.radius > 0 ? options.radius * options.radius : infinity;
     }
 
@@ -194,21 +191,11 @@ private:
             candidate.number = part.first[k] + (i - begin);
             candidate.rank = scattered(scattered(id) ^ candidate.number);
             candidate.level = level;
-            candidate.normal = normal_ ? normal_at(*chunk.attributes[*normal_], i) : Vec3d{};
+            candidate.normal = normals_.exists() ? normals_.at(*chunk.attributes[normals_.place()], i) : Vec3d{};
             ++found_;
             nearest_.add(candidate);
             if (!by_count()) spread_.add(candidate);
         }
-    }
-
-    // Unit, or 0 0 0.
-    Vec3d normal_at(const Column& column, std::uint32_t i) const
-    {
-        const Attribute& attribute = tree_.info().schema[*normal_];
-        Vec3d n;
-        for (std::uint32_t c = 0; c < 3; ++c) n[c] = column.value(i, c) * attribute.scale + attribute.offset;
-        const double size = length(n);
-        return size > 0 && std::isfinite(size) ? n / size : Vec3d{};
     }
 
     NearPoints result()
@@ -234,7 +221,7 @@ private:
         std::sort(kept.begin(), kept.end(), nearer);
         if (!kept.empty()) result.points.origin = kept.front().position;
         for (const Candidate& point : kept) {
-            if (normal_)
+            if (normals_.exists())
                 result.points.add(point.position, point.normal);
             else
                 result.points.add(point.position);
@@ -266,9 +253,9 @@ private:
     const NearOptions& options_;
     const Selector selector_;
     const SourceRounding rounding_;
+    const NormalColumn normals_;
     Watch watch_;
     ColumnSet columns_;
-    std::optional<std::size_t> normal_;
     double limit_;  // a square
     std::uint64_t found_ = 0;
     FirstOnes<nearer> nearest_;
