@@ -1,6 +1,6 @@
 #include "pcm/cli/measure_output.h"
 
-#include "pcm/measure/new_output.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
