@@ -67,8 +67,8 @@ struct Measure {
     MeasureKind kind = MeasureKind::distance;
     std::string name;
     std::vector<MeasuredPoint> points;
-    bool hidden = false;             // in views
-    double width = 0;                // of a profile
+    bool hidden = false;           // in views
+    double width = 0;              // of a profile
     std::optional<Shape> surface;  // of a distance to a surface
     // Numbers that took a pass over clouds (volume, profile); values_of() gives them back, before all others.
     std::vector<MeasureValue> computed;
