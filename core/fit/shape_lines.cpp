@@ -1,5 +1,7 @@
 #include "pcm/fit/shape_lines.h"
 
+#include "pcm/fit/axis_frame.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -22,17 +24,13 @@ struct Frame {
 
 Frame frame_of(const Vec3d& axis, const Vec3d& zero)
 {
-    Vec3d across = zero - dot(zero, axis) * axis;
+    const Vec3d across = zero - dot(zero, axis) * axis;
     if (!(length(across) > 0.5)) {  // not known
-        std::size_t least = 0;
-        for (std::size_t a = 1; a < 3; ++a)
-            if (std::fabs(axis[a]) < std::fabs(axis[least])) least = a;
-        Vec3d unit{};
-        unit[least] = 1;
-        across = cross(axis, unit);
+        const AxisFrame any(axis);
+        return {any.u, any.v};
     }
-    across = normalised(across);
-    return {across, cross(axis, across)};
+    const Vec3d unit = normalised(across);
+    return {unit, cross(axis, unit)};
 }
 
 struct Arc {
