@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pcm/fit/shape_fit.h"
+#include "pcm/fit/surface_patch.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,28 +14,27 @@ namespace pcm {
 // that the result does not depend on threads. One object by one thread.
 class ShapeSums {
 public:
-    // Distances are measured from `shape`; `middle` is a place near the points, and `extent` about their size.
+    // Distances are measured from `shape`; `middle` is a place near the points, and `extent` about their size, source
+    // units. Throws what check(shape) throws.
     ShapeSums(const Shape& shape, const Vec3d& middle, double extent);
 
-    void add(const Vec3d& p);  // source coordinates
-    void add(const ShapeSums& other);
+    void add(const Vec3d& p);          // source coordinates
+    void add(const ShapeSums& other);  // of the same shape, middle and extent
 
-    std::uint64_t points() const { return points_; }
-    double rms() const;
-    // A damped Gauss-Newton step; nothing where the points determine none.
-    std::optional<Shape> step() const;
+    std::uint64_t points() const { return sums_.inliers; }
+    double rms() const;  // of the distances, source units
+    // A Gauss-Newton step; nothing where the points determine none, or it leads to no shape. Where `rms` of the points
+    // about the result is larger, half of it (and so on) should be tried: `part` of the step.
+    std::optional<Shape> step(double part = 1) const;
     // Errors, condition, rms, verdict, issue and message of `shape` as the result of these points.
     ShapeFit result(double threshold) const;
 
 private:
-    static constexpr std::size_t most = 7;
     Shape shape_;
     Vec3d middle_;
     double extent_;
-    std::uint64_t points_ = 0;
-    double squares_ = 0, squares_error_ = 0;
-    std::array<double, most> gradient_{};
-    std::array<double, most * most> products_{};
+    SurfacePatch patch_;
+    PatchSums sums_;
 };
 
 }  // namespace pcm

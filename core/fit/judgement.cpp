@@ -1,0 +1,141 @@
+// What is known of a result: errors, and whether to trust it.
+#include "pcm/fit/least_squares.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcm {
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+// Of a curvature in units of its own error.
+constexpr double least_significance = 3, good_significance = 10;
+
+// The numbers that people read, of which the errors are reported: place, axis, radius, second.
+struct Numbers {
+    Vec3d place{}, axis{};
+    double radius = 0, second = 0;
+};
+
+Numbers numbers_of(const Shape& shape, const Vec3d& middle)
+{
+    Numbers numbers{shape.point, shape.axis, shape.radius, shape.second};
+    const Vec3d d = middle - shape.point;
+    if (shape.kind == ShapeKind::plane) numbers.place = middle - dot(d, shape.axis) * shape.axis;
+    if (shape.kind == ShapeKind::cylinder) numbers.place = shape.point + dot(d, shape.axis) * shape.axis;
+    return numbers;
+}
+
+// Largest standard deviation in any direction.
+double largest(const Eigen::Matrix3d& covariance)
+{
+    return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]));
+}
+
+ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const Matrix& covariance, const Vec3d& middle,
+                      const double* unit)
+{
+    const auto p = static_cast<Eigen::Index>(model.parameters);
+    Eigen::Matrix<double, 8, Eigen::Dynamic> by(8, p);
+    for (Eigen::Index j = 0; j < p; ++j) {
+        std::array<double, most_parameters> step{};
+        const auto at = static_cast<std::size_t>(j);
+        const double small = model.dimension[at] < 0 ? 1e-6 * std::fabs(patch.curvature) : 1e-6 * unit[at];
+        const auto numbers = [&](double by_step) {
+            step[at] = by_step;
+            return numbers_of(model.shape_of(model.moved(patch, step.data())), middle);
+        };
+        const Numbers low = numbers(-small), high = numbers(small);
+        const Vec3d place = high.place - low.place, axis = high.axis - low.axis;
+        by.col(j) << place[0], place[1], place[2], axis[0], axis[1], axis[2], high.radius - low.radius,
+            high.second - low.second;
+        by.col(j) /= 2 * small;
+    }
+    const Eigen::Matrix<double, 8, 8> all = by * covariance * by.transpose();
+    ShapeErrors errors;
+    const ShapeTraits& row = traits_of(model.kind);
+    errors.position = largest(all.block<3, 3>(0, 0));
+    if (row.axis) errors.angle = largest(all.block<3, 3>(3, 3));
+    if (row.radius) errors.radius = std::sqrt(std::max(0.0, all(6, 6)));
+    if (row.second) errors.second = std::sqrt(std::max(0.0, all(7, 7)));
+    return errors;
+}
+
+void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string& message)
+{
+    fit.verdict = verdict;
+    fit.issue = issue;
+    fit.message = message;
+}
+
+}  // namespace
+
+ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, const Vec3d& middle,
+                double extent)
+{
+    ShapeFit fit;
+    const auto p = static_cast<Eigen::Index>(model.parameters);
+    fit.inliers = sums.inliers;
+    fit.rms = sums.used > 0 ? std::sqrt(sums.squares / sums.used) : 0;
+    if (sums.inliers < model.parameters) {
+        doubt(fit, FitVerdict::refused, FitIssue::too_few_points,
+              "fewer points than determine the shape are within the threshold");
+        return fit;
+    }
+    const double freedom = std::max(1.0, sums.used - static_cast<double>(model.parameters));
+    fit.noise = std::sqrt(sums.squares / freedom);
+    Matrix a = Matrix::Zero(p, p);
+    std::array<double, most_parameters> unit{};
+    for (std::size_t j = 0; j < model.parameters; ++j) unit[j] = std::pow(extent, model.dimension[j] - 1);
+    for (Eigen::Index j = 0; j < p; ++j)
+        for (Eigen::Index k = j; k < p; ++k)
+            a(j, k) = a(k, j) =
+                sums.products[static_cast<std::size_t>(j) * most_parameters + static_cast<std::size_t>(k)] *
+                unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];
+    const Eigen::SelfAdjointEigenSolver<Matrix> system(a);
+    const double least = system.eigenvalues()[0], most = system.eigenvalues()[p - 1];
+    fit.condition = least > 0 ? most / least : infinite;
+    if (!(fit.condition < 1e15)) {
+        fit.condition = infinite;
+        fit.errors = {infinite, traits_of(model.kind).axis ? infinite : 0, traits_of(model.kind).radius ? infinite : 0,
+                      traits_of(model.kind).second ? infinite : 0};
+        doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
+              "the points cover too little of the shape to determine it: take points farther around it");
+        return fit;
+    }
+    Matrix covariance = system.eigenvectors() * system.eigenvalues().cwiseInverse().asDiagonal() *
+                        system.eigenvectors().transpose() * (fit.noise * fit.noise);
+    for (Eigen::Index j = 0; j < p; ++j)
+        for (Eigen::Index k = 0; k < p; ++k)
+            covariance(j, k) *= unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];
+    fit.errors = errors_of(model, patch, covariance, middle, unit.data());
+    fit.verdict = FitVerdict::good;
+    if (!traits_of(model.kind).radius) return fit;
+    const double radius = 1 / std::fabs(patch.curvature), significance = radius / fit.errors.radius;
+    if (significance < least_significance) {
+        fit.errors.radius = fit.errors.position = infinite;
+        doubt(fit, FitVerdict::refused, FitIssue::coplanar,
+              "the points are a plane within their noise: fit a plane, or take points farther around the shape");
+    } else if (significance < good_significance) {
+        doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
+              "the points cover too little of the shape for their noise, so its radius is uncertain: take points "
+              "farther around it");
+    }
+    return fit;
+}
+
+void to_source_units(ShapeFit& fit, double unit)
+{
+    fit.errors.position *= unit;
+    fit.errors.radius *= unit;
+    if (fit.shape.kind == ShapeKind::torus) fit.errors.second *= unit;
+    fit.threshold *= unit;
+    fit.noise *= unit;
+    fit.rms *= unit;
+}
+
+}  // namespace pcm

@@ -1,0 +1,89 @@
+// A cylinder: two points with normals; moved along the normal of its patch, turned about three directions, curved.
+#include "pcm/fit/models/shape_models.h"
+
+namespace pcm {
+namespace {
+
+std::size_t solve(const SampledPoint* sample, Shape* solutions)
+{
+    const Vec3d axis = cross(sample[0].normal, sample[1].normal);
+    const double sine = length(axis);
+    if (!(sine > 1e-6)) return 0;
+    const Vec3d unit = axis / sine;
+    const Vec3d between = sample[1].place - sample[0].place;
+    const Vec3d q = sample[1].place - dot(between, unit) * unit;  // in the plane of the first point
+    Vec3d on_first, on_second;
+    if (!models::lines_meet(sample[0].place, sample[0].normal, q, sample[1].normal, on_first, on_second)) return 0;
+    const double radius = (length(on_first - sample[0].place) + length(on_first - q)) / 2;
+    solutions[0] = {ShapeKind::cylinder, on_first, unit, radius, 0};
+    return radius > 0 ? 1 : 0;
+}
+
+void distances(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count, double* out)
+{
+    const Vec3d o = shape.point, a = shape.axis;
+    const double r = shape.radius;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
+        const double cx = a[1] * dz - a[2] * dy, cy = a[2] * dx - a[0] * dz, cz = a[0] * dy - a[1] * dx;
+        out[i] = std::sqrt(cx * cx + cy * cy + cz * cz) - r;
+    }
+}
+
+SurfacePatch patch_at(const Shape& shape, const Vec3d& middle)
+{
+    const Vec3d d = middle - shape.point;
+    const Vec3d foot = shape.point + dot(d, shape.axis) * shape.axis, across = cross(shape.axis, cross(d, shape.axis));
+    const Vec3d n = length(across) > 0 ? normalised(across) : models::unit_across(shape.axis);
+    SurfacePatch patch = models::patch_with_axis(foot + shape.radius * n, shape.axis, n);
+    patch.curvature = 1 / shape.radius;
+    return patch;
+}
+
+Shape shape_of(const SurfacePatch& patch)
+{
+    return {ShapeKind::cylinder, patch.place - (1 / patch.curvature) * patch.n, patch.a, 1 / std::fabs(patch.curvature),
+            0};
+}
+
+void differentiate(const SurfacePatch& patch, const double* x, const double* y, const double* z, std::size_t count,
+                   PatchBlock& out)
+{
+    const Vec3d o = patch.place, n = patch.n, a = patch.a, b = patch.b;
+    const double k = patch.curvature;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
+        const double en = n[0] * dx + n[1] * dy + n[2] * dz, eb = b[0] * dx + b[1] * dy + b[2] * dz,
+                     ea = a[0] * dx + a[1] * dy + a[2] * dz;
+        const double square = en * en + eb * eb;
+        const double q = 2 * en + k * square, inside = 1 + k * q, w = std::sqrt(inside > 1e-24 ? inside : 1e-24);
+        const double one = 1 / (1 + w), inverse = 1 / w;
+        const double gn = (1 + k * en) * inverse, gb = k * eb * inverse;  // the gradient
+        out.distance[i] = q * one;
+        out.by[0][i] = -gn;
+        out.by[1][i] = eb * gn - en * gb;  // turned about a
+        out.by[2][i] = ea * gb;            // about n
+        out.by[3][i] = -ea * gn;           // about b
+        out.by[4][i] = (square * (1 + w) - q * (en + k * square) * inverse) * one * one;
+    }
+}
+
+SurfacePatch moved(const SurfacePatch& patch, const double* step)
+{
+    SurfacePatch result = patch;
+    result.place = patch.place + step[0] * patch.n;
+    models::turn(result, step[1] * patch.a + step[2] * patch.n + step[3] * patch.b);
+    result.curvature += step[4];
+    return result;
+}
+
+}  // namespace
+
+const ShapeModel& cylinder_model()
+{
+    static const ShapeModel model{
+        ShapeKind::cylinder, 5, 2, true, {1, 0, 0, 0, -1}, solve, distances, patch_at, shape_of, differentiate, moved};
+    return model;
+}
+
+}  // namespace pcm

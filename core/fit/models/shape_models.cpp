@@ -1,0 +1,74 @@
+#include "pcm/fit/models/shape_models.h"
+
+#include <cmath>
+
+namespace pcm {
+
+const ShapeModel& model_of(ShapeKind kind)
+{
+    static const std::array<const ShapeModel*, 3> rows{&plane_model(), &cylinder_model(), &sphere_model()};
+    return *rows.at(static_cast<std::size_t>(kind));
+}
+
+bool is_proper(const Shape& shape)
+{
+    const ShapeTraits& row = traits_of(shape.kind);
+    if (!is_finite(shape.point) || (row.axis && !is_finite(shape.axis))) return false;
+    if (row.radius && !(std::isfinite(shape.radius) && shape.radius > 0)) return false;
+    if (shape.kind == ShapeKind::cone) return shape.second > 0 && shape.second < pi / 2;
+    return shape.kind != ShapeKind::torus || (shape.second > 0 && shape.second < shape.radius);
+}
+
+namespace models {
+
+Vec3d unit_across(const Vec3d& axis)
+{
+    std::size_t least = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+        if (std::fabs(axis[k]) < std::fabs(axis[least])) least = k;
+    Vec3d unit{};
+    unit[least] = 1;
+    return normalised(cross(axis, unit));
+}
+
+void turn(SurfacePatch& patch, const Vec3d& rotation)
+{
+    const double angle = length(rotation);
+    if (!(angle > 0)) return;
+    const Vec3d axis = rotation / angle;
+    const double s = std::sin(angle), c = std::cos(angle);
+    const auto turned = [&](const Vec3d& v) { return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis; };
+    patch.a = normalised(turned(patch.a));
+    const Vec3d n = turned(patch.n);
+    patch.n = normalised(n - dot(n, patch.a) * patch.a);
+    patch.b = cross(patch.a, patch.n);
+}
+
+SurfacePatch patch_with_normal(const Vec3d& place, const Vec3d& normal)
+{
+    return patch_with_axis(place, unit_across(normal), normal);
+}
+
+SurfacePatch patch_with_axis(const Vec3d& place, const Vec3d& axis, const Vec3d& across)
+{
+    SurfacePatch patch;
+    patch.place = place;
+    patch.a = axis;
+    patch.n = normalised(across - dot(across, axis) * axis);
+    patch.b = cross(patch.a, patch.n);
+    return patch;
+}
+
+bool lines_meet(const Vec3d& p, const Vec3d& np, const Vec3d& q, const Vec3d& nq, Vec3d& on_p, Vec3d& on_q)
+{
+    const Vec3d w = p - q;
+    const double c = dot(np, nq), sine = dot(cross(np, nq), cross(np, nq));
+    if (!(sine > 1e-12)) return false;
+    const double dp = dot(np, w), dq = dot(nq, w);
+    on_p = p + ((c * dq - dp) / sine) * np;
+    on_q = q + ((dq - c * dp) / sine) * nq;
+    return true;
+}
+
+}  // namespace models
+}  // namespace pcm

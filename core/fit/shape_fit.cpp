@@ -1,0 +1,174 @@
+#include "pcm/fit/shape_fit.h"
+
+#include "pcm/fit/least_squares.h"
+#include "pcm/fit/shape_search.h"
+#include "pcm/fit/working_points.h"
+#include "pcm/system/error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
+
+void check(const ShapeFitOptions& options)
+{
+    if (!(options.threshold >= 0 && std::isfinite(options.threshold))) refuse("the threshold is below 0 or not finite");
+    if (!(options.probability > 0 && options.probability < 1)) refuse("the probability is not between 0 and 1");
+    if (options.iterations == 0) refuse("the number of iterations is 0");
+    if (!(options.seconds >= 0)) refuse("the time limit is below 0");
+    if (!(options.least_radius >= 0 && options.largest_radius > options.least_radius))
+        refuse("the largest radius is not above the least");
+    if (!(options.normal_angle > 0)) refuse("the angle between normals is not above 0");
+}
+
+ShapeFit refused(ShapeKind kind, FitIssue issue)
+{
+    const std::string name = traits_of(kind).name;
+    ShapeFit fit;
+    fit.shape.kind = kind;
+    fit.issue = issue;
+    switch (issue) {
+        case FitIssue::too_few_points:
+            fit.message = "fewer points than a " + name + " needs: take a larger neighbourhood";
+            break;
+        case FitIssue::not_finite:
+            fit.message = "a coordinate is NaN or infinite";
+            break;
+        case FitIssue::coincident:
+            fit.message = "all points are at one place";
+            break;
+        case FitIssue::collinear:
+            fit.message = "all points are on one line: take points beside it";
+            break;
+        case FitIssue::coplanar:
+            fit.message = "all points are in one plane: fit a plane, or take points farther around the " + name;
+            break;
+        default:
+            fit.message = "no " + name + " has enough points: raise the threshold or the number of iterations";
+    }
+    return fit;
+}
+
+// Polished with all points, judged, in source units, with its inliers.
+ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const Shape& start, const PatchBand& band,
+                  unsigned most_steps)
+{
+    const ShapeModel& model = model_of(start.kind);
+    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps);
+    ShapeFit fit = judged(model, polished.patch, polished.sums, {}, 1);
+    if (fit.verdict == FitVerdict::good && !polished.converged) {
+        fit.verdict = FitVerdict::doubtful;
+        fit.issue = FitIssue::not_converged;
+        fit.message = "least squares did not converge: the errors may be larger";
+    }
+    fit.shape = working.to_source(model.shape_of(polished.patch));
+    fit.threshold = band.threshold;
+    to_source_units(fit, working.unit);
+    fit.is_inlier.assign(points.size(), 0);
+    const double cosine = band.least_cosine;
+    const Shape shape = model.shape_of(polished.patch);
+    double distance = 0;
+    for (std::size_t i = 0; i < working.size(); ++i) {
+        model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
+        bool in = std::fabs(distance) <= band.threshold;
+        if (in && cosine > 0 && working.has_normals()) {
+            const Vec3d normal = working.normal(i);
+            in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
+        }
+        fit.is_inlier[working.index[i]] = in;
+    }
+    fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+    return fit;
+}
+
+double cosine_of(double normal_angle) { return normal_angle < pi / 2 ? std::cos(normal_angle) : -1; }
+
+}  // namespace
+
+const std::vector<EstimatorTraits>& estimators()
+{
+    static const std::vector<EstimatorTraits> rows{
+        {Estimator::ransac, "ransac", "RANSAC", "most inliers"},
+        {Estimator::msac, "msac", "MSAC", "least sum of squared distances, outliers count as the threshold"},
+        {Estimator::mlesac, "mlesac", "MLESAC", "greatest likelihood of Gaussian noise and uniform outliers"},
+        {Estimator::prosac, "prosac", "PROSAC", "MSAC; points whose neighbours lie flat are drawn first"},
+        {Estimator::rransac, "rransac", "RRANSAC", "RANSAC; samples that a few points refute are not scored"},
+        {Estimator::rmsac, "rmsac", "RMSAC", "MSAC; samples that a few points refute are not scored"},
+    };
+    return rows;
+}
+
+const EstimatorTraits& traits_of(Estimator estimator) { return estimators()[static_cast<std::size_t>(estimator)]; }
+
+std::optional<Estimator> estimator_of(const std::string& name)
+{
+    for (const EstimatorTraits& row : estimators())
+        if (name == row.name) return row.estimator;
+    return {};
+}
+
+const char* name_of(FitIssue issue)
+{
+    static constexpr const char* names[] = {"none",         "too few points", "not finite", "coincident",
+                                            "collinear",    "coplanar",       "thin arc",   "no consensus",
+                                            "out of range", "not converged"};
+    return names[static_cast<std::size_t>(issue)];
+}
+
+const char* name_of(FitVerdict verdict)
+{
+    static constexpr const char* names[] = {"good", "doubtful", "refused"};
+    return names[static_cast<std::size_t>(verdict)];
+}
+
+ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
+{
+    check(options);
+    const Clock::time_point start = Clock::now();
+    const ShapeModel& model = model_of(options.kind);
+    const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
+    if (issue != FitIssue::none) return refused(options.kind, issue);
+    const WorkingPoints working = working_points(points, options.seed);
+    SearchOptions search{options, 0, {}};
+    const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
+    search.threshold = std::max(threshold / working.unit, 1e-12);
+    search.fit.least_radius /= working.unit;
+    search.fit.largest_radius /= working.unit;
+    search.on = [&](double fraction) {
+        if (options.progress && !options.progress({"Fitting", fraction, -1}))
+            throw Error(ErrorCode::cancelled, {}, "fitting was cancelled");
+        return !(options.seconds > 0) || seconds_since(start) < options.seconds;
+    };
+    const SearchResult found = search_shape(working, search);
+    ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
+    if (found.found)
+        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50);
+    fit.threshold = search.threshold * working.unit;
+    fit.iterations = found.samples;
+    fit.seconds = seconds_since(start);
+    return fit;
+}
+
+ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineOptions& options)
+{
+    check(start);
+    if (!(options.threshold > 0)) refuse("the threshold is not above 0");
+    const Clock::time_point begin = Clock::now();
+    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters);
+    if (issue != FitIssue::none) return refused(start.kind, issue);
+    const WorkingPoints working = working_points(points, 1);
+    const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};
+    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps);
+    fit.seconds = seconds_since(begin);
+    return fit;
+}
+
+}  // namespace pcm
