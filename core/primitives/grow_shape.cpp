@@ -1,6 +1,7 @@
 #include "pcm/primitives/grow_shape.h"
 
 #include "pcm/primitives/near_shape.h"
+#include "pcm/primitives/progress_part.h"
 #include "pcm/primitives/refit.h"
 #include "pcm/select/grow.h"
 #include "pcm/threads/watch.h"
@@ -10,17 +11,6 @@
 
 namespace pcm {
 namespace {
-
-// Progress of a part of an operation, as one of the whole.
-ProgressFunction part_of(const ProgressFunction& progress, double begin, double end)
-{
-    if (!progress) return {};
-    return [&progress, begin, end](ProgressUpdate update) {
-        update.fraction = begin + (end - begin) * update.fraction;
-        update.seconds_left = -1;
-        return progress(update);
-    };
-}
 
 class ShapeGrowth {
 public:
