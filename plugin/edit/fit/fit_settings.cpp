@@ -82,7 +82,10 @@ const std::vector<FitNumber>& fit_numbers()
 FitAtOptions options_of(const FitSettings& settings)
 {
     FitAtOptions options;
-    if (settings.kind) options.fit.kind = *settings.kind;
+    if (settings.kind)
+        options.fit.kind = *settings.kind;
+    else
+        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone, ShapeKind::torus};
     options.fit.estimator = settings.estimator;
     options.fit.backend = settings.backend;
     options.outline.kind = settings.outline;

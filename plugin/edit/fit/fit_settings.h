@@ -34,7 +34,7 @@ struct FitNumber {
 };
 const std::vector<FitNumber>& fit_numbers();
 
-// Throws Error(invalid_argument), naming the field, for text that is no number in its range. `kind` is not set where
+// Throws Error(invalid_argument), naming the field, for text that is no number in its range. Several kinds where
 // the best is asked for.
 FitAtOptions options_of(const FitSettings& settings);
 

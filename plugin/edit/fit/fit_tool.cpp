@@ -1,6 +1,5 @@
 #include "plugin/edit/fit/fit_tool.h"
 
-#include "pcm/primitives/fit_any_at.h"
 #include "pcm/system/error.h"
 #include "plugin/edit/look_at.h"
 #include "plugin/edit/measure/length_unit.h"
@@ -37,9 +36,6 @@ constexpr std::array<std::array<std::uint8_t, 3>, 8> colours{{{255, 200, 0},
                                                               {255, 255, 140},
                                                               {70, 230, 200},
                                                               {255, 150, 200}}};
-const std::vector<ShapeKind> any_of_these{ShapeKind::plane, ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::cone,
-                                          ShapeKind::torus};
-
 QString counted(std::size_t count, const char* what)
 {
     return QString("%1 %2%3").arg(count).arg(what).arg(count == 1 ? "" : "s");
@@ -51,12 +47,6 @@ Box3d box_in_scene(const PrimitiveBook& book, const Primitive& primitive)
     for (const Annotation& line : drawn_primitive(primitive, book.placement_of(primitive), {}))
         for (const Vec3d& p : line.line) box.extend(p);
     return box;
-}
-
-FittedPrimitive fitted(const FitPlaces& places, const FitAtOptions& options, bool any)
-{
-    return any ? fit_any_at(*places.cloud, places.on, places.off, any_of_these, options)
-               : fit_at(*places.cloud, places.on, places.off, options);
 }
 
 }  // namespace
@@ -199,32 +189,30 @@ void FitTool::fit()
     }
     const MeshModel* layer = view_->md()->getMesh(wanted_->mesh_id);
     if (!layer) return wanted_.reset();
-    const FitSettings settings = panel_->settings();
     FitAtOptions options;
     try {
-        options = options_of(settings);
+        options = options_of(panel_->settings());
         options.limit = shown_points(*view_, *layer).selection();
     } catch (...) {
         wanted_.reset();
         throw;
     }
-    const auto found = std::make_shared<FittedPrimitive>();
+    const auto found = std::make_shared<std::optional<FittedPrimitive>>();
     panel_->show_progress(std::make_pair(QString("Fitting"), 0.0));
     publish("fitting");
     worker_.start(
-        [places = *wanted_, options, found, any = !settings.kind](const ProgressFunction& progress) {
+        [places = *wanted_, options, found](const ProgressFunction& progress) {
             FitAtOptions running = options;
             running.progress = running.fit.progress = progress;
-            *found = fitted(places, running, any);
+            *found = fit_at(*places.cloud, places.on, places.off, running);
         },
         [this, places = *wanted_, found](std::exception_ptr failure) {
             if (panel_) panel_->show_progress(std::nullopt);
-            if (view_) guarded([&] { take_fit(places, found, failure); });
+            if (view_) guarded([&] { take_fit(places, *found, failure); });
         });
 }
 
-void FitTool::take_fit(const FitPlaces& places, const std::shared_ptr<FittedPrimitive>& found,
-                       std::exception_ptr failure)
+void FitTool::take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure)
 {
     if (std::exchange(again_, false) && wanted_) return fit();
     const bool cancelled = !wanted_;  // what was found in spite of that is dropped

@@ -75,7 +75,7 @@ private:
     void click(const QPoint& place, Qt::KeyboardModifiers modifiers);
     void take(Way way, const Picked& picked);
     void fit();
-    void take_fit(const FitPlaces& places, const std::shared_ptr<FittedPrimitive>& found, std::exception_ptr failure);
+    void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
     void keep_draft(const FitPlaces& places, FittedPrimitive& found);
     void show_draft();
     void accept();
