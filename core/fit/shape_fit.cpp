@@ -62,8 +62,8 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
                   unsigned most_steps)
 {
     const ShapeModel& model = model_of(start.kind);
-    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps);
-    ShapeFit fit = judged(model, polished.patch, polished.sums, {}, 1);
+    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps, true);
+    ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
@@ -75,7 +75,7 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.is_inlier.assign(points.size(), 0);
     const double cosine = band.least_cosine;
     const Shape shape = model.shape_of(polished.patch);
-    double distance = 0;
+    double distance = 0, squares = 0;
     for (std::size_t i = 0; i < working.size(); ++i) {
         model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
         bool in = std::fabs(distance) <= band.threshold;
@@ -84,8 +84,10 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
             in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
         }
         fit.is_inlier[working.index[i]] = in;
+        if (in) squares += distance * distance;
     }
     fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
 }
 
@@ -99,9 +101,9 @@ const std::vector<EstimatorTraits>& estimators()
         {Estimator::ransac, "ransac", "RANSAC", "most inliers"},
         {Estimator::msac, "msac", "MSAC", "least sum of squared distances, outliers count as the threshold"},
         {Estimator::mlesac, "mlesac", "MLESAC", "greatest likelihood of Gaussian noise and uniform outliers"},
-        {Estimator::prosac, "prosac", "PROSAC", "MSAC; points whose neighbours lie flat are drawn first"},
-        {Estimator::rransac, "rransac", "RRANSAC", "RANSAC; samples that a few points refute are not scored"},
-        {Estimator::rmsac, "rmsac", "RMSAC", "MSAC; samples that a few points refute are not scored"},
+        {Estimator::prosac, "prosac", "PROSAC", "MSAC; points whose neighbours lie in a plane are drawn first"},
+        {Estimator::rransac, "rransac", "RRANSAC", "RANSAC; a sample is scored if another random point is near it"},
+        {Estimator::rmsac, "rmsac", "RMSAC", "MSAC; a sample is scored if another random point is near it"},
     };
     return rows;
 }
