@@ -136,7 +136,6 @@ void FitFields::add_choices()
 
 void FitFields::show(const FitSettings& settings)
 {
-    showing_ = true;
     choose(*kind_, settings.kind ? traits_of(*settings.kind).name : any_kind);
     choose(*estimator_, traits_of(settings.estimator).name);
     choose(*outline_, name_of(settings.outline));
