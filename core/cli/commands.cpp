@@ -9,6 +9,7 @@ Run add_build(Options& options);
 Run add_compact(Options& options);
 Run add_convert(Options& options);
 Run add_delete(Options& options);
+Run add_detect(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_measure(Options& options);
@@ -59,6 +60,7 @@ const std::vector<Command>& commands()
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
+        {"detect", "Detect the planes, cylinders and spheres of a tree, and label their points", add_detect},
         {"measure", "Measure at points: distance, height, angle, area, distance to a plane; lists of measures as files",
          add_measure},
         {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},

@@ -99,9 +99,9 @@ const std::vector<EstimatorTraits>& estimators()
         {Estimator::ransac, "ransac", "RANSAC", "most inliers"},
         {Estimator::msac, "msac", "MSAC", "least sum of squared distances, outliers count as the threshold"},
         {Estimator::mlesac, "mlesac", "MLESAC", "greatest likelihood of Gaussian noise and uniform outliers"},
-        {Estimator::prosac, "prosac", "PROSAC", "MSAC; points whose neighbours lie flat are drawn first"},
-        {Estimator::rransac, "rransac", "RRANSAC", "RANSAC; samples that a few points refute are not scored"},
-        {Estimator::rmsac, "rmsac", "RMSAC", "MSAC; samples that a few points refute are not scored"},
+        {Estimator::prosac, "prosac", "PROSAC", "MSAC; points whose neighbours lie in a plane are drawn first"},
+        {Estimator::rransac, "rransac", "RRANSAC", "RANSAC; a sample is scored if another random point is near it"},
+        {Estimator::rmsac, "rmsac", "RMSAC", "MSAC; a sample is scored if another random point is near it"},
     };
     return rows;
 }

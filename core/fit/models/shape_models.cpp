@@ -6,8 +6,9 @@ namespace pcm {
 
 const ShapeModel& model_of(ShapeKind kind)
 {
-    static const std::array<const ShapeModel*, 3> rows{&plane_model(), &cylinder_model(), &sphere_model()};
-    return *rows.at(static_cast<std::size_t>(kind));
+    static const std::array<const ShapeModel*, 5> rows{&plane_model(), &cylinder_model(), &sphere_model(),
+                                                       &cone_model(), &torus_model()};
+    return *rows[static_cast<std::size_t>(kind)];
 }
 
 bool is_proper(const Shape& shape)

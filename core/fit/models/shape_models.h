@@ -8,5 +8,7 @@ namespace pcm {
 const ShapeModel& plane_model();
 const ShapeModel& cylinder_model();
 const ShapeModel& sphere_model();
+const ShapeModel& cone_model();
+const ShapeModel& torus_model();
 
 }  // namespace pcm
