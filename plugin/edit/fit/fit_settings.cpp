@@ -85,7 +85,7 @@ FitAtOptions options_of(const FitSettings& settings)
     if (settings.kind)
         options.fit.kind = *settings.kind;
     else
-        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone, ShapeKind::torus};
+        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
     options.fit.estimator = settings.estimator;
     options.fit.backend = settings.backend;
     options.outline.kind = settings.outline;
