@@ -57,13 +57,22 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
     return fit;
 }
 
+// With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
+double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
+
 // Polished with all points, judged, in source units, with its inliers.
 ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const Shape& start, const PatchBand& band,
-                  unsigned most_steps)
+                  unsigned most_steps, bool widen)
 {
     const ShapeModel& model = model_of(start.kind);
-    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps);
-    ShapeFit fit = judged(model, polished.patch, polished.sums, {}, 1);
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps, true);
+    const double wide = widened(band.threshold, polished.noise());
+    if (widen && wide > band.threshold) {
+        PatchBand farther = band;
+        farther.threshold = wide;
+        polished = polish(model, polished.patch, working, farther, most_steps, true);
+    }
+    ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
@@ -75,7 +84,7 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.is_inlier.assign(points.size(), 0);
     const double cosine = band.least_cosine;
     const Shape shape = model.shape_of(polished.patch);
-    double distance = 0;
+    double distance = 0, squares = 0;
     for (std::size_t i = 0; i < working.size(); ++i) {
         model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
         bool in = std::fabs(distance) <= band.threshold;
@@ -84,8 +93,10 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
             in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
         }
         fit.is_inlier[working.index[i]] = in;
+        if (in) squares += distance * distance;
     }
     fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
 }
 
@@ -150,7 +161,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const SearchResult found = search_shape(working, search);
     ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
     if (found.found)
-        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50);
+        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;
     fit.seconds = seconds_since(start);
@@ -166,7 +177,7 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
     if (issue != FitIssue::none) return refused(start.kind, issue);
     const WorkingPoints working = working_points(points, 1);
     const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};
-    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps);
+    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps, false);
     fit.seconds = seconds_since(begin);
     return fit;
 }
