@@ -10,6 +10,7 @@ Run add_compact(Options& options);
 Run add_convert(Options& options);
 Run add_delete(Options& options);
 Run add_detect(Options& options);
+Run add_fit(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_measure(Options& options);
@@ -49,6 +50,10 @@ const std::vector<Command>& commands()
          "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
          "delete them",
          add_select},
+        {"fit",
+         "Fit a plane, cylinder, sphere, cone or torus at a place of a tree, follow it through the cloud; export, "
+         "extract or delete it",
+         add_fit},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",

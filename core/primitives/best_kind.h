@@ -9,14 +9,12 @@
 
 namespace pcm {
 
-// The fit with the least
-//
-//     sum over points of min(d^2, t^2) / s^2  +  k ln(n)
-//
-// d a point's distance from the surface, t the largest threshold and s the least noise of the fits (at least t / 1e6),
-// n the number of points, and k that of the shape's parameters (plane 3, sphere 4, cylinder 5, cone 6, torus 7): the
-// Bayesian information criterion with outliers at t. Doubtful fits are considered only where none is good, and refused
-// ones never. The place in the list; nothing where all are refused.
+// Kinds have ranks: the plane; cylinder and sphere, which may be planes of wide radius; cone and torus, which may be
+// cylinders. Within a rank the fit with the least sum of min(d^2, t^2) is taken, d a point's distance from the surface
+// and t the largest threshold of the fits, over the points within t of any of them; and one of a higher rank only where
+// it has less than half of that: errors of scanners are alike at neighbours, and a shape with more parameters can
+// follow them. Distances below t / 1000 count as that. Doubtful fits are considered only where none is good, and
+// refused ones never. The place in the list; nothing where all are refused.
 std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points);
 
 }  // namespace pcm
