@@ -107,7 +107,7 @@ std::vector<Annotation> drawn_primitive(const Primitive& primitive, const std::o
     }
     if (drawn.empty()) return drawn;
     drawn.front().label = style.label;
-    drawn.front().label_at = box.centre();
+    drawn.front().label_at = box.max;
     return drawn;
 }
 
