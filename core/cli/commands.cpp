@@ -9,6 +9,8 @@ Run add_build(Options& options);
 Run add_compact(Options& options);
 Run add_convert(Options& options);
 Run add_delete(Options& options);
+Run add_detect(Options& options);
+Run add_fit(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_measure(Options& options);
@@ -49,6 +51,10 @@ const std::vector<Command>& commands()
          "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
          "delete them",
          add_select},
+        {"fit",
+         "Fit a plane, cylinder, sphere, cone or torus at a place of a tree, follow it through the cloud; export, "
+         "extract or delete it",
+         add_fit},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
@@ -60,6 +66,7 @@ const std::vector<Command>& commands()
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
+        {"detect", "Detect the planes, cylinders and spheres of a tree, and label their points", add_detect},
         {"measure", "Measure at points: distance, height, angle, area, distance to a plane; lists of measures as files",
          add_measure},
         {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <limits>
 
 namespace pcm {
 namespace {
@@ -13,9 +14,9 @@ constexpr std::size_t sample_neighbours = 16;
 
 }  // namespace
 
-Vec3d normal_near(const NearTree& tree, const std::vector<double>& x, const std::vector<double>& y,
-                  const std::vector<double>& z, const Vec3d& place, std::size_t neighbours,
-                  std::vector<NearTree::Near>& near)
+PlaneNear plane_near(const NearTree& tree, const std::vector<double>& x, const std::vector<double>& y,
+                     const std::vector<double>& z, const Vec3d& place, std::size_t neighbours,
+                     std::vector<NearTree::Near>& near)
 {
     tree.nearest(place, neighbours, near);
     if (near.size() < 3) return {};
@@ -33,19 +34,31 @@ Vec3d normal_near(const NearTree& tree, const std::vector<double>& x, const std:
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> system(products / n - (sum / n) * (sum / n).transpose());
     if (!(system.eigenvalues()[1] > 1e-14)) return {};
     const Eigen::Vector3d normal = system.eigenvectors().col(0);
-    return {normal[0], normal[1], normal[2]};
+    return {{normal[0], normal[1], normal[2]}, size * std::sqrt(std::max(0.0, system.eigenvalues()[0]))};
+}
+
+const NearTree& SampleNormals::tree()
+{
+    if (!tree_) tree_ = std::make_unique<NearTree>(points_.x, points_.y, points_.z);
+    return *tree_;
+}
+
+double SampleNormals::unevenness(std::size_t i)
+{
+    const PlaneNear plane =
+        plane_near(tree(), points_.x, points_.y, points_.z, points_.at(i), sample_neighbours, near_);
+    return dot(plane.normal, plane.normal) > 0 ? plane.rms : std::numeric_limits<double>::infinity();
 }
 
 Vec3d SampleNormals::at(std::size_t i)
 {
     if (points_.has_normals()) return points_.normal(i);
-    if (!tree_) {
-        tree_ = std::make_unique<NearTree>(points_.x, points_.y, points_.z);
+    if (known_.empty()) {
         known_.resize(points_.size());
         is_known_.resize(points_.size());
     }
     if (!is_known_[i])
-        known_[i] = normal_near(*tree_, points_.x, points_.y, points_.z, points_.at(i), sample_neighbours, near_);
+        known_[i] = plane_near(tree(), points_.x, points_.y, points_.z, points_.at(i), sample_neighbours, near_).normal;
     is_known_[i] = true;
     return known_[i];
 }
@@ -69,7 +82,7 @@ void estimate_normals(FitPoints& points, std::size_t neighbours)
     const NearTree tree(x, y, z);
     std::vector<NearTree::Near> near;
     for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec3d normal = normal_near(tree, x, y, z, {x[i], y[i], z[i]}, neighbours, near);
+        const Vec3d normal = plane_near(tree, x, y, z, {x[i], y[i], z[i]}, neighbours, near).normal;
         points.nx[index[i]] = normal[0];
         points.ny[index[i]] = normal[1];
         points.nz[index[i]] = normal[2];

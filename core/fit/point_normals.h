@@ -9,18 +9,26 @@
 
 namespace pcm {
 
-// Of the plane through the nearest points; 0 0 0 where these are on one line.
-Vec3d normal_near(const NearTree& tree, const std::vector<double>& x, const std::vector<double>& y,
-                  const std::vector<double>& z, const Vec3d& place, std::size_t neighbours,
-                  std::vector<NearTree::Near>& near);
+struct PlaneNear {
+    Vec3d normal{};  // 0 0 0 where the points are on one line
+    double rms = 0;  // of their distances from the plane
+};
+// The plane through the nearest points.
+PlaneNear plane_near(const NearTree& tree, const std::vector<double>& x, const std::vector<double>& y,
+                     const std::vector<double>& z, const Vec3d& place, std::size_t neighbours,
+                     std::vector<NearTree::Near>& near);
 
 // Normals of sampled points: the cloud's, or by neighbours when they are asked for. One thread.
 class SampleNormals {
 public:
     explicit SampleNormals(const WorkingPoints& points) : points_(points) {}
     Vec3d at(std::size_t i);
+    // Root mean square of the neighbours' distances from the plane through them; infinite for too few.
+    double unevenness(std::size_t i);
 
 private:
+    const NearTree& tree();
+
     const WorkingPoints& points_;
     std::unique_ptr<NearTree> tree_;
     std::vector<Vec3d> known_;

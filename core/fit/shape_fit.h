@@ -24,9 +24,9 @@ enum class Estimator : std::uint8_t {
     ransac,   // most inliers (Fischler, Bolles 1981)
     msac,     // least sum of min(d^2, threshold^2) (Torr, Zisserman 2000)
     mlesac,   // greatest likelihood of a Gaussian and uniform outliers (Torr, Zisserman 2000)
-    prosac,   // msac; points of good quality are drawn first (Chum, Matas 2005)
-    rransac,  // msac; a sample is scored by all points only if a few pass (Matas, Chum 2004)
-    rmsac,    // the same with msac's own test
+    prosac,   // msac; points whose neighbours lie in a plane are drawn first (Chum, Matas 2005)
+    rransac,  // ransac; a sample is scored by all points only if another point is near it (Matas, Chum 2004)
+    rmsac,    // msac with that test
 };
 struct EstimatorTraits {
     Estimator estimator;

@@ -2,7 +2,8 @@
 
 #include "pcm/fit/least_squares.h"
 #include "pcm/fit/point_normals.h"
-#include "pcm/fit/random_numbers.h"
+#include "pcm/fit/sample_draw.h"
+#include "pcm/fit/sample_score.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,22 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t score_block = 512, improved_points = 4096;
+constexpr std::size_t improved_points = 4096;
+
+// What the estimators are made of. In the order of the enumerators.
+struct EstimatorParts {
+    SampleScoring scoring;
+    bool progressive;  // points of good quality are drawn first
+    bool pretest;      // a sample is scored if one more point is near its shape: T(d,d) with d = 1
+};
+constexpr EstimatorParts parts_of[] = {
+    {SampleScoring::count, false, false},       // ransac
+    {SampleScoring::squares, false, false},     // msac
+    {SampleScoring::likelihood, false, false},  // mlesac
+    {SampleScoring::squares, true, false},      // prosac
+    {SampleScoring::count, false, true},        // rransac
+    {SampleScoring::squares, false, true},      // rmsac
+};
 
 class Search {
 public:
@@ -18,12 +34,14 @@ public:
         : points_(points),
           options_(options),
           model_(model_of(options.fit.kind)),
+          parts_(parts_of[static_cast<std::size_t>(options.fit.estimator)]),
           normals_(points),
-          random_(options.fit.seed),
-          least_cosine_(options.fit.normal_angle < pi / 2 ? std::cos(options.fit.normal_angle) : -1)
+          draw_(points, normals_, model_.sampled, parts_.progressive, options.fit.seed),
+          random_(options.fit.seed ^ 0x7e57),
+          least_cosine_(options.fit.normal_angle < pi / 2 ? std::cos(options.fit.normal_angle) : -1),
+          score_(points, model_, parts_.scoring, options.threshold, least_cosine_)
     {
-        limit_ = options.threshold * options.threshold;
-        result_.score = std::numeric_limits<double>::infinity();
+        best_.score = best_.of_first = std::numeric_limits<double>::infinity();
     }
 
     SearchResult run()
@@ -36,7 +54,8 @@ public:
             Shape solutions[most_solutions];
             const std::size_t count = model_.solve(sample, solutions);
             bool better = false;
-            for (std::size_t i = 0; i < count; ++i) better = consider(solutions[i]) || better;
+            for (std::size_t i = 0; i < count; ++i)
+                better = (!parts_.pretest || passes(solutions[i])) && consider(solutions[i]) ? true : better;
             if (!better) continue;
             improve();
             enough = std::min<double>(options_.fit.iterations, samples_needed());
@@ -48,11 +67,8 @@ private:
     bool draw(SampledPoint* sample)
     {
         std::size_t drawn[most_sampled];
-        for (std::size_t i = 0; i < model_.sampled; ++i) {
-            drawn[i] = random_.below(points_.size());
-            if (std::find(drawn, drawn + i, drawn[i]) != drawn + i) return false;
-            sample[i].place = points_.at(drawn[i]);
-        }
+        if (!draw_.draw(drawn)) return false;
+        for (std::size_t i = 0; i < model_.sampled; ++i) sample[i].place = points_.at(drawn[i]);
         for (std::size_t i = 0; model_.needs_normals && i < model_.sampled; ++i) {
             sample[i].normal = normals_.at(drawn[i]);
             if (!(dot(sample[i].normal, sample[i].normal) > 0)) return false;
@@ -68,33 +84,17 @@ private:
         return radius >= options_.fit.least_radius && radius <= options_.fit.largest_radius && shape.radius < 1e7;
     }
 
+    bool passes(const Shape& shape) { return score_.is_near(shape, random_.below(points_.size())); }
+
     bool consider(const Shape& shape)
     {
         if (!in_range(shape)) return false;
-        const double score = score_of(shape);
-        if (!(score < result_.score)) return false;
+        const SampleScore::Value value = score_.of(shape, best_);
+        if (!(value.score < best_.score)) return false;
         result_.shape = shape;
-        result_.score = score;
+        best_ = value;
         result_.found = true;
         return true;
-    }
-
-    // Sum of the lesser of square and squared threshold; at least the best one so far where it is given up early.
-    double score_of(const Shape& shape)
-    {
-        double score = 0, distances[score_block];
-        inliers_ = 0;
-        for (std::size_t first = 0; first < points_.size() && score < result_.score; first += score_block) {
-            const std::size_t count = std::min(score_block, points_.size() - first);
-            model_.distances(shape, &points_.x[first], &points_.y[first], &points_.z[first], count, distances);
-            for (std::size_t i = 0; i < count; ++i) {
-                const double square = distances[i] * distances[i];
-                score += square < limit_ ? square : limit_;
-                inliers_ += square < limit_;
-            }
-        }
-        if (score < result_.score) best_inliers_ = inliers_;
-        return score;
     }
 
     // Least squares of the points near the best sample.
@@ -103,7 +103,7 @@ private:
         PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
         SurfacePatch patch = model_.patch_at(result_.shape, {});
         for (unsigned round = 0; round < 2; ++round) {
-            patch = polish(model_, patch, points_, band, 4).patch;
+            patch = polish(model_, patch, points_, band, 4, false).patch;
             band.threshold = options_.threshold;
             const Shape shape = model_.shape_of(patch);
             if (!in_range(shape)) return;
@@ -114,8 +114,9 @@ private:
 
     double samples_needed() const
     {
-        const double share = static_cast<double>(best_inliers_) / static_cast<double>(points_.size());
-        const double good = std::pow(share, static_cast<double>(model_.sampled));
+        const double of_all = static_cast<double>(best_.inliers) / static_cast<double>(points_.size());
+        const double drawn = draw_.share(of_all, [this](std::size_t i) { return score_.is_near(result_.shape, i); });
+        const double good = std::pow(drawn, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1);
         if (good >= 1) return 1;
         return good > 0 ? std::log1p(-options_.fit.probability) / std::log1p(-good) : options_.fit.iterations;
     }
@@ -123,10 +124,13 @@ private:
     const WorkingPoints& points_;
     const SearchOptions& options_;
     const ShapeModel& model_;
+    const EstimatorParts& parts_;
     SampleNormals normals_;
+    SampleDraw draw_;
     SampleNumbers random_;
-    double least_cosine_, limit_ = 0;
-    std::size_t inliers_ = 0, best_inliers_ = 0;
+    double least_cosine_;
+    SampleScore score_;
+    SampleScore::Value best_;
     SearchResult result_;
 };
 

@@ -18,7 +18,6 @@ struct SearchOptions {
 struct SearchResult {
     bool found = false;
     Shape shape;  // working units
-    double score = 0;
     std::uint64_t samples = 0;
 };
 
