@@ -37,6 +37,9 @@ Json null_if_infinite(double value, const Primitive& primitive)
 // How the kind's second number is called.
 const char* second_name(ShapeKind kind) { return kind == ShapeKind::cone ? "half_angle" : "tube_radius"; }
 
+bool has_length(ShapeKind kind) { return kind == ShapeKind::cylinder || kind == ShapeKind::cone; }
+bool has_arc(ShapeKind kind) { return has_length(kind) || kind == ShapeKind::torus; }
+
 void put_shape(Json& json, const Primitive& primitive)
 {
     const Shape& shape = primitive.fit.shape;
@@ -51,13 +54,15 @@ void put_shape(Json& json, const Primitive& primitive)
 void put_bounds(Json& json, const Primitive& primitive)
 {
     const ShapeBounds& bounds = primitive.bounds;
+    const ShapeKind kind = primitive.fit.shape.kind;
     Json own = Json::object();
-    for (const Vec3d& corner : bounds.outline) own["outline"].push_back(vector_json(corner, primitive));
-    if (bounds.from != 0 || bounds.to != 0) {
+    if (kind == ShapeKind::plane)
+        for (const Vec3d& corner : bounds.outline) own["outline"].push_back(vector_json(corner, primitive));
+    if (has_length(kind) && (bounds.from != 0 || bounds.to != 0)) {
         own["from"] = finite(bounds.from, primitive);
         own["to"] = finite(bounds.to, primitive);
     }
-    if (bounds.zero != Vec3d{}) {
+    if (has_arc(kind) && bounds.zero != Vec3d{}) {
         own["zero"] = vector_json(bounds.zero, primitive);
         own["begin"] = finite(bounds.begin, primitive);
         own["end"] = finite(bounds.end, primitive);
@@ -129,23 +134,28 @@ Shape shape_of(const JsonFields& fields)
     } catch (const Error& error) {
         fields.refuse("kind", std::string(": ") + error.what());
     }
-    if (traits.axis && std::fabs(length(shape.axis) - 1) > 4e-16) shape.axis = normalised(shape.axis);
+    if (traits.axis && std::fabs(length(shape.axis) - 1) > 4e-16)
+        shape.axis = normalised(shape.axis / largest_magnitude(shape.axis));
     return shape;
 }
 
 ShapeBounds bounds_of_fields(const JsonFields& fields, const Shape& shape)
 {
     ShapeBounds bounds;
-    std::size_t number = 0;
-    for (const Json& corner : fields.list("outline", false))
-        bounds.outline.push_back(
-            vector_of(corner, "corner " + std::to_string(++number) + " of " + fields.named("outline")));
-    if (number == 1 || number == 2) fields.refuse("outline", " has fewer than three corners");
-    bounds.from = fields.number("from", false, true);
-    bounds.to = fields.number("to", false, true);
-    if (bounds.from > bounds.to) fields.refuse("from", " is greater than 'to'");
-    if (shape.kind == ShapeKind::cone && bounds.from < 0) fields.refuse("from", " is before the cone's apex");
-    if (!fields.has("zero")) return bounds;
+    if (shape.kind == ShapeKind::plane) {
+        std::size_t number = 0;
+        for (const Json& corner : fields.list("outline", false))
+            bounds.outline.push_back(
+                vector_of(corner, "corner " + std::to_string(++number) + " of " + fields.named("outline")));
+        if (number == 1 || number == 2) fields.refuse("outline", " has fewer than three corners");
+    }
+    if (has_length(shape.kind)) {
+        bounds.from = fields.number("from", false, true);
+        bounds.to = fields.number("to", false, true);
+        if (bounds.from > bounds.to) fields.refuse("from", " is greater than 'to'");
+        if (shape.kind == ShapeKind::cone && bounds.from < 0) fields.refuse("from", " is before the cone's apex");
+    }
+    if (!has_arc(shape.kind) || !fields.has("zero")) return bounds;
     bounds.zero = fields.vector("zero");
     bounds.begin = fields.number("begin", true);
     bounds.end = fields.number("end", true);

@@ -74,8 +74,8 @@ void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string&
 
 }  // namespace
 
-ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, const Vec3d& middle,
-                double extent)
+ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
+                const Vec3d& middle, double extent)
 {
     ShapeFit fit;
     const auto p = static_cast<Eigen::Index>(model.parameters);
@@ -86,16 +86,15 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
               "fewer points than determine the shape are within the threshold");
         return fit;
     }
-    const double freedom = std::max(1.0, sums.used - static_cast<double>(model.parameters));
-    fit.noise = std::sqrt(sums.squares / freedom);
+    const double freedom = sums.used / std::max(1.0, sums.used - static_cast<double>(model.parameters));
+    fit.noise = noise * std::sqrt(freedom);
     Matrix a = Matrix::Zero(p, p);
-    std::array<double, most_parameters> unit{};
-    for (std::size_t j = 0; j < model.parameters; ++j) unit[j] = std::pow(extent, model.dimension[j] - 1);
-    for (Eigen::Index j = 0; j < p; ++j)
-        for (Eigen::Index k = j; k < p; ++k)
-            a(j, k) = a(k, j) =
-                sums.products[static_cast<std::size_t>(j) * most_parameters + static_cast<std::size_t>(k)] *
-                unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];
+    const auto unit = parameter_units(model, extent);
+    for (std::size_t j = 0; j < model.parameters; ++j)
+        for (std::size_t k = j; k < model.parameters; ++k) {
+            const auto row = static_cast<Eigen::Index>(j), column = static_cast<Eigen::Index>(k);
+            a(row, column) = a(column, row) = sums.products[j * most_parameters + k] * unit[j] * unit[k];
+        }
     const Eigen::SelfAdjointEigenSolver<Matrix> system(a);
     const double least = system.eigenvalues()[0], most = system.eigenvalues()[p - 1];
     fit.condition = least > 0 ? most / least : infinite;
@@ -107,8 +106,11 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
               "the points cover too little of the shape to determine it: take points farther around it");
         return fit;
     }
+    // Of an estimate by weights (Huber 1981): with the equations' own weights, and what the cut at the threshold takes.
+    const double slope = std::max(sums.slope, 0.05 * sums.used);
+    const double square = sums.pull * freedom * sums.used / (slope * slope);
     Matrix covariance = system.eigenvectors() * system.eigenvalues().cwiseInverse().asDiagonal() *
-                        system.eigenvectors().transpose() * (fit.noise * fit.noise);
+                        system.eigenvectors().transpose() * square;
     for (Eigen::Index j = 0; j < p; ++j)
         for (Eigen::Index k = 0; k < p; ++k)
             covariance(j, k) *= unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];

@@ -1,6 +1,8 @@
 #include "pcm/fit/shape_fit.h"
 
 #include "pcm/fit/least_squares.h"
+#include "pcm/fit/local_support.h"
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/fit/shape_search.h"
 #include "pcm/fit/working_points.h"
 #include "pcm/system/error.h"
@@ -57,13 +59,34 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
     return fit;
 }
 
+// With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
+double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
+
+// From a sample's shape: first by points within the threshold, then without those that are there by chance.
+PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
+                              unsigned most_steps)
+{
+    const double threshold = band.threshold;
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, true);
+    std::vector<double> support;
+    for (int round = 0; round < 2; ++round) {
+        band.threshold = widened(threshold, polished.noise());
+        const Shape shape = model.shape_of(polished.patch);
+        support = local_support(model, shape, working, band.threshold);
+        band.support = support.empty() ? nullptr : support.data();
+        polished = polish(model, model.patch_at(shape, {}), working, band, most_steps, true);
+    }
+    return polished;
+}
+
 // Polished with all points, judged, in source units, with its inliers.
 ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const Shape& start, const PatchBand& band,
-                  unsigned most_steps)
+                  unsigned most_steps, bool sample)
 {
     const ShapeModel& model = model_of(start.kind);
-    const PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps);
-    ShapeFit fit = judged(model, polished.patch, polished.sums, {}, 1);
+    const PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
+                                          : polish(model, model.patch_at(start, {}), working, band, most_steps, true);
+    ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
@@ -75,7 +98,7 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.is_inlier.assign(points.size(), 0);
     const double cosine = band.least_cosine;
     const Shape shape = model.shape_of(polished.patch);
-    double distance = 0;
+    double distance = 0, squares = 0;
     for (std::size_t i = 0; i < working.size(); ++i) {
         model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
         bool in = std::fabs(distance) <= band.threshold;
@@ -84,8 +107,10 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
             in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
         }
         fit.is_inlier[working.index[i]] = in;
+        if (in) squares += distance * distance;
     }
     fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
+    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
 }
 
@@ -136,6 +161,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const ShapeModel& model = model_of(options.kind);
     const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
     if (issue != FitIssue::none) return refused(options.kind, issue);
+    if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
     const WorkingPoints working = working_points(points, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
@@ -150,7 +176,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const SearchResult found = search_shape(working, search);
     ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
     if (found.found)
-        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50);
+        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;
     fit.seconds = seconds_since(start);
@@ -166,7 +192,7 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
     if (issue != FitIssue::none) return refused(start.kind, issue);
     const WorkingPoints working = working_points(points, 1);
     const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};
-    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps);
+    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps, false);
     fit.seconds = seconds_since(begin);
     return fit;
 }

@@ -103,7 +103,7 @@ private:
         PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
         SurfacePatch patch = model_.patch_at(result_.shape, {});
         for (unsigned round = 0; round < 2; ++round) {
-            patch = polish(model_, patch, points_, band, 4).patch;
+            patch = polish(model_, patch, points_, band, 4, false).patch;
             band.threshold = options_.threshold;
             const Shape shape = model_.shape_of(patch);
             if (!in_range(shape)) return;

@@ -19,7 +19,7 @@ void ShapeSums::add(const Vec3d& p)
     const Vec3d place = (p - middle_) / extent_;
     PatchBlock block;
     model_of(shape_.kind).differentiate(patch_, &place[0], &place[1], &place[2], 1, block);
-    add_to(sums_, block, 0, 1);
+    add_to(sums_, block, 0);
 }
 
 void ShapeSums::add(const ShapeSums& other) { add_to(sums_, other.sums_); }
@@ -39,7 +39,12 @@ std::optional<Shape> ShapeSums::step(double part) const
 
 ShapeFit ShapeSums::result(double threshold) const
 {
-    ShapeFit fit = judged(model_of(shape_.kind), patch_, sums_, {}, 1);
+    // What the cut at the threshold takes away.
+    const double cut = threshold > 0 ? threshold / extent_ : std::numeric_limits<double>::infinity();
+    const double noise = deviation_of_cut(rms() / extent_, cut);
+    PatchSums sums = sums_;
+    sums.slope -= density_at_cut(noise, cut, static_cast<double>(sums.inliers));
+    ShapeFit fit = judged(model_of(shape_.kind), patch_, sums, noise, {}, 1);
     fit.shape = shape_;
     to_source_units(fit, extent_);
     fit.threshold = threshold;

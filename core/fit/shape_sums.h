@@ -26,7 +26,8 @@ public:
     // A Gauss-Newton step; nothing where the points determine none, or it leads to no shape. Where `rms` of the points
     // about the result is larger, half of it (and so on) should be tried: `part` of the step.
     std::optional<Shape> step(double part = 1) const;
-    // Errors, condition, rms, verdict, issue and message of `shape` as the result of these points.
+    // Errors, condition, rms, verdict, issue and message of `shape` as the result of these points, which are all within
+    // `threshold` of it; 0 or infinite: there was none.
     ShapeFit result(double threshold) const;
 
 private:

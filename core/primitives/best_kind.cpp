@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcm {
 namespace {
 
-double parameters_of(ShapeKind kind)
+constexpr double noises = 3;                                                 // an inlier's largest distance
+const double gain_on_plane = std::log(2.0), gain_on_curved = std::log(1.2);  // per inlier, of a kind of higher rank
+
+int rank_of(ShapeKind kind)
+{
+    return kind == ShapeKind::plane ? 0 : kind == ShapeKind::cylinder || kind == ShapeKind::sphere ? 1 : 2;
+}
+
+std::size_t sample_of(ShapeKind kind)
 {
     switch (kind) {
         case ShapeKind::plane:
@@ -26,33 +33,52 @@ double parameters_of(ShapeKind kind)
 
 }  // namespace
 
-std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points)
+double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sample, double part)
 {
-    const bool any_good =
-        std::any_of(fits.begin(), fits.end(), [](const ShapeFit& fit) { return fit.verdict == FitVerdict::good; });
-    const auto takes_part = [&](const ShapeFit& fit) {
-        return any_good ? fit.verdict == FitVerdict::good : fit.has_shape();
+    if (inliers <= sample || points <= sample) return 0;
+    const auto choose = [](double n, double k) {
+        return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
     };
-    double threshold = 0, noise = std::numeric_limits<double>::infinity();
-    for (const ShapeFit& fit : fits)
-        if (takes_part(fit)) {
-            threshold = std::max(threshold, fit.threshold);
-            noise = std::min(noise, fit.noise);
-        }
-    noise = std::max(noise, threshold / 1e6);
+    const auto n = static_cast<double>(points), k = static_cast<double>(inliers), m = static_cast<double>(sample);
+    return std::log(n - m) + choose(n, k) + choose(k, m) + (k - m) * std::log(std::clamp(part, 1e-12, 1.0));
+}
+
+double chance_of(const ShapeFit& fit, const FitPoints& points, double depth)
+{
+    const double distance = fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
+    std::size_t inliers = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) inliers += distance_to(fit.shape, points.source(i)) <= distance;
+    return log_false_alarms(points.size(), inliers, sample_of(fit.shape.kind), depth > 0 ? distance / depth : 1);
+}
+
+bool is_determined(const ShapeFit& fit)
+{
+    return fit.verdict == FitVerdict::good || (fit.has_shape() && fit.issue == FitIssue::not_converged);
+}
+
+std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points, double depth)
+{
+    const bool any_good = std::any_of(fits.begin(), fits.end(), is_determined);
     std::optional<std::size_t> best;
     double least = 0;
-    for (std::size_t k = 0; k < fits.size(); ++k) {
-        if (!takes_part(fits[k])) continue;
-        double cost = parameters_of(fits[k].shape.kind) * std::log(static_cast<double>(points.size()));
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const double d = std::min(distance_to(fits[k].shape, points.source(i)), threshold);
-            cost += noise > 0 ? (d / noise) * (d / noise) : 0;
+    for (int rank = 0; rank <= 2; ++rank) {
+        std::optional<std::size_t> of_rank;
+        double least_of_rank = 0;
+        for (std::size_t k = 0; k < fits.size(); ++k) {
+            const bool takes_part = any_good ? is_determined(fits[k]) : fits[k].has_shape();
+            if (!takes_part || rank_of(fits[k].shape.kind) != rank) continue;
+            const double chance = chance_of(fits[k], points, depth);
+            if (of_rank && chance >= least_of_rank) continue;
+            of_rank = k;
+            least_of_rank = chance;
         }
-        if (!best || cost < least) {
-            best = k;
-            least = cost;
+        if (!of_rank) continue;
+        if (best) {
+            const double gain = rank_of(fits[*best].shape.kind) == 0 ? gain_on_plane : gain_on_curved;
+            if (!(least_of_rank + gain * static_cast<double>(fits[*of_rank].inliers) < least)) continue;
         }
+        best = of_rank;
+        least = least_of_rank;
     }
     return best;
 }

@@ -1,7 +1,7 @@
 #include "pcm/primitives/fit_at.h"
 
-#include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/cover_points.h"
+#include "pcm/primitives/local_fit.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -12,13 +12,12 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace pcm {
 namespace {
 
-constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
+constexpr std::size_t left_out_points = 500;
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -48,13 +47,16 @@ public:
         const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
         FittedPrimitive result{{}, PointSet(tree_), {}, {}, 0, 0, false, {}};
-        find_shape(result);
+        LocalFit local = local_fit();
+        result.near = std::move(local.near);
+        result.local = std::move(local.fit);
+        result.notes = std::move(local.notes);
         Primitive& primitive = result.primitive;
         primitive.cloud = tree_->folder().string();
         primitive.estimator = traits_of(options_.fit.estimator).name;
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
-        if (result.local.has_shape()) add_points(result);
+        if (result.local.has_shape()) add_points(local.close, result);
         primitive.points = result.points.size();
         if (!result.points.empty())
             primitive.bounds = bounds_of(
@@ -78,115 +80,38 @@ private:
     void leave_out(const Vec3d& place)
     {
         double radius =
-            points_near(cloud_, place, near_options(options_.count > 0 ? options_.count : first_count)).radius;
+            points_near(cloud_, place, near_options(options_.count > 0 ? options_.count : left_out_points)).radius;
         for (const Vec3d& p : places_) radius = std::min(radius, length(p - place) / 2);
         limit_.clips.push_back({Region::sphere(place, radius), true});
     }
 
-    // Of all places together; a point that is near several, once.
-    NearPoints neighbourhood(std::size_t count, const ProgressFunction& progress, std::vector<std::string>& notes) const
+    LocalFit local_fit() const
     {
-        NearPoints all;
-        std::set<std::pair<NodeId, std::uint32_t>> known;
-        NearOptions options = near_options(count);
-        options.progress = progress;
-        for (const Vec3d& place : places_) {
-            NearPoints near = points_near(cloud_, place, options);
-            note_distance(place, near, notes);
-            all.found += near.found;
-            all.radius = std::max(all.radius, near.radius);
-            all.spacing = std::max(all.spacing, near.spacing);
-            if (all.ids.empty()) all.points.origin = near.points.origin;
-            for (std::size_t i = 0; i < near.ids.size(); ++i) {
-                if (!known.emplace(near.ids[i].node, near.ids[i].index).second) continue;
-                all.ids.push_back(near.ids[i]);
-                if (near.points.has_normals())
-                    all.points.add(near.points.source(i), near.points.normal(i));
-                else
-                    all.points.add(near.points.source(i));
-            }
-        }
-        return all;
+        LocalFitOptions options;
+        options.fit = options_.fit;
+        options.kinds = options_.kinds;
+        options.radius = options_.radius;
+        options.count = options_.count;
+        options.limit = limit_;
+        options.progress = part_of(options_.progress, 0, 0.4);
+        return fit_locally(cloud_, places_, options);
     }
 
-    // What the person picked is a point of the cloud, as a rule.
-    void note_distance(const Vec3d& place, const NearPoints& near, std::vector<std::string>& notes) const
-    {
-        if (near.ids.empty()) {
-            notes.push_back("there is no point near the place " + exact(place) + "; " +
-                            extent_text(tree_->info().bounds()));
-            return;
-        }
-        const double distance = length(near.points.source(0) - place);
-        if (distance > 10 * near.spacing)
-            notes.push_back("the place " + exact(place) + " lies " + brief(distance) +
-                            " source units from the nearest point");
-    }
-
-    void find_shape(FittedPrimitive& result) const
-    {
-        const bool widens = options_.radius == 0 && options_.count == 0;
-        std::size_t count = widens ? first_count : options_.count;
-        const double most = widens ? static_cast<double>(most_widenings + 1) : 1;
-        for (std::size_t round = 0;; ++round, count *= widening) {
-            const double begin = 0.4 * static_cast<double>(round) / most, end = begin + 0.4 / most;
-            std::vector<std::string> notes;
-            const auto reading = part_of(options_.progress, begin, (begin + end) / 2),
-                       fitting = part_of(options_.progress, (begin + end) / 2, end);
-            NearPoints near = neighbourhood(count, reading, notes);
-            if (round > 0 && near.ids.size() <= result.near.ids.size()) return;  // these are all points
-            ShapeFit fit = fitted(near.points, fitting);
-            if (round == 0 || is_better(fit, result.local)) {
-                if (round > 0)
-                    notes.push_back(
-                        "the neighbourhood was widened to " + grouped(count) + " points: with fewer the fit was " +
-                        (result.local.has_shape() ? "doubtful" : "refused") + " (" + name_of(result.local.issue) + ")");
-                result.near = std::move(near);
-                result.local = std::move(fit);
-                result.notes = std::move(notes);
-            }
-            if (!widens || round == most_widenings || result.local.verdict == FitVerdict::good) return;
-        }
-    }
-
-    static bool is_better(const ShapeFit& fit, const ShapeFit& than)
-    {
-        if (fit.verdict != than.verdict) return fit.verdict < than.verdict;
-        return fit.has_shape() && fit.condition < than.condition;
-    }
-
-    ShapeFit fitted(const FitPoints& points, const ProgressFunction& progress) const
-    {
-        std::vector<ShapeKind> kinds = options_.kinds;
-        if (kinds.empty()) kinds.push_back(options_.fit.kind);
-        ShapeFitOptions options = options_.fit;
-        if (options.threshold == 0 && kinds.size() > 1) options.threshold = automatic_threshold(points);
-        std::vector<ShapeFit> fits;
-        for (std::size_t k = 0; k < kinds.size(); ++k) {
-            const double share = 1.0 / static_cast<double>(kinds.size());
-            options.kind = kinds[k];
-            options.progress = part_of(progress, share * static_cast<double>(k), share * static_cast<double>(k + 1));
-            fits.push_back(fit_shape(points, options));
-        }
-        const auto best = best_of(fits, points);
-        return std::move(fits[best.value_or(0)]);
-    }
-
-    void add_points(FittedPrimitive& result) const
+    void add_points(const NearPoints& close, FittedPrimitive& result) const
     {
         const ShapeFit& local = result.local;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
-        std::vector<Vec3d> positions;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i)
-            if (local.is_inlier[i]) {
-                inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
-                positions.push_back(result.near.points.source(i));
-            }
+            if (local.is_inlier[i]) inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
         for (auto& [node, numbers] : inliers) {
             std::sort(numbers.begin(), numbers.end());
             result.points.set(node, numbers);
         }
         if (!options_.grow || result.points.empty()) return;
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < close.ids.size(); ++i)
+            if (const Vec3d p = close.points.source(i); distance_to(local.shape, p) <= local.threshold)
+                positions.push_back(p);
         result.step = options_.step > 0 ? options_.step : automatic_step(positions);
         if (!(result.step > 0) || !(local.threshold > 0)) return;
         GrowShapeOptions options;

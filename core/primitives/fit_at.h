@@ -17,14 +17,12 @@ struct FitAtOptions {
     ShapeFitOptions fit;
     // Several kinds: each is fitted, and best_of() (best_kind.h) decides. Empty: fit.kind alone.
     std::vector<ShapeKind> kinds;
-    double radius = 0;  // of the neighbourhood of a place, source units
-    // Or its number of points. Both 0: 500 points, and four times as many, up to three times, while the fit is not
-    // good.
-    std::size_t count = 0;
-    bool grow = true;     // over the cloud; else only the neighbourhood's inliers belong to it
-    double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
-    unsigned rounds = 5;  // GrowShapeOptions::most_rounds
-    Selection limit;      // clip box, conditions: nothing else is looked at
+    double radius = 0;      // of the neighbourhood of a place, source units
+    std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
+    bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
+    double step = 0;        // of growth, source units; 0: from the gaps between the inliers (automatic_step())
+    unsigned rounds = 5;    // GrowShapeOptions::most_rounds
+    Selection limit;        // clip box, conditions: nothing else is looked at
     OutlineOptions outline;
     unsigned threads = 0;  // 0: one per processor
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;

@@ -35,14 +35,20 @@ public:
         ShapeFit best = sums.result(options_.threshold);
         best.shape = start;
         double rms = sums.rms();
-        for (unsigned step = 0; step < options_.most_steps; ++step) {
-            const auto next = sums.step();
-            if (!next || change_in_errors(best.shape, *next, best.errors, middle_) < small_change) break;
-            sums = sums_of(*next);
-            if (!(sums.rms() <= rms)) break;
-            rms = sums.rms();
-            best = sums.result(options_.threshold);
-            best.shape = *next;
+        bool improves = true;
+        for (unsigned step = 0; step < options_.most_steps && improves; ++step) {
+            improves = false;
+            for (double part = 1; part > 0.1 && !improves; part /= 2) {
+                const auto next = sums.step(part);
+                if (!next || change_in_errors(best.shape, *next, best.errors, middle_) < small_change) break;
+                ShapeSums there = sums_of(*next);
+                if (!(there.rms() <= rms)) continue;
+                improves = true;
+                sums = there;
+                rms = sums.rms();
+                best = sums.result(options_.threshold);
+                best.shape = *next;
+            }
         }
         best.inliers = sums.points();
         best.threshold = options_.threshold;

@@ -18,7 +18,7 @@ namespace pcm::host {
 struct PrimitiveStyle {
     QColor colour;
     bool strong = false;  // wider lines, as visible behind points as before them
-    QString label;        // at its middle; empty: none
+    QString label;        // beside it; empty: none
 };
 
 // Outline or circles, lines along the surface and the axis. `placement` moves source coordinates to the scene's;

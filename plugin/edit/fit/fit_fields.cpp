@@ -87,10 +87,10 @@ void FitFields::add_number(const FitNumber& row)
 
 void FitFields::add_choices()
 {
-    kind_ =
-        add_choice("Shape", "Shape",
-                   "What is fitted at the clicked place. Any: the kind that explains the points best, a plane if it "
-                   "does as well. Default Any.");
+    kind_ = add_choice(
+        "Shape", "Shape",
+        "What is fitted at the clicked place. Any: a plane, cylinder or sphere, whichever explains the points best; "
+        "cones and tori are to be asked for, as a small part of any surface is like one. Default Any.");
     kind_->addItem("Any", any_kind);
     for (const ShapeTraits& traits : shape_kinds()) kind_->addItem(traits.label, traits.name);
     estimator_ = add_choice("Estimator", "Estimator",
@@ -136,7 +136,6 @@ void FitFields::add_choices()
 
 void FitFields::show(const FitSettings& settings)
 {
-    showing_ = true;
     choose(*kind_, settings.kind ? traits_of(*settings.kind).name : any_kind);
     choose(*estimator_, traits_of(settings.estimator).name);
     choose(*outline_, name_of(settings.outline));

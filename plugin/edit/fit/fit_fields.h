@@ -41,7 +41,7 @@ private:
     QToolButton* more_ = nullptr;
     std::vector<QLineEdit*> numbers_;  // as fit_numbers()
     std::vector<QWidget*> advanced_;   // fields and labels that are shown on request
-    bool showing_ = false;
+    bool showing_ = true;              // what is shown is not typed
 };
 
 }  // namespace pcm::host

@@ -28,8 +28,9 @@ const std::vector<FitNumber>& fit_numbers()
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.threshold = number; }},
         {"Neighbourhood", "Around the place",
          "How much around a clicked place is fitted: the number of nearest points, or the radius in source units. The "
-         "points that belong to the surface are then found in the whole cloud. Default: empty, 500 points.",
-         "500 points", 0, any_length, false, true,
+         "points that belong to the surface are then found in the whole cloud. Default: empty, as many as the fit "
+         "needs.",
+         "automatic", 0, any_length, false, true,
          [](FitAtOptions& options, double number, const FitSettings& settings) {
              if (settings.by_radius)
                  options.radius = number;
@@ -85,7 +86,7 @@ FitAtOptions options_of(const FitSettings& settings)
     if (settings.kind)
         options.fit.kind = *settings.kind;
     else
-        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone, ShapeKind::torus};
+        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
     options.fit.estimator = settings.estimator;
     options.fit.backend = settings.backend;
     options.outline.kind = settings.outline;

@@ -81,8 +81,7 @@ bool FitTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDat
     keep_unmodified(document);
     guarded([&] { show_panel(); });
     publish("idle");
-    say("click a surface: the shape around the point is fitted and followed through the cloud. Enter accepts it, Esc "
-        "discards it");
+    say("click a surface. Enter accepts what is fitted there, Esc discards it");
     return true;
 }
 

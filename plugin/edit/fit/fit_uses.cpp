@@ -24,7 +24,7 @@ namespace {
 
 constexpr double any_normal = 4;  // radians: normals are not compared
 
-CadUnit cad_unit(const std::string& symbol)
+CadUnit unit_of(const std::string& symbol)
 {
     return symbol == "m" ? CadUnit::metres : symbol == "ft" || symbol == "ftUS" ? CadUnit::feet : CadUnit::none;
 }
@@ -52,7 +52,7 @@ void FitTool::write()
                                                 QFileDialog::DontUseNativeDialog);
     if (file.isEmpty()) return;
     CadOptions options;
-    options.unit = cad_unit(length_unit_of(*view_->md()).symbol);
+    options.unit = unit_of(length_unit_of(*view_->md()).symbol);
     // The dialog asks before it replaces the file that was typed, and no other.
     options.overwrite = !QFileInfo(file).suffix().isEmpty();
     if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');

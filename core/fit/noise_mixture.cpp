@@ -1,0 +1,123 @@
+#include "pcm/fit/noise_mixture.h"
+
+#include "pcm/cloud/vector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double least_points = 60;
+// A threshold of fewer deviations does not separate noise from others.
+constexpr double least_reach = 1.7, most_reach = 300;
+
+double gauss(double c) { return std::exp(-c * c / 2) / std::sqrt(2 * pi); }
+double within(double c) { return std::erf(c / std::sqrt(2.0)); }
+
+// Mean square of a Gaussian cut at c deviations, in units of the cut.
+double cut_square(double c) { return (1 - 2 * c * gauss(c) / within(c)) / (c * c); }
+
+// The c of such a mean square: it falls from 1 / 3.
+double reach_of(double square)
+{
+    double low = 0.3, high = most_reach;
+    if (!(square < cut_square(low))) return low;
+    if (!(square > cut_square(high))) return high;
+    for (int k = 0; k < 50 && high - low > 1e-6 * high; ++k) {
+        const double middle = std::sqrt(low * high);
+        (cut_square(middle) > square ? low : high) = middle;
+    }
+    return std::sqrt(low * high);
+}
+
+// Weights fall from this part of the threshold on; about as if it were cut at `tapered_cut`.
+constexpr double taper_from = 0.9, tapered_cut = 0.95;
+
+double taper(double part)
+{
+    if (part <= taper_from) return 1;
+    const double x = std::min(1.0, (part - taper_from) / (1 - taper_from));
+    return (1 - x * x) * (1 - x * x);
+}
+
+}  // namespace
+
+double deviation_of_cut(double rms, double threshold)
+{
+    const double square = rms / threshold * (rms / threshold);
+    return std::isfinite(threshold) && square > 0.04 ? threshold / reach_of(square) : rms;
+}
+
+double density_at_cut(double deviation, double threshold, double points)
+{
+    if (!std::isfinite(threshold) || !(deviation > 0)) return 0;
+    const double reach = threshold / deviation;
+    return points * 2 * reach * gauss(reach) / within(reach);
+}
+
+NoiseMixture::NoiseMixture(double threshold) : threshold_(threshold) { make_table(); }
+
+bool NoiseMixture::all_belong(double rms)
+{
+    const bool change = share_ < 1;
+    share_ = 1;
+    deviation_ = deviation_of_cut(rms, tapered_cut * threshold_);
+    if (change) make_table();
+    return change;
+}
+
+bool NoiseMixture::learn(const DistanceBins& bins, double rms)
+{
+    double points = 0;
+    for (const double count : bins.counts) points += count;
+    if (!std::isfinite(threshold_) || points < least_points) return all_belong(rms);
+    double share = share_ < 1 ? share_ : 0.9, reach = deviation_ > 0 ? threshold_ / deviation_ : 3;
+    reach = std::clamp(reach, least_reach, most_reach);
+    constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
+    for (int round = 0; round < 30; ++round) {
+        double belong = 0, square = 0;
+        const double top = 2 * reach * gauss(0) / within(reach);
+        for (std::size_t i = 0; i < DistanceBins::size; ++i) {
+            const double at = (static_cast<double>(i) + 0.5) * width, c = at * reach;
+            const double noise = share * top * std::exp(-c * c / 2);
+            const double part = bins.counts[i] * noise / (noise + 1 - share);
+            belong += part;
+            square += part * (at * at + width * width / 12);
+        }
+        if (!(belong > 0)) return all_belong(rms);
+        const double next = belong / points, next_reach = reach_of(square / belong);
+        const bool done = std::fabs(next - share) < 1e-4 && std::fabs(next_reach - reach) < 1e-3 * reach;
+        share = next;
+        reach = next_reach;
+        if (done || reach < least_reach) break;
+    }
+    if (reach < least_reach || share < 0.05) return all_belong(rms);
+    share = std::min(share, 1 - 1e-9);
+    if (deviation_ > 0 && std::fabs(share - share_) < 0.01 &&
+        std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_)
+        return false;
+    share_ = share;
+    deviation_ = threshold_ / reach;
+    make_table();
+    return true;
+}
+
+void NoiseMixture::make_table()
+{
+    if (!std::isfinite(threshold_)) return;
+    table_step_ = threshold_ / static_cast<double>(table_size);
+    const double reach = share_ < 1 ? threshold_ / deviation_ : 1, top = share_ * 2 * reach * gauss(0) / within(reach);
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+        const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
+        const double noise = top * std::exp(-c * c / 2);
+        weights_[i] = taper(part) * (share_ < 1 ? noise / (noise + 1 - share_) : 1);
+    }
+    for (std::size_t i = 0; i < table_size; ++i) {
+        const double from = static_cast<double>(i) * table_step_, grows = weights_[i + 1] - weights_[i];
+        costs_[i + 1] = costs_[i] + table_step_ * (2 * from * weights_[i] + from * grows +
+                                                   table_step_ * (weights_[i] + grows * (2.0 / 3)));
+    }
+}
+
+}  // namespace pcm

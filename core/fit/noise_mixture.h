@@ -1,0 +1,67 @@
+// What the distances of the points near a surface are made of: Gaussian noise, and others that are anywhere.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace pcm {
+
+// Counts of distances from 0 to a threshold.
+struct DistanceBins {
+    static constexpr std::size_t size = 64;
+    std::array<double, size> counts{};
+};
+
+// Of the points within `threshold`: a `share` has Gaussian distances of standard deviation `deviation`, cut at the
+// threshold; the others are uniform. The weight of a point is the probability that it belongs to the first; towards the
+// threshold weights fall to 0, so that no point counts suddenly.
+class NoiseMixture {
+public:
+    // All belong to the surface.
+    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity());
+
+    // By expectation maximisation, from what is known before; nothing changes where that differs by less than can be
+    // seen. Few points, or a threshold within the noise, do not show what belongs to the surface: then all do. `rms`
+    // is that of weighted distances.
+    // Returns whether something changed.
+    bool learn(const DistanceBins& bins, double rms);
+
+    double threshold() const { return threshold_; }
+    double deviation() const { return deviation_; }
+    double share() const { return share_; }
+    struct Weight {
+        double weight = 1;
+        double slope = 1;  // what weight times distance grows by with the distance
+        double cost = 0;   // twice the integral of weight times distance: the square, of weight 1
+    };
+    // 0 <= distance <= threshold; by a table.
+    Weight weight(double distance) const
+    {
+        if (!(table_step_ > 0)) return {1, 1, distance * distance};
+        auto i = static_cast<std::size_t>(distance / table_step_);
+        i = i < table_size ? i : table_size - 1;
+        const double from = static_cast<double>(i) * table_step_, past = distance - from;
+        const double grows = (weights_[i + 1] - weights_[i]) / table_step_, weight = weights_[i] + past * grows;
+        return {weight, weight + distance * grows,
+                costs_[i] +
+                    past * (2 * from * weights_[i] + past * (from * grows + weights_[i] + past * grows * (2.0 / 3)))};
+    }
+    double cost_beyond() const { return costs_[table_size]; }  // of a point beyond the threshold
+
+private:
+    static constexpr std::size_t table_size = 256;
+    bool all_belong(double rms);
+    void make_table();
+
+    double threshold_, deviation_ = 0, share_ = 1, table_step_ = 0;
+    std::array<double, table_size + 1> weights_{}, costs_{};
+};
+
+// Standard deviation of Gaussian distances whose root mean square up to a threshold is that.
+double deviation_of_cut(double rms, double threshold);
+// Gaussian points per distance at a threshold, of so many within it, times the threshold.
+double density_at_cut(double deviation, double threshold, double points);
+
+}  // namespace pcm

@@ -1,0 +1,31 @@
+// The normal equations of points about a patch.
+#pragma once
+
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/noise_mixture.h"
+#include "pcm/fit/working_points.h"
+
+#include <cstddef>
+#include <limits>
+
+namespace pcm {
+
+// Which points take part.
+struct PatchBand {
+    double threshold = std::numeric_limits<double>::infinity();
+    double least_cosine = -1;  // of the angle between normals; below 0: not compared
+    std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
+    const double* support = nullptr;                               // a factor of each point's weight; null: 1
+};
+
+// Adds the sums of the points; `bins` counts the distances of those that take part.
+PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
+                  const PatchBand& band, const NoiseMixture& mixture, DistanceBins* bins = nullptr);
+
+void add_to(PatchSums& sums, const PatchBlock& block, std::size_t i);  // one point, of weight 1
+void add_to(PatchSums& sums, const PatchSums& other);
+
+// The equations in units in which all parameters are lengths. One per parameter: parameter = length * unit.
+std::array<double, most_parameters> parameter_units(const ShapeModel& model, double extent);
+
+}  // namespace pcm
