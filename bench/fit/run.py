@@ -40,6 +40,7 @@ def scenes():
             yield "noise", f"{kind} {sigma}", f"--kind {kind} --sigma {sigma} --threshold {3 * sigma}", ["own-msac", "pcl-ransac", "cgal"], 1
         for place, offset in (("origin", "0 0 0"), ("map", MAP)):
             yield "offsets", f"{kind} {place}", f"--kind {kind} --sigma 0.001 --threshold 0.003 --offset {offset}", ["own-msac", "pcl-ransac", "cgal"], 1
+    yield "table", "cone 30 %", "--kind cone --radius 0.8 --size 2 --threshold 0.015", OWN + PCL + ["pcl-ransac-raw", "cgal"], 1
     stiff = ["own-msac", "pcl-ransac", "pcl-ransac-raw", "pcl-msac", "cgal"]
     for degrees, radius in ((60, 0.5), (40, 0.5), (20, 0.5), (2, 50)):
         yield ("stiff", f"cylinder {degrees}° R {radius}", f"--kind cylinder --arc {degrees} --radius {radius} --size 1 --sigma 0.001 --threshold 0.003",
