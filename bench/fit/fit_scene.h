@@ -44,8 +44,8 @@ struct FitError {
 };
 FitError error_of(const FitScene& scene, const Shape& found);
 
-// Least squares of the points that are on the shape, from the truth on, in long double and by code of its own: what
-// nobody who must find these points can be expected to beat.
+// Least squares of the points that are on the shape, from the truth on, in long double and by code of its own. A method
+// that has to find these points first does well if it comes near.
 Shape oracle(const FitScene& scene);
 
 }  // namespace pcm::bench

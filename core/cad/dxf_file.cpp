@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace pcm {
 namespace {
@@ -24,7 +25,11 @@ class Writer : public DL_WriterA {
 public:
     explicit Writer(const std::filesystem::path& path) : DL_WriterA("/dev/null", DL_VERSION_2000), file_(path) {}
 
-    void dxfReal(int code, double value) const override { put(code, exact(value)); }
+    void dxfReal(int code, double value) const override
+    {
+        const auto other = instead.find(code);
+        put(code, exact(other == instead.end() ? value : other->second));
+    }
     void dxfInt(int code, int value) const override { put(code, std::to_string(value)); }
     void dxfHex(int code, int value) const override
     {
@@ -36,6 +41,8 @@ public:
     void dxfString(int code, const std::string& value) const override { put(code, value); }
 
     OutputFile& file() { return file_; }
+
+    std::map<int, double> instead;  // numbers that are written whatever the library says
 
 private:
     void put(int code, const std::string& value) const
@@ -63,6 +70,16 @@ struct ObjectAxes {
     Vec3d x{}, y{}, z;
 };
 
+// Numbers of the view's record for a plan of the extent: its centre, its height, width by height.
+std::map<int, double> view_of(const Box3d& extent)
+{
+    if (extent.empty()) return {};
+    constexpr double width_by_height = 1.5;
+    const double height = 1.1 * std::max(extent.extent(1), extent.extent(0) / width_by_height);
+    const Vec3d centre = extent.centre();
+    return {{12, centre[0]}, {22, centre[1]}, {40, height > 0 ? height : 1}, {41, width_by_height}};
+}
+
 }  // namespace
 
 bool writes_dxf() { return true; }
@@ -85,7 +102,8 @@ struct DxfFile::State {
         writer.dxfString(8, name);
     }
     void put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius);
-    void put_tables(const std::vector<DxfLayer>& given);
+    void put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings);
+    void put_settings(const DxfSettings& settings);
     void put_layers(const std::vector<DxfLayer>& given);
     void put_blocks();
 
@@ -113,10 +131,12 @@ void DxfFile::State::put_layers(const std::vector<DxfLayer>& given)
     writer.tableEnd();
 }
 
-void DxfFile::State::put_tables(const std::vector<DxfLayer>& given)
+void DxfFile::State::put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings)
 {
     writer.sectionTables();
+    writer.instead = view_of(settings.extent);
     library.writeVPort(writer);
+    writer.instead.clear();
     writer.tableLinetypes(3);
     for (const char* type : {"BYBLOCK", "BYLAYER", "CONTINUOUS"})
         library.writeLinetype(writer, DL_LinetypeData(type, "", 0, 0, 0.0));
@@ -134,6 +154,25 @@ void DxfFile::State::put_tables(const std::vector<DxfLayer>& given)
     library.writeBlockRecord(writer);
     writer.tableEnd();
     writer.sectionEnd();
+}
+
+void DxfFile::State::put_settings(const DxfSettings& settings)
+{
+    writer.dxfString(9, "$INSUNITS");
+    writer.dxfInt(70, static_cast<int>(settings.unit));
+    if (settings.unit != DxfUnit::none) {
+        const bool imperial = settings.unit == DxfUnit::feet || settings.unit == DxfUnit::inches;
+        writer.dxfString(9, "$MEASUREMENT");
+        writer.dxfInt(70, imperial ? 0 : 1);
+    }
+    const Box3d& extent = settings.extent;
+    if (extent.empty()) return;
+    check_finite(extent.min);
+    check_finite(extent.max);
+    writer.dxfString(9, "$EXTMIN");
+    writer.coord(10, extent.min[0], extent.min[1], extent.min[2]);
+    writer.dxfString(9, "$EXTMAX");
+    writer.coord(10, extent.max[0], extent.max[1], extent.max[2]);
 }
 
 void DxfFile::State::put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius)
@@ -158,20 +197,14 @@ void DxfFile::State::put_blocks()
     writer.sectionEnd();
 }
 
-DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers, DxfUnit unit)
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers, const DxfSettings& settings)
     : state_(std::make_unique<State>(path))
 {
     State& state = *state_;
     state.library.writeHeader(state.writer);
-    state.writer.dxfString(9, "$INSUNITS");
-    state.writer.dxfInt(70, static_cast<int>(unit));
-    if (unit != DxfUnit::none) {
-        const bool imperial = unit == DxfUnit::feet || unit == DxfUnit::inches;
-        state.writer.dxfString(9, "$MEASUREMENT");
-        state.writer.dxfInt(70, imperial ? 0 : 1);
-    }
+    state.put_settings(settings);
     state.writer.sectionEnd();
-    state.put_tables(layers);
+    state.put_tables(layers, settings);
     state.put_blocks();
     state.writer.sectionEntities();
 }
@@ -286,7 +319,7 @@ bool writes_dxf() { return false; }
 
 struct DxfFile::State {};
 
-DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&, DxfUnit)
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&, const DxfSettings&)
 {
     throw Error(ErrorCode::unsupported, path, "DXF cannot be written: the library was built without dxflib",
                 "install libdxflib-dev and build it again, or choose another format");

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "pcm/cad/colours.h"
-#include "pcm/cloud/vector.h"
+#include "pcm/cloud/geometry.h"
 
 #include <filesystem>
 #include <memory>
@@ -27,13 +27,18 @@ struct DxfLayer {
 // Of one length, as $INSUNITS has them.
 enum class DxfUnit { none = 0, inches = 1, feet = 2, millimetres = 4, centimetres = 5, metres = 6 };
 
+struct DxfSettings {
+    DxfUnit unit = DxfUnit::none;
+    Box3d extent{};  // of all that is drawn: programs open the drawing with a plan of it. Empty: not known
+};
+
 // Streaming, in bounded memory; one thread. The file is in place after finish() only, and replaces an existing one:
 // whether it may is for the caller to decide. All functions throw what OutputFile throws; Error(invalid_argument) for
 // coordinates that are not finite and for a layer that was not given to the constructor.
 class DxfFile {
 public:
     // Throws Error(unsupported) where writes_dxf() is false.
-    DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers, DxfUnit unit = DxfUnit::none);
+    DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers, const DxfSettings& settings = {});
     ~DxfFile();
     DxfFile(const DxfFile&) = delete;
     DxfFile& operator=(const DxfFile&) = delete;

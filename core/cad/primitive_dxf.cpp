@@ -31,6 +31,24 @@ DxfUnit dxf_unit(CadUnit unit)
     return DxfUnit::inches;
 }
 
+// By a box around all of the primitive.
+void extend(Box3d& extent, const Primitive& primitive)
+{
+    const Shape& shape = primitive.fit.shape;
+    const auto around = [&](const Vec3d& centre, double radius) {
+        extent.extend(centre - Vec3d{radius, radius, radius});
+        extent.extend(centre + Vec3d{radius, radius, radius});
+    };
+    if (shape.kind == ShapeKind::plane)
+        for (const Vec3d& corner : primitive.bounds.outline) extent.extend(corner);
+    if (shape.kind == ShapeKind::sphere) around(shape.point, shape.radius);
+    if (shape.kind == ShapeKind::torus) around(shape.point, shape.radius + shape.second);
+    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
+        for (const double h : {primitive.bounds.from, primitive.bounds.to})
+            around(shape.point + h * shape.axis,
+                   shape.kind == ShapeKind::cone ? h * std::tan(shape.second) : shape.radius);
+}
+
 // False where there are no faces.
 bool draw_plane(DxfFile& dxf, const std::string& layer, const Primitive& primitive)
 {
@@ -89,7 +107,9 @@ void write_drawing(const std::filesystem::path& file, DrawingList& list, const C
         const Rgb& colour = list.shown[i]->colour;
         table.push_back({layers[i], nearest_colour_index(colour), colour});
     }
-    DxfFile dxf(file, table, dxf_unit(options.unit));
+    Box3d extent;
+    for (const Primitive* primitive : list.shown) extend(extent, *primitive);
+    DxfFile dxf(file, table, {dxf_unit(options.unit), extent});
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const Primitive& primitive = *list.shown[i];
         if (primitive.fit.shape.kind == ShapeKind::plane) {

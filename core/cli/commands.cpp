@@ -18,6 +18,7 @@ Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
 Run add_pick(Options& options);
+Run add_primitives(Options& options);
 Run add_profile(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
@@ -70,6 +71,8 @@ const std::vector<Command>& commands()
          add_measure},
         {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},
         {"volume", "Volume between a tree's surface and a height, a plane or another tree: cut and fill", add_volume},
+        {"primitives", "Show a list of primitives, or write it as DXF, as a script for AutoCAD, or as CSV",
+         add_primitives},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

@@ -60,6 +60,7 @@ int run(Arguments& arguments)
     for (const Primitive& p : found.primitives)
         std::printf("%-14s %9s points  rms %-9s %s\n", p.name.c_str(), grouped(p.points).c_str(),
                     brief(p.fit.rms).c_str(), text_of(p.fit.shape).c_str());
+    for (const std::string& note : found.notes) std::printf("note: %s\n", note.c_str());
     std::printf("%zu primitives, %s of %s points in %.1f s; threshold %s, peak memory %s\n", found.primitives.size(),
                 grouped(found.outcome.points_out).c_str(), grouped(found.outcome.points_in).c_str(),
                 found.outcome.seconds, brief(found.threshold).c_str(), bytes_text(peak_memory_bytes()).c_str());

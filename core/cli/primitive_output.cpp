@@ -1,5 +1,9 @@
 #include "pcm/cli/primitive_output.h"
 
+#include "pcm/cad/primitive_files.h"
+#include "pcm/primitives/primitive_list.h"
+#include "pcm/system/error.h"
+
 #include <cstdio>
 
 namespace pcm::cli {
@@ -49,6 +53,29 @@ void print_primitive(const Primitive& primitive)
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
                        time_text(fit.seconds));
+}
+
+Json json_of(const Primitive& primitive)
+{
+    if (primitive.fit.has_shape()) return Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
+    return {{"kind", traits_of(primitive.fit.shape.kind).name},
+            {"verdict", name_of(primitive.fit.verdict)},
+            {"issue", name_of(primitive.fit.issue)},
+            {"message", primitive.fit.message}};
+}
+
+void add_to_list(const std::filesystem::path& file, Primitive& primitive)
+{
+    if (file.extension() != ".json")
+        throw Error(ErrorCode::invalid_argument, file, "a list of primitives is a file whose name ends in .json");
+    std::error_code error;
+    const bool exists = std::filesystem::exists(file, error);
+    PrimitiveList list;
+    if (exists) list.add_all(read_primitives(file));
+    primitive = list[list.add(primitive)];
+    CadOptions options;
+    options.overwrite = exists;
+    write_primitives(file, list.all(), options);
 }
 
 }  // namespace pcm::cli

@@ -100,13 +100,13 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
         for (std::size_t i = 0; i < count; ++i) {
             if (!(weight[i] > 0)) continue;
             ++near;
-            const double away = std::fabs(block.distance[i]);
-            if (bins) ++bins->counts[std::min(DistanceBins::size - 1, static_cast<std::size_t>(away * bin))];
+            const double away = std::fabs(block.distance[i]), part = band.support ? band.support[first + i] : 1;
+            if (bins) bins->counts[std::min(DistanceBins::size - 1, static_cast<std::size_t>(away * bin))] += part;
             const NoiseMixture::Weight by = mixture.weight(away);
-            sums.cost += by.cost;
-            weight[i] = by.weight;
-            sums.used += by.weight;
-            sums.slope += by.slope;
+            sums.cost += part * by.cost + (1 - part) * mixture.cost_beyond();
+            weight[i] = part * by.weight;
+            sums.used += weight[i];
+            sums.slope += part * by.slope;
         }
         sums.inliers += near;
         sums.cost += static_cast<double>(count - near) * mixture.cost_beyond();

@@ -15,6 +15,7 @@ struct PatchBand {
     double threshold = std::numeric_limits<double>::infinity();
     double least_cosine = -1;  // of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
+    const double* support = nullptr;                               // a factor of each point's weight; null: 1
 };
 
 // Adds the sums of the points; `bins` counts the distances of those that take part.

@@ -76,13 +76,9 @@ Shape shape_of(ShapeKind kind, const double* c, const Vec3d& middle)
         return shape;
     }
     shape.axis = normalised({c[3], c[4], c[5]});
-    if (kind == ShapeKind::cylinder) {
-        shape.radius = std::fabs(c[6]);
-    } else {
-        // The angle is between the axis, of any sign, and a line from the apex along the surface.
-        shape.second = c[6] > pi / 2 ? pi - c[6] : c[6];
-        if (c[6] > pi / 2) shape.axis = -1.0 * shape.axis;
-    }
+    // Between the axis and a line from the apex along the surface; PCL's distances have no other sign of the axis win.
+    if (kind == ShapeKind::cone) shape.second = c[6];
+    if (kind == ShapeKind::cylinder) shape.radius = std::fabs(c[6]);
     return shape;
 }
 

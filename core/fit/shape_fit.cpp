@@ -1,6 +1,8 @@
 #include "pcm/fit/shape_fit.h"
 
 #include "pcm/fit/least_squares.h"
+#include "pcm/fit/local_support.h"
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/fit/shape_search.h"
 #include "pcm/fit/working_points.h"
 #include "pcm/system/error.h"
@@ -60,18 +62,30 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
 // With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
 double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
 
+// From a sample's shape: first by points within the threshold, then without those that are there by chance.
+PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
+                              unsigned most_steps)
+{
+    const double threshold = band.threshold;
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, true);
+    std::vector<double> support;
+    for (int round = 0; round < 2; ++round) {
+        band.threshold = widened(threshold, polished.noise());
+        const Shape shape = model.shape_of(polished.patch);
+        support = local_support(model, shape, working, band.threshold);
+        band.support = support.empty() ? nullptr : support.data();
+        polished = polish(model, model.patch_at(shape, {}), working, band, most_steps, true);
+    }
+    return polished;
+}
+
 // Polished with all points, judged, in source units, with its inliers.
 ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const Shape& start, const PatchBand& band,
-                  unsigned most_steps, bool widen)
+                  unsigned most_steps, bool sample)
 {
     const ShapeModel& model = model_of(start.kind);
-    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, most_steps, true);
-    const double wide = widened(band.threshold, polished.noise());
-    if (widen && wide > band.threshold) {
-        PatchBand farther = band;
-        farther.threshold = wide;
-        polished = polish(model, polished.patch, working, farther, most_steps, true);
-    }
+    const PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
+                                          : polish(model, model.patch_at(start, {}), working, band, most_steps, true);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
@@ -147,6 +161,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const ShapeModel& model = model_of(options.kind);
     const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
     if (issue != FitIssue::none) return refused(options.kind, issue);
+    if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
     const WorkingPoints working = working_points(points, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);

@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t part_points = 512;  // in SurfacePart::some
+// A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
+constexpr std::size_t enough_beyond = 3;
+constexpr double least_beyond = 0.7, most_beyond = 4;
 
 // A cell of the sample at the border of units, where parts of neighbouring units meet.
 struct BorderCell {
@@ -53,6 +56,7 @@ public:
         result_.first = next.fetch_add(static_cast<std::uint32_t>(result_.parts.size()));
         find_border();
         find_interior();
+        find_continued();
         give_labels(labels);
         return std::move(result_);
     }
@@ -70,8 +74,7 @@ private:
                 box.min[a] -= options_.reach + sample_.origin[a];
                 box.max[a] += options_.reach - sample_.origin[a];
             }
-            Shape shape = hypotheses_[h].shape;
-            shape.point = shape.point - sample_.origin;
+            const Shape shape = shape_here(h);
             for (std::uint32_t i = 0; i < sample_.size(); ++i) {
                 if (!box.contains(sample_.at[i])) continue;
                 const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]));
@@ -138,6 +141,51 @@ private:
             const std::uint32_t* const near = sample_.neighbours(i);
             for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k)
                 if (owner_[near[k]] != owner_[i]) interior_[i] = 0;
+        }
+    }
+
+    Shape shape_here(std::uint32_t hypothesis) const
+    {
+        Shape shape = hypotheses_[hypothesis].shape;
+        shape.point = shape.point - sample_.origin;
+        return shape;
+    }
+
+    // Whether the surface of the cloud continues smoothly beside point i, but not on the point's shape.
+    bool goes_beyond(std::uint32_t i, const Shape& shape, double cos_angle) const
+    {
+        const std::uint32_t* const near = sample_.neighbours(i);
+        std::size_t beyond = 0;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+            const std::uint32_t j = near[k];
+            if (owner_[j] == owner_[i]) continue;
+            const Vec3d normal = normal_at(shape, sample_.at[j]);
+            if (owner_[j] != none) {
+                const Shape other = shape_here(owner_[j]);
+                beyond += std::fabs(dot(normal_at(other, sample_.at[j]), normal)) >= cos_angle;
+                continue;
+            }
+            if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
+            // The distance of the surface there, not of a point with its noise.
+            double distance = signed_distance(shape, sample_.at[j]);
+            for (std::size_t m = 0; m < SurfaceSample::most_neighbours; ++m)
+                distance += signed_distance(shape, sample_.at[sample_.neighbours(j)[m]]);
+            distance = std::fabs(distance) / (SurfaceSample::most_neighbours + 1);
+            beyond += distance > least_beyond * options_.threshold && distance < most_beyond * options_.threshold;
+        }
+        return beyond >= enough_beyond;
+    }
+
+    void find_continued()
+    {
+        const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
+        for (std::uint32_t i = 0; i < sample_.size(); ++i) {
+            if (part_[i] == none || !sample_.inside[i]) continue;
+            SurfacePart& part = result_.parts[part_[i]];
+            ++part.sampled;
+            if (interior_[i]) continue;
+            ++part.edge;
+            part.continued += goes_beyond(i, shape_here(owner_[i]), cos_angle);
         }
     }
 
@@ -209,6 +257,9 @@ void add_to(SurfacePart& whole, const SurfacePart& part)
 {
     whole.hypothesis = part.hypothesis;
     whole.points += part.points;
+    whole.sampled += part.sampled;
+    whole.edge += part.edge;
+    whole.continued += part.continued;
     whole.box.extend(part.box);
     whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
     if (whole.some.size() <= 2 * part_points) return;

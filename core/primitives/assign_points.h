@@ -15,6 +15,9 @@ namespace pcm {
 struct SurfacePart {
     std::uint32_t hypothesis = 0;
     std::uint64_t points = 0;
+    std::uint64_t sampled = 0;    // of the sample's points
+    std::uint64_t edge = 0;       // of these, those with a neighbour that is not of the part
+    std::uint64_t continued = 0;  // of these, those beside which the surface continues smoothly, but not on the shape
     Box3d box;
     std::vector<Vec3d> some;  // of the points, evenly; source coordinates
 };

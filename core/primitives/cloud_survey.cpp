@@ -8,30 +8,44 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t patches_per_place = 400;
-constexpr double noise_share = 0.35;  // of the patches are smoother than what counts as noise: others are no surfaces
+constexpr std::size_t patches_per_place = 200;
+// Noise varies with the distance and the angle that a scanner sees a surface at, and patches of trees are no surfaces:
+// the larger part of the noise of surfaces is estimated by the lesser of two quantiles, times what they are apart where
+// all patches are surfaces.
+constexpr double lower_share = 0.35, upper_share = 0.5, lower_factor = 1.5, upper_factor = 1.25;
 
-std::vector<std::uint32_t> around(const SurfaceSample& sample, std::uint32_t seed, std::size_t most)
-{
-    std::vector<std::uint32_t> points{seed};
-    std::vector<std::uint32_t> seen{seed};
-    for (std::size_t next = 0; next < points.size() && points.size() < most; ++next) {
-        const std::uint32_t* const near = sample.neighbours(points[next]);
-        for (std::size_t k = 0; k < SurfaceSample::most_neighbours && points.size() < most; ++k) {
-            const auto at = std::lower_bound(seen.begin(), seen.end(), near[k]);
-            if (at != seen.end() && *at == near[k]) continue;
-            seen.insert(at, near[k]);
-            points.push_back(near[k]);
+// Patches of a sample.
+class Patches {
+public:
+    explicit Patches(const SurfaceSample& sample) : sample_(sample), seen_(sample.size(), 0) {}
+
+    // Up to `most` points around the seed, in the order of edges.
+    std::vector<std::uint32_t> around(std::uint32_t seed, std::size_t most)
+    {
+        ++stamp_;
+        std::vector<std::uint32_t> points{seed};
+        seen_[seed] = stamp_;
+        for (std::size_t next = 0; next < points.size() && points.size() < most; ++next) {
+            const std::uint32_t* const near = sample_.neighbours(points[next]);
+            for (std::size_t k = 0; k < SurfaceSample::most_neighbours && points.size() < most; ++k) {
+                if (seen_[near[k]] == stamp_) continue;
+                seen_[near[k]] = stamp_;
+                points.push_back(near[k]);
+            }
         }
+        return points;
     }
-    return points;
-}
+
+private:
+    const SurfaceSample& sample_;
+    std::vector<std::uint32_t> seen_;
+    std::uint32_t stamp_ = 0;
+};
 
 // Standard deviation across a paraboloid: of a patch that is wide beside it, so that the noise does not choose the
 // patch's points.
-double noise_at(const SurfaceSample& sample, std::uint32_t seed)
+double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
 {
-    const std::vector<std::uint32_t> points = around(sample, seed, 384);
     double noise = -1;
     for (const std::size_t size : {24, 96, 384}) {
         if (points.size() < size) break;
@@ -59,20 +73,20 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
     std::vector<double> spacings, noises;
     SampleSettings settings;
     settings.level = points.tree().info().levels;
-    settings.cell = largest_magnitude(points.tree().info().grid.scale);
     for (const Box3i& place : places) {
         check();
         const SurfaceSample sample = sample_surface(points, place, settings);
+        Patches patches(sample);
         const std::size_t step = std::max<std::size_t>(1, sample.size() / patches_per_place);
         for (std::size_t i = 0; i < sample.size(); i += step) {
             if (sample.spacing[i] > 0) spacings.push_back(sample.spacing[i] / 1.2);
-            const double noise = noise_at(sample, static_cast<std::uint32_t>(i));
+            const double noise = noise_at(sample, patches.around(static_cast<std::uint32_t>(i), 384));
             if (noise >= 0) noises.push_back(noise);
         }
     }
     CloudSurvey survey;
     survey.spacing = quantile(spacings, 0.5);
-    survey.noise = quantile(noises, noise_share);
+    survey.noise = std::min(lower_factor * quantile(noises, lower_share), upper_factor * quantile(noises, upper_share));
     return survey;
 }
 

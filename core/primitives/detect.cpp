@@ -39,9 +39,10 @@ constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread 
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
-constexpr double cell_of_noise = 3;
+constexpr double cell_of_noise = 3, cell_of_spacing = 0.5;
 constexpr double coarser = 4;  // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
+constexpr double reach_cells = 20;        // how far beyond where it was found a shape may be
 constexpr std::size_t least_coarse = 60;  // sample points of a shape at all resolutions but the finest
 
 struct Resolution {
@@ -117,7 +118,7 @@ private:
         report_.step = options_.step;
         const double noise =
             options_.threshold > 0 ? std::min(found.noise, options_.threshold / threshold_of_noise) : found.noise;
-        report_.sample = std::max(found.spacing, cell_of_noise * noise);
+        report_.sample = std::max(cell_of_spacing * found.spacing, cell_of_noise * noise);
         if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
         return true;
     }
@@ -193,7 +194,7 @@ private:
         for (std::vector<Hypothesis>& some : found)
             for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
         MergeOptions merge;
-        merge.gap = 4 * resolution.sample.cell;
+        merge.gap = reach_cells * resolution.sample.cell;
         merge.threshold = report_.threshold;
         merge.normal_angle = options_.normal_angle;
         hypotheses_ = merged(std::move(hypotheses_), merge);
@@ -237,13 +238,14 @@ private:
         for (const Hypothesis& known : hypotheses_) {
             Box3d box = known.box;
             for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] -= sample.origin[a] + 4 * cell;
-                box.max[a] -= sample.origin[a] - 4 * cell;
+                box.min[a] -= sample.origin[a] + reach_cells * cell;
+                box.max[a] -= sample.origin[a] - reach_cells * cell;
             }
             Shape shape = known.shape;
             shape.point = shape.point - sample.origin;
             for (std::size_t i = 0; i < sample.size(); ++i)
-                if (!taken[i] && box.contains(sample.at[i]) && fits(sample, i, shape, report_.threshold, cos_angle))
+                if (!taken[i] && box.contains(sample.at[i]) &&
+                    fits(sample, i, shape, shadow * report_.threshold, cos_angle))
                     taken[i] = 1;
         }
     }
@@ -257,7 +259,7 @@ private:
         assign.sample = {tree_->info().levels, report_.sample, margin_cells * report_.sample, options_.step};
         assign.threshold = report_.threshold;
         assign.normal_angle = options_.normal_angle;
-        assign.reach = 20 * report_.sample;
+        assign.reach = reach_cells * report_.sample;
         assign.threads = threads_;
         assign.progress = [&](double fraction) { watch_.report("Assigning points", 0.6 + 0.25 * fraction); };
         auto labels = std::make_shared<PointLabels>(*tree_);
@@ -268,6 +270,10 @@ private:
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
+        if (result.pieces > 0)
+            report_.notes.push_back(grouped(result.piece_points) + " points lie on " + grouped(result.pieces) +
+                                    " pieces of surfaces that continue smoothly beyond the threshold (ground, say); "
+                                    "these are no primitives");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
         report_.outcome.points_in = result.points;

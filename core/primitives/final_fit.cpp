@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
+constexpr double piece_edge = 0.2;       // share of the edge where the surface of a piece continues
+constexpr double piece_outline = 1;      // of so many times the square root of its points, a part of its outline
 constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
 
 struct Candidate {
@@ -37,6 +39,15 @@ struct Sums {
     }
 };
 
+// Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
+// continues.
+bool is_piece(const SurfacePart& part)
+{
+    const auto continued = static_cast<double>(part.continued);
+    return continued > piece_edge * static_cast<double>(part.edge) &&
+           continued > piece_outline * std::sqrt(static_cast<double>(part.sampled));
+}
+
 // By candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
 
@@ -46,8 +57,16 @@ public:
             PointLabels& labels, const FinalFitOptions& options)
         : points_(points), assigned_(assigned), labels_(labels), options_(options)
     {
-        for (std::uint32_t p = 0; p < assigned.parts.size(); ++p)
-            if (assigned.parts[p].points >= options.least_points) add(p, hypotheses);
+        for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
+            const SurfacePart& part = assigned.parts[p];
+            if (part.points < options.least_points) continue;
+            if (is_piece(part)) {
+                ++result_.pieces;
+                result_.piece_points += part.points;
+            } else {
+                add(p, hypotheses);
+            }
+        }
         candidate_of_.assign(assigned.parts.size(), none);
         for (std::uint32_t c = 0; c < candidates_.size(); ++c) candidate_of_[candidates_[c].part] = c;
     }
@@ -60,7 +79,6 @@ public:
                 if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
         }
         const std::vector<Sums> sums = pass(0.4, 0.8);
-        FinalFit result;
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -68,16 +86,15 @@ public:
         std::vector<std::uint32_t> label_of(candidates_.size(), 0);
         for (const std::uint32_t c : order) {
             if (sums[c].all.points() < options_.least_points) continue;
-            Primitive primitive = primitive_of(candidates_[c], sums[c]);
+            Primitive primitive = primitive_of(sums[c]);
             if (!primitive.fit.has_shape()) continue;
-            label_of[c] = primitive.label = static_cast<std::uint32_t>(result.primitives.size() + 1);
+            label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
                              std::to_string(++numbers_[primitive.fit.shape.kind]);
-            result.primitives.push_back(std::move(primitive));
+            result_.primitives.push_back(std::move(primitive));
         }
         relabel(label_of);
-        result.points = looked_at_;
-        return result;
+        return std::move(result_);
     }
 
 private:
@@ -147,15 +164,13 @@ private:
         return sums;
     }
 
-    Primitive primitive_of(const Candidate& candidate, const Sums& sums) const
+    Primitive primitive_of(const Sums& sums) const
     {
         Primitive primitive;
         primitive.fit = sums.best().result(options_.threshold);
         primitive.points = sums.all.points();
         primitive.cloud = points_.tree().folder().string();
         primitive.estimator = "detect";
-        const SurfacePart& part = assigned_.parts[candidate.part];
-        (void)part;
         return primitive;
     }
 
@@ -174,7 +189,7 @@ private:
             }
             labels_.set_all(node, labels);
         });
-        looked_at_ = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
+        result_.points = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
     }
 
     const ChosenPoints& points_;
@@ -184,7 +199,7 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<std::uint32_t> candidate_of_;  // of a part
     std::map<ShapeKind, int> numbers_;
-    std::uint64_t looked_at_ = 0;
+    FinalFit result_;
 };
 
 }  // namespace

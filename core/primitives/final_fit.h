@@ -20,6 +20,9 @@ struct FinalFitOptions {
 struct FinalFit {
     std::vector<Primitive> primitives;  // by points, descending
     std::uint64_t points = 0;           // looked at
+    // Parts that are left out: pieces of surfaces that bend away from the shape (ground, say), cut out by the
+    // threshold.
+    std::uint64_t pieces = 0, piece_points = 0;
 };
 
 // Fits each part of at least least_points points to all of them, and makes `labels` those of the primitives: place in

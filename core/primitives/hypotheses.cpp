@@ -9,6 +9,7 @@ namespace pcm {
 namespace {
 
 constexpr double same_rms = 1.35;  // a shape's points may lie so many times farther from another that is the same
+constexpr double explained_share = 0.8;
 
 double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
 {
@@ -69,6 +70,24 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
     return true;
 }
 
+// Whether nearly all points of `small` are points of `large` too, which may be of another kind: a band of a cylinder
+// that a sphere fits as well, say.
+bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptions& options)
+{
+    if (large.points < small.points || !touch(large.box, small.box, options.gap)) return false;
+    const double least = std::cos(std::min(options.normal_angle, pi / 2));
+    Box3d box = large.box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= options.gap;
+        box.max[a] += options.gap;
+    }
+    std::size_t on = 0;
+    for (const Vec3d& p : small.some)
+        on += box.contains(p) && distance_to(large.shape, p) <= options.threshold &&
+              std::fabs(dot(normal_at(large.shape, p), normal_at(small.shape, p))) >= least;
+    return static_cast<double>(on) >= explained_share * static_cast<double>(small.some.size());
+}
+
 }  // namespace
 
 std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options)
@@ -79,7 +98,9 @@ std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& 
                          [](const Hypothesis& a, const Hypothesis& b) { return a.points > b.points; });
         std::vector<Hypothesis> kept;
         for (Hypothesis& next : all) {
-            const auto takes = [&](Hypothesis& one) { return absorb(one, next, options); };
+            const auto takes = [&](Hypothesis& one) {
+                return absorb(one, next, options) || explains(one, next, options);
+            };
             if (std::none_of(kept.begin(), kept.end(), takes)) kept.push_back(std::move(next));
         }
         all = std::move(kept);

@@ -25,7 +25,8 @@ struct MergeOptions {
 };
 
 // Brings together shapes of one kind of which one's points lie on the other, as near as on their own, and whose boxes
-// touch; each is then fitted to the points of both. The result depends on the order.
+// touch; each is then fitted to the points of both. Those whose points lie on a larger one of any kind are left out.
+// The result depends on the order.
 std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options);
 
 }  // namespace pcm

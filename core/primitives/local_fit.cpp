@@ -16,12 +16,7 @@ namespace {
 constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
 constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
 constexpr std::size_t core_points = 50;    // of a place, half of which the shape must pass through
-constexpr double most_raised = 16;         // the threshold
-
-std::size_t sample_of(ShapeKind kind)
-{
-    return kind == ShapeKind::plane ? 3 : kind == ShapeKind::sphere ? 4 : kind == ShapeKind::torus ? 7 : 5;
-}
+constexpr int most_raised = 4;             // the threshold: doublings
 
 class LocalSearch {
 public:
@@ -36,11 +31,11 @@ public:
         gather_close(best);
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
-            best.fit = fitted(best.near, noise_, 0.3, 1);
+            best.fit = fitted(best.near, 0.3, 1);
             return best;
         }
         best.near = best.close;
-        best.fit = fitted(best.near, noise_, 0.1, 0.3);
+        best.fit = fitted(best.near, 0.1, 0.3);
         std::size_t count = first_count;
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= widening;
@@ -48,7 +43,7 @@ public:
                          end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
             NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
             if (near.found <= best.near.found) break;  // these are all points
-            ShapeFit fit = fitted(near, noise_, (begin + end) / 2, end);
+            ShapeFit fit = fitted(near, (begin + end) / 2, end);
             if (!is_improvement(fit, near, best)) {
                 if (best.fit.has_shape()) break;
                 continue;
@@ -123,7 +118,7 @@ private:
     static bool is_worth_widening(const LocalFit& best)
     {
         if (best.fit.issue == FitIssue::not_finite) return false;
-        return best.fit.verdict != FitVerdict::good || share_of(best.fit, best.near) > 1.0 / 3;
+        return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
     // Half of the points nearest to each place.
@@ -141,8 +136,10 @@ private:
     {
         if (!fit.has_shape() || !passes(fit)) return false;
         if (!best.fit.has_shape() || !passes(best.fit)) return true;
-        if (!follows(fit, best) || !(chance_of(fit, near) < chance_of(best.fit, near))) return false;
-        if (fit.verdict != best.fit.verdict) return fit.verdict < best.fit.verdict;
+        if (!follows(fit, best) ||
+            !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
+            return false;
+        if (is_determined(fit) != is_determined(best.fit)) return is_determined(fit);
         const double before = share_of(best.fit, best.near) * static_cast<double>(best.near.found),
                      now = share_of(fit, near) * static_cast<double>(near.found);
         return now >= 1.5 * before;
@@ -158,52 +155,41 @@ private:
         return 2 * near >= best.fit.inliers;
     }
 
-    // Of a shape that was perhaps fitted to others.
-    static double chance_of(const ShapeFit& fit, const NearPoints& near)
-    {
-        std::size_t inliers = 0;
-        for (std::size_t i = 0; i < near.ids.size(); ++i)
-            inliers += distance_to(fit.shape, near.points.source(i)) <= fit.threshold;
-        return log_false_alarms(near.ids.size(), inliers, sample_of(fit.shape.kind), fit.threshold / near.radius);
-    }
-
-    // With the threshold that is least probable by chance.
-    ShapeFit fitted(const NearPoints& near, double threshold, double begin, double end) const
-    {
-        if (options_.fit.threshold > 0 || !(threshold > 0))
-            return of_best_kind(near.points, options_.fit.threshold, part_of(options_.progress, begin, end));
-        ShapeFit best;
-        double least = 0;
-        for (double raised = 1; raised <= most_raised; raised *= 2) {
-            if (raised > 1 && !(raised * threshold < near.radius / 4)) break;
-            const double step = (end - begin) / 5, from = begin + step * std::log2(raised);
-            ShapeFit fit = of_best_kind(near.points, raised * threshold, part_of(options_.progress, from, from + step));
-            const double chance = log_false_alarms(near.ids.size(), fit.inliers, sample_of(fit.shape.kind),
-                                                   raised * threshold / near.radius);
-            const bool is_first = raised == 1;
-            if (is_first || (fit.has_shape() && (!best.has_shape() || chance < least))) {
-                best = std::move(fit);
-                least = chance;
-            }
-        }
-        return best;
-    }
-
-    ShapeFit of_best_kind(const FitPoints& points, double threshold, const ProgressFunction& progress) const
+    // Of the best kind.
+    ShapeFit fitted(const NearPoints& near, double begin, double end) const
     {
         std::vector<ShapeKind> kinds = options_.kinds;
         if (kinds.empty()) kinds.push_back(options_.fit.kind);
-        ShapeFitOptions options = options_.fit;
-        options.threshold = threshold;
-        if (threshold == 0 && kinds.size() > 1) options.threshold = automatic_threshold(points);
         std::vector<ShapeFit> fits;
         for (std::size_t k = 0; k < kinds.size(); ++k) {
-            const double share = 1.0 / static_cast<double>(kinds.size());
-            options.kind = kinds[k];
-            options.progress = part_of(progress, share * static_cast<double>(k), share * static_cast<double>(k + 1));
-            fits.push_back(fit_shape(points, options));
+            const double share = (end - begin) / static_cast<double>(kinds.size());
+            fits.push_back(fitted(near, kinds[k], begin + share * static_cast<double>(k),
+                                  begin + share * static_cast<double>(k + 1)));
         }
-        return std::move(fits[best_of(fits, points).value_or(0)]);
+        return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
+    }
+
+    // With the threshold that is least probable by chance.
+    ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
+    {
+        ShapeFitOptions options = options_.fit;
+        options.kind = kind;
+        ShapeFit best;
+        double least = 0;
+        for (int raised = 0; raised <= most_raised; ++raised) {
+            const double share = (end - begin) / (most_raised + 1);
+            options.threshold = std::ldexp(noise_, raised);
+            options.progress = part_of(options_.progress, begin + share * raised, begin + share * (raised + 1));
+            if (raised > 0 && !(options.threshold < near.radius / 4)) break;
+            ShapeFit fit = fit_shape(near.points, options);
+            const double chance = chance_of(fit, near.points, near.radius);
+            if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance < least))) {
+                best = std::move(fit);
+                least = chance;
+            }
+            if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
+        }
+        return best;
     }
 
     const PointCloud& cloud_;
@@ -214,16 +200,6 @@ private:
 };
 
 }  // namespace
-
-double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sample, double part)
-{
-    if (inliers <= sample || points <= sample) return 0;
-    const auto choose = [](double n, double k) {
-        return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
-    };
-    const auto n = static_cast<double>(points), k = static_cast<double>(inliers), m = static_cast<double>(sample);
-    return std::log(n - m) + choose(n, k) + choose(k, m) + (k - m) * std::log(std::min(1.0, part));
-}
 
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
 {

@@ -40,8 +40,4 @@ struct LocalFit {
 // `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options);
 
-// The logarithm of how many shapes with so many inliers are to be expected among points spread evenly: of `points`, of
-// which `inliers` are within a threshold that the share `part` of space is near to, when `sample` points make a shape.
-double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sample, double part);
-
 }  // namespace pcm

@@ -48,7 +48,7 @@ public:
             if (taken_[seed] || tried_[seed]) continue;
             FoundShape best = best_from(seed);
             if (best.points.size() < options_.least) continue;
-            for (const std::uint32_t i : best.points) taken_[i] = 1;
+            take(best);
             found.push_back(std::move(best));
         }
         return found;
@@ -69,6 +69,23 @@ private:
         std::vector<std::uint32_t> seeds;
         for (const auto& entry : order) seeds.push_back(entry.second);
         return seeds;
+    }
+
+    // Also the points beside it that its noise may have put there: no shape of their own.
+    void take(const FoundShape& found)
+    {
+        for (const std::uint32_t i : found.points) taken_[i] = 1;
+        std::vector<std::uint32_t> open = found.points;
+        while (!open.empty()) {
+            const std::uint32_t* const near = sample_.neighbours(open.back());
+            open.pop_back();
+            for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+                const std::uint32_t j = near[k];
+                if (taken_[j] || !fits(sample_, j, found.shape, shadow * options_.threshold, cos_angle_)) continue;
+                taken_[j] = 1;
+                open.push_back(j);
+            }
+        }
     }
 
     // Up to `most` free points around the seed, in the order of edges.

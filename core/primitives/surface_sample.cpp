@@ -161,23 +161,30 @@ Vec3i SampleLattice::cell_of(const Vec3i& grid) const
 
 std::uint64_t SampleLattice::key_of(const Vec3i& cell)
 {
-    constexpr std::uint64_t mask = (std::uint64_t(1) << 21) - 1;
-    return (static_cast<std::uint64_t>(cell[0]) & mask) << 42 | (static_cast<std::uint64_t>(cell[1]) & mask) << 21 |
-           (static_cast<std::uint64_t>(cell[2]) & mask);
+    std::uint64_t key = 0;
+    for (const std::int64_t c : cell) {  // steps of SplitMix64
+        key += static_cast<std::uint64_t>(c) + 0x9e3779b97f4a7c15u;
+        key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+        key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+        key ^= key >> 31;
+    }
+    return key >> 1;
 }
 
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings)
 {
     const Tree& tree = points.tree();
-    const SampleLattice lattice(tree, settings.cell);
+    const SampleLattice lattice(tree, settings.cell > 0 ? settings.cell : 1);
     SurfaceSample sample;
     sample.origin = points.source_box(box).centre();
     std::vector<Vec3i> grid;
     const Box3i around = box_around(box, settings.margin, tree.info());
     points.visit(around, settings.level, [&](const ChosenPoints::Some& some) {
         for (std::size_t i = 0; i < some.number.size(); ++i) {
-            const std::uint64_t key = SampleLattice::key_of(lattice.cell_of(some.grid[i]));
-            if (!sample.by_cell.emplace(key, static_cast<std::uint32_t>(grid.size())).second) continue;
+            if (settings.cell > 0) {
+                const std::uint64_t key = SampleLattice::key_of(lattice.cell_of(some.grid[i]));
+                if (!sample.by_cell.emplace(key, static_cast<std::uint32_t>(grid.size())).second) continue;
+            }
             grid.push_back(some.grid[i]);
             sample.at.push_back(some.at[i] - sample.origin);
             sample.inside.push_back(box.contains(some.grid[i]));

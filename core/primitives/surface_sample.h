@@ -52,7 +52,8 @@ public:
     // cell: source units, positive.
     SampleLattice(const Tree& tree, double cell);
     Vec3i cell_of(const Vec3i& grid) const;
-    static std::uint64_t key_of(const Vec3i& cell);  // equal for cells that are 2^21 apart along an axis
+    // 63 bits, different for different cells but for one pair in 10^18.
+    static std::uint64_t key_of(const Vec3i& cell);
 
 private:
     Vec3d factor_{};
@@ -60,7 +61,7 @@ private:
 
 struct SampleSettings {
     std::uint16_t level = 0;  // points of coarser levels and of this one
-    double cell = 0;          // one point of each cell of this size, source units
+    double cell = 0;          // one point of each cell of this size, source units; 0: all points
     double margin = 0;        // points around the box are there too
     double step = 0;          // longest edge, source units; 0: as the spacing around a point allows
 };

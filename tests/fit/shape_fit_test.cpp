@@ -57,7 +57,7 @@ TEST(ShapeSums, StepsToTheResultOfRefinement)
         for (int round = 0; round < 8; ++round) {
             ShapeSums sums(at, scene.points.origin, 1);
             for (std::size_t i = 0; i < scene.points.size(); ++i) sums.add(scene.points.source(i));
-            result = sums.result(0.015);
+            result = sums.result(0);
             const auto next = sums.step();
             ASSERT_TRUE(next);
             at = *next;

@@ -91,7 +91,6 @@ public:
     Pretested(const Model::Ptr& model, const PclRequest& request) : Base(model, request.threshold)
     {
         this->setFractionNrPretest(request.pretest);
-        this->rng_->base().seed(request.seed);
     }
 };
 
@@ -152,6 +151,7 @@ try {
     message[0] = 0;
     Samples samples{request};
     const Model::Ptr model = make_model(request, samples);
+    if (request.points < model->getSampleSize()) return false;  // PROSAC would read beyond them
     const std::unique_ptr<Search> search = make_search(model, request);
     search->setMaxIterations(static_cast<int>(std::min<std::uint32_t>(request.iterations, 1000000000)));
     search->setProbability(request.probability);

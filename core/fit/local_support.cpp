@@ -1,0 +1,141 @@
+#include "pcm/fit/local_support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t least_inliers = 50;
+// Points of the surface in a block of 27 cells, at least and of many points.
+constexpr double least_in_block = 24, blocks = 400;
+constexpr std::int64_t cells_across = std::int64_t(1) << 20;
+
+// Counts of points within and beyond the threshold, by cell.
+class SupportCells {
+public:
+    SupportCells(double size, std::size_t points) : size_(size)
+    {
+        std::size_t capacity = 64;
+        while (capacity < 2 * points) capacity *= 2;
+        cells_.resize(capacity);
+    }
+
+    struct Cell {
+        std::uint64_t key = 0;  // 0: empty
+        std::uint32_t in = 0, out = 0;
+        float support = -1;  // below 0: not computed
+    };
+    using Place = std::array<std::int64_t, 3>;
+
+    Place place(const Vec3d& p) const
+    {
+        Place place{};
+        // Working coordinates are from -1 to 1.
+        for (std::size_t k = 0; k < 3; ++k) place[k] = static_cast<std::int64_t>((p[k] + 2) / size_) + 1;
+        return place;
+    }
+    Cell& at(const Place& place) { return slot(key_of(place)); }
+    const Cell& find(const Place& place) { return slot(key_of(place)); }
+    void make(Cell& cell, const Place& place) { cell.key = key_of(place); }
+
+private:
+    static std::uint64_t key_of(const Place& place)
+    {
+        return static_cast<std::uint64_t>((place[0] << 42) | (place[1] << 21) | place[2]) + 1;
+    }
+    Cell& slot(std::uint64_t key)
+    {
+        std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 20;
+        for (;; ++at) {
+            Cell& cell = cells_[at & (cells_.size() - 1)];
+            if (cell.key == key || cell.key == 0) return cell;
+        }
+    }
+
+    double size_;
+    std::vector<Cell> cells_;
+};
+
+// Sums over a cell and those around it.
+std::pair<double, double> around(SupportCells& cells, const SupportCells::Place& place)
+{
+    double in = 0, out = 0;
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+        for (std::int64_t dy = -1; dy <= 1; ++dy)
+            for (std::int64_t dz = -1; dz <= 1; ++dz) {
+                const SupportCells::Cell& cell = cells.find({place[0] + dx, place[1] + dy, place[2] + dz});
+                in += cell.in;
+                out += cell.out;
+            }
+    return {in, out};
+}
+
+SupportCells filled(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double size)
+{
+    // Points farther away are in no block around the surface.
+    const double farthest = 3 * size;
+    std::size_t near = 0;
+    for (const double distance : distances) near += std::fabs(distance) <= farthest;
+    SupportCells cells(size, near);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!(std::fabs(distances[i]) <= farthest)) continue;
+        const SupportCells::Place place = cells.place(points.at(i));
+        SupportCells::Cell& cell = cells.at(place);
+        cells.make(cell, place);
+        ++(std::fabs(distances[i]) <= threshold ? cell.in : cell.out);
+    }
+    return cells;
+}
+
+// The size of cells whose blocks have enough points of the surface.
+double cell_size(const WorkingPoints& points, const std::vector<double>& distances, double threshold,
+                 std::size_t inliers)
+{
+    const auto n = static_cast<double>(inliers);
+    const double wanted = std::max(least_in_block, n / blocks), least = std::max(2 * threshold, 4.0 / cells_across);
+    double size = std::max(least, std::sqrt(wanted / n) / 2);
+    for (int round = 0; round < 3 && size > least; ++round) {
+        SupportCells cells = filled(points, distances, threshold, size);
+        std::vector<double> counts;
+        for (std::size_t i = 0; i < points.size() && counts.size() < 200; ++i)
+            if (std::fabs(distances[i]) <= threshold) counts.push_back(around(cells, cells.place(points.at(i))).first);
+        std::nth_element(counts.begin(), counts.begin() + counts.size() / 2, counts.end());
+        const double scale = std::sqrt(wanted / counts[counts.size() / 2]);
+        size = std::clamp(size * scale, least, 0.5);
+        if (scale > 0.8 && scale < 1.25) break;
+    }
+    return size;
+}
+
+}  // namespace
+
+std::vector<double> local_support(const ShapeModel& model, const Shape& shape, const WorkingPoints& points,
+                                  double threshold)
+{
+    const std::size_t n = points.size();
+    std::vector<double> distances(n);
+    model.distances(shape, points.x.data(), points.y.data(), points.z.data(), n, distances.data());
+    std::size_t inliers = 0;
+    for (const double distance : distances) inliers += std::fabs(distance) <= threshold;
+    if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return {};
+    const double size = cell_size(points, distances, threshold, inliers), part = 2 * threshold / (3 * size);
+    SupportCells cells = filled(points, distances, threshold, size);
+    std::vector<double> support(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!(std::fabs(distances[i]) <= threshold)) continue;
+        const SupportCells::Place place = cells.place(points.at(i));
+        SupportCells::Cell& cell = cells.at(place);
+        if (cell.support < 0) {
+            const auto [in, out] = around(cells, place);
+            const double others = in - 1, chance = out * part / (1 - part);
+            const bool is_more = others > chance + 2 * std::sqrt(chance + 1);
+            cell.support = is_more ? static_cast<float>((others - chance) / others) : 0;
+        }
+        support[i] = cell.support;
+    }
+    return support;
+}
+
+}  // namespace pcm
