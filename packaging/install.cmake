@@ -17,7 +17,8 @@ set(public_headers
   tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
   pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
-  measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h measure/surface.h
+  fit/primitive.h fit/shape.h fit/shape_fit.h fit/bounds.h fit/fit_points.h cad/primitive_files.h primitives/primitive_list.h
+  measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h
   select/select_points.h select/front_points.h select/grow.h select/set_changes.h select/set_points.h
   cloud/affine.h cloud/attribute.h cloud/clip.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
   cloud/selection.h cloud/vector.h
@@ -28,7 +29,7 @@ set(reachable_headers
   cache/load_times.h cloud/matrix.h cloud/nearest_float.h cloud/polygon.h io/crs/coordinate_system.h view/point_sizes.h filter/filter_report.h filter/normal_orientation.h
   filter/point_values.h filter/result_tree.h filter/voxel_lattice.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h
   io/text/text_layout.h system/file.h system/page_allocator.h
-  system/tree_folder.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
+  system/tree_folder.h system/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/gpu_radii.h gl/l1_cache.h)
 set(reachable_gl_headers gl/colour_modes.h gl/l1_table.h gl/splat_modes.h gl/vertex_format.h gl/vertex_groups.h view/colour_ramps.h
   view/point_colours.h view/value_range.h)

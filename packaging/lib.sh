@@ -30,6 +30,8 @@ build_jobs() {
 
 meshlab_sdk=$root/build/meshlab-sdk
 fetch_meshlab_sdk() { "$root/packaging/meshlab-sdk" "$meshlab_sdk"; }
+# Where it cannot be fetched the backend PCL of fitting is left out, and its tests are skipped.
+fetch_pcl_sdk() { "$root/packaging/pcl-sdk" "$root/build/pcl-sdk" || say "Without PCL: its backend is not built."; }
 
 # configure PRESET [OPTION...]: says everything only when it fails.
 configure() {

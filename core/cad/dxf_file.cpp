@@ -1,6 +1,7 @@
 #include "pcm/cad/dxf_file.h"
 
 #include "pcm/cad/dxf_text.h"
+#include "pcm/cloud/exact_products.h"
 #include "pcm/system/error.h"
 
 #ifdef PCM_HAVE_DXFLIB
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace pcm {
 namespace {
@@ -23,7 +25,11 @@ class Writer : public DL_WriterA {
 public:
     explicit Writer(const std::filesystem::path& path) : DL_WriterA("/dev/null", DL_VERSION_2000), file_(path) {}
 
-    void dxfReal(int code, double value) const override { put(code, exact(value)); }
+    void dxfReal(int code, double value) const override
+    {
+        const auto other = instead.find(code);
+        put(code, exact(other == instead.end() ? value : other->second));
+    }
     void dxfInt(int code, int value) const override { put(code, std::to_string(value)); }
     void dxfHex(int code, int value) const override
     {
@@ -35,6 +41,8 @@ public:
     void dxfString(int code, const std::string& value) const override { put(code, value); }
 
     OutputFile& file() { return file_; }
+
+    std::map<int, double> instead;  // numbers that are written whatever the library says
 
 private:
     void put(int code, const std::string& value) const
@@ -48,6 +56,28 @@ private:
 void check_finite(const Vec3d& p)
 {
     if (!is_finite(p)) throw Error(ErrorCode::invalid_argument, {}, "a coordinate for the DXF file is not finite");
+}
+
+// The axes that DXF derives from an entity's normal ("arbitrary axis algorithm").
+struct ObjectAxes {
+    explicit ObjectAxes(const Vec3d& normal) : z(normal)
+    {
+        constexpr double limit = 1.0 / 64;
+        const bool is_upright = std::fabs(z[0]) < limit && std::fabs(z[1]) < limit;
+        x = normalised(cross(is_upright ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1}, z));
+        y = cross(z, x);
+    }
+    Vec3d x{}, y{}, z;
+};
+
+// Numbers of the view's record for a plan of the extent: its centre, its height, width by height.
+std::map<int, double> view_of(const Box3d& extent)
+{
+    if (extent.empty()) return {};
+    constexpr double width_by_height = 1.5;
+    const double height = 1.1 * std::max(extent.extent(1), extent.extent(0) / width_by_height);
+    const Vec3d centre = extent.centre();
+    return {{12, centre[0]}, {22, centre[1]}, {40, height > 0 ? height : 1}, {41, width_by_height}};
 }
 
 }  // namespace
@@ -71,7 +101,9 @@ struct DxfFile::State {
         writer.dxfString(100, "AcDbEntity");
         writer.dxfString(8, name);
     }
-    void put_tables(const std::vector<DxfLayer>& given);
+    void put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius);
+    void put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings);
+    void put_settings(const DxfSettings& settings);
     void put_layers(const std::vector<DxfLayer>& given);
     void put_blocks();
 
@@ -82,24 +114,29 @@ struct DxfFile::State {
 
 void DxfFile::State::put_layers(const std::vector<DxfLayer>& given)
 {
-    std::vector<DxfLayer> table{{"0", 7}};
+    std::vector<DxfLayer> table{{"0", 7, {}}};
     for (const DxfLayer& layer : given) {
         const std::string name = dxf_layer_name(layer.name);
         if (std::none_of(table.begin(), table.end(), [&](const DxfLayer& other) { return other.name == name; }))
-            table.push_back({name, layer.colour});
+            table.push_back({name, layer.colour, layer.true_colour});
     }
     writer.tableLayers(static_cast<int>(table.size()));
     for (const DxfLayer& layer : table) {
-        library.writeLayer(writer, DL_LayerData(layer.name, 0), DL_Attributes("", layer.colour, -1, "CONTINUOUS", 1.0));
+        int colour = -1;
+        if (const auto& c = layer.true_colour) colour = (*c)[0] << 16 | (*c)[1] << 8 | (*c)[2];
+        library.writeLayer(writer, DL_LayerData(layer.name, 0),
+                           DL_Attributes("", layer.colour, colour, -1, "CONTINUOUS", 1.0));
         layers.push_back(layer.name);
     }
     writer.tableEnd();
 }
 
-void DxfFile::State::put_tables(const std::vector<DxfLayer>& given)
+void DxfFile::State::put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings)
 {
     writer.sectionTables();
+    writer.instead = view_of(settings.extent);
     library.writeVPort(writer);
+    writer.instead.clear();
     writer.tableLinetypes(3);
     for (const char* type : {"BYBLOCK", "BYLAYER", "CONTINUOUS"})
         library.writeLinetype(writer, DL_LinetypeData(type, "", 0, 0, 0.0));
@@ -119,6 +156,37 @@ void DxfFile::State::put_tables(const std::vector<DxfLayer>& given)
     writer.sectionEnd();
 }
 
+void DxfFile::State::put_settings(const DxfSettings& settings)
+{
+    writer.dxfString(9, "$INSUNITS");
+    writer.dxfInt(70, static_cast<int>(settings.unit));
+    if (settings.unit != DxfUnit::none) {
+        const bool imperial = settings.unit == DxfUnit::feet || settings.unit == DxfUnit::inches;
+        writer.dxfString(9, "$MEASUREMENT");
+        writer.dxfInt(70, imperial ? 0 : 1);
+    }
+    const Box3d& extent = settings.extent;
+    if (extent.empty()) return;
+    check_finite(extent.min);
+    check_finite(extent.max);
+    writer.dxfString(9, "$EXTMIN");
+    writer.coord(10, extent.min[0], extent.min[1], extent.min[2]);
+    writer.dxfString(9, "$EXTMAX");
+    writer.coord(10, extent.max[0], extent.max[1], extent.max[2]);
+}
+
+void DxfFile::State::put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius)
+{
+    check_finite(centre);
+    check_finite(axes.x);
+    if (!(radius > 0 && std::isfinite(radius)))
+        throw Error(ErrorCode::invalid_argument, writer.file().path(), "the radius of a circle is not above 0");
+    writer.dxfString(100, "AcDbCircle");
+    writer.coord(10, exact_dot(centre, axes.x), exact_dot(centre, axes.y), exact_dot(centre, axes.z));
+    writer.dxfReal(40, radius);
+    writer.coord(210, axes.z[0], axes.z[1], axes.z[2]);
+}
+
 void DxfFile::State::put_blocks()
 {
     writer.sectionBlocks();
@@ -129,15 +197,14 @@ void DxfFile::State::put_blocks()
     writer.sectionEnd();
 }
 
-DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers)
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>& layers, const DxfSettings& settings)
     : state_(std::make_unique<State>(path))
 {
     State& state = *state_;
     state.library.writeHeader(state.writer);
-    state.writer.dxfString(9, "$INSUNITS");
-    state.writer.dxfInt(70, 0);
+    state.put_settings(settings);
     state.writer.sectionEnd();
-    state.put_tables(layers);
+    state.put_tables(layers, settings);
     state.put_blocks();
     state.writer.sectionEntities();
 }
@@ -188,6 +255,38 @@ void DxfFile::polyline(const std::string& layer, const std::vector<Vec3d>& point
     state_->put_layer(name);
 }
 
+void DxfFile::face(const std::string& layer, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d)
+{
+    for (const Vec3d& p : {a, b, c, d}) check_finite(p);
+    state_->begin("3DFACE", layer);
+    state_->writer.dxfString(100, "AcDbFace");
+    int code = 10;
+    for (const Vec3d& p : {a, b, c, d}) state_->writer.coord(code++, p[0], p[1], p[2]);
+}
+
+void DxfFile::circle(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius)
+{
+    state_->begin("CIRCLE", layer);
+    state_->put_circle(ObjectAxes(axis), centre, radius);
+}
+
+void DxfFile::arc(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius, const Vec3d& from,
+                  double angle)
+{
+    if (angle >= 2 * pi) return circle(layer, centre, axis, radius);
+    const ObjectAxes axes(axis);
+    const double begin = std::atan2(dot(from, axes.y), dot(from, axes.x));
+    const auto degrees = [](double radians) {
+        const double turn = std::fmod(radians * 180 / pi, 360);
+        return turn < 0 ? turn + 360 : turn;
+    };
+    state_->begin("ARC", layer);
+    state_->put_circle(axes, centre, radius);
+    state_->writer.dxfString(100, "AcDbArc");
+    state_->writer.dxfReal(50, degrees(begin));
+    state_->writer.dxfReal(51, degrees(begin + angle));
+}
+
 void DxfFile::text(const std::string& layer, const Vec3d& p, double height, const std::string& words)
 {
     check_finite(p);
@@ -220,7 +319,7 @@ bool writes_dxf() { return false; }
 
 struct DxfFile::State {};
 
-DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&)
+DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&, const DxfSettings&)
 {
     throw Error(ErrorCode::unsupported, path, "DXF cannot be written: the library was built without dxflib",
                 "install libdxflib-dev and build it again, or choose another format");
@@ -229,6 +328,9 @@ DxfFile::~DxfFile() = default;
 void DxfFile::point(const std::string&, const Vec3d&) {}
 void DxfFile::line(const std::string&, const Vec3d&, const Vec3d&) {}
 void DxfFile::polyline(const std::string&, const std::vector<Vec3d>&, bool) {}
+void DxfFile::face(const std::string&, const Vec3d&, const Vec3d&, const Vec3d&, const Vec3d&) {}
+void DxfFile::circle(const std::string&, const Vec3d&, const Vec3d&, double) {}
+void DxfFile::arc(const std::string&, const Vec3d&, const Vec3d&, double, const Vec3d&, double) {}
 void DxfFile::text(const std::string&, const Vec3d&, double, const std::string&) {}
 void DxfFile::finish() {}
 

@@ -65,14 +65,16 @@ std::string dxf_text(const std::string& utf8)
     return out;
 }
 
+bool may_be_in_layer_name(char c)
+{
+    return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f &&
+           std::string("<>/\\\":;?*|,=`").find(c) == std::string::npos;
+}
+
 std::string dxf_layer_name(const std::string& name)
 {
     std::string plain;
-    for (const char c : name) {
-        const bool refused =
-            static_cast<unsigned char>(c) < 0x20 || std::string("<>/\\\":;?*|=`").find(c) != std::string::npos;
-        plain += refused ? '_' : c;
-    }
+    for (const char c : name) plain += may_be_in_layer_name(c) ? c : '_';
     return plain.empty() ? "0" : without_other_characters(plain);
 }
 

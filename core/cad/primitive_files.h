@@ -4,6 +4,7 @@
 #include "pcm/fit/primitive.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,24 +12,43 @@ namespace pcm {
 
 enum class CadUnit : std::uint8_t { none, metres, millimetres, centimetres, feet, inches };  // of source units
 
+const char* name_of(CadUnit unit);  // "mm"; "" for none
+std::optional<CadUnit> cad_unit(const std::string& name);
+
 struct CadOptions {
     CadUnit unit = CadUnit::none;  // what one source unit is; written where a format has units, never converted
     double chord = 0;              // largest distance of a mesh from its curved surface, source units; 0: radius / 100
+    bool arcs = false;             // meshes of cylinders and cones: only the arc that points cover, open
     bool overwrite = false;
 };
 
-// By the extension: .dxf (planes as polylines and 3DFACEs, cylinders, cones, spheres and tori as meshes, with circles
-// and axes; a layer and a colour per primitive), .scr (a script for AutoCAD with true solids), .csv (a row per
-// primitive: parameters and their standard deviations), .json (all of it; read_primitives() reads it). Hidden
-// primitives are left out of drawings and tables. Throws Error(invalid_argument) for an extension that is none of these
-// and for an empty list, Error(exists), Error(unsupported) for DXF where it was not built, what OutputFile throws.
 struct CadReport {
     std::size_t written = 0;
     std::vector<std::string> notes;  // "3 planes have no outline and are left out"
 };
+
+// By the extension, in source coordinates with all digits; one thread, in bounded memory.
+//
+// - .dxf: a layer per primitive with its name, true colour and nearest indexed colour. Planes as closed polylines in
+//   space and 3DFACEs; the others as closed meshes of 3DFACEs with their circles, arcs and axes.
+// - .scr: a script for AutoCAD and what understands its commands, in the world's coordinates: true solids by CYLINDER,
+//   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
+//   no setting of the program is changed, and its object snaps do not take part.
+// - .csv: RFC 4180, a row per primitive: parameters, their standard deviations, what of the shape there is. The header
+//   names units. Angles are in degrees.
+// - .json: all of it; read_primitives() reads it. Angles are in radians.
+//
+// Cylinders and cones are drawn whole (see CadOptions::arcs), a torus as far as its arc goes. Hidden primitives are
+// left out of drawings and tables, and those whose bounds are not known of drawings: the notes say so. Throws
+// Error(invalid_argument) for an extension that is none of these, for a list in which nothing is to be written, numbers
+// that are not finite, and a chord that takes more than 1,000,000 faces; Error(exists); Error(unsupported) for DXF
+// where it was not built; what OutputFile throws.
 CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
                            const CadOptions& options = {});
+inline constexpr const char* cad_extensions[] = {".dxf", ".scr", ".csv", ".json"};
 
+// Throws Error(invalid_argument) for what no list may have: numbers that are not finite, shapes and names that are
+// refused.
 std::string json_of(const std::vector<Primitive>& primitives);
 // Throws Error(bad_format), naming the primitive and the field.
 std::vector<Primitive> parse_primitives(const std::string& json);

@@ -9,6 +9,8 @@ Run add_build(Options& options);
 Run add_compact(Options& options);
 Run add_convert(Options& options);
 Run add_delete(Options& options);
+Run add_detect(Options& options);
+Run add_fit(Options& options);
 Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_measure(Options& options);
@@ -16,6 +18,7 @@ Run add_merge(Options& options);
 Run add_normals(Options& options);
 Run add_outliers(Options& options);
 Run add_pick(Options& options);
+Run add_primitives(Options& options);
 Run add_profile(Options& options);
 Run add_query(Options& options);
 Run add_radii(Options& options);
@@ -48,6 +51,10 @@ const std::vector<Command>& commands()
          "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
          "delete them",
          add_select},
+        {"fit",
+         "Fit a plane, cylinder, sphere, cone or torus at a place of a tree, follow it through the cloud; export, "
+         "extract or delete it",
+         add_fit},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
         {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
         {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
@@ -59,10 +66,13 @@ const std::vector<Command>& commands()
         {"voxel", "Thin a cloud: one point for each voxel, the centroid of its points and of their attributes",
          add_voxel},
         {"subsample", "Thin a tree evenly, to a spacing or to a number of points", add_subsample},
+        {"detect", "Detect the planes, cylinders and spheres of a tree, and label their points", add_detect},
         {"measure", "Measure at points: distance, height, angle, area, distance to a plane; lists of measures as files",
          add_measure},
         {"profile", "Profile of a tree along a line: the points in it, as CSV or DXF", add_profile},
         {"volume", "Volume between a tree's surface and a height, a plane or another tree: cut and fill", add_volume},
+        {"primitives", "Show a list of primitives, or write it as DXF, as a script for AutoCAD, or as CSV",
+         add_primitives},
         {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
          start_render},
         {"generate", "Generate a scan-like scene with exact ground truth, as LAS or LAZ", add_generate},

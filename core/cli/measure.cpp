@@ -36,7 +36,7 @@ Measure measure_of(const Arguments& arguments, PointCloud* cloud, double& moved)
     measure.name = arguments.name;
     if (!arguments.surface.empty()) {
         if (measure.kind != MeasureKind::surface) throw UsageError("--surface goes with the kind surface");
-        measure.surface = parse_surface(arguments.surface);
+        measure.surface = parse_shape(arguments.surface);
     }
     for (const Vec3d& place : points_of(arguments.points, "--points")) {
         MeasuredPoint point;
@@ -102,8 +102,10 @@ Run add_measure(Options& options)
         .values(3, 1 << 20);
     options.option("--from", arguments->from,
                    "A tree: the points are moved to its nearest ones, whose spacing and grid give the uncertainty");
-    options.option("--surface", arguments->surface,
-                   "\"plane X Y Z NX NY NZ\", \"sphere X Y Z RADIUS\" or \"cylinder X Y Z AX AY AZ RADIUS\"");
+    options.option(
+        "--surface", arguments->surface,
+        "\"plane X Y Z NX NY NZ\", \"cylinder X Y Z AX AY AZ RADIUS\", \"sphere X Y Z RADIUS\", \"cone X Y Z AX AY "
+        "AZ DEGREES\" (apex, axis inwards, half the opening angle) or \"torus X Y Z AX AY AZ RADIUS TUBE\"");
     options.option("--name", arguments->name, "Name of the measure (default: its kind and a number)");
     options.option("--list", arguments->list, "A list of measures (.json): shown, and written, before the new one");
     arguments->files.add_to(options);

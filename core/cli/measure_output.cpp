@@ -1,7 +1,7 @@
 #include "pcm/cli/measure_output.h"
 
-#include "pcm/measure/new_output.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 
 #include <algorithm>
 #include <cstdio>

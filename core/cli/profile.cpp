@@ -1,11 +1,13 @@
 #include "pcm/measure/profile.h"
 
 #include "pcm/cli/measure_output.h"
+#include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
 
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 namespace pcm::cli {
 namespace {
@@ -14,7 +16,7 @@ struct Arguments {
     Common common;
     std::string tree, output;
     std::vector<double> line, heights;
-    std::vector<std::string> where;
+    RegionOptions limits;
     ProfileOptions options;
     ProfileFileOptions file;
 };
@@ -49,7 +51,9 @@ int run(Arguments& arguments)
         options.lowest = arguments.heights[0];
         options.highest = arguments.heights[1];
     }
-    for (const std::string& condition : arguments.where) options.where.push_back(parse_condition(condition));
+    Selection limits = arguments.limits.get();
+    options.where = std::move(limits.where);
+    options.clips = std::move(limits.clips);
     options.progress = console_progress(arguments.common);
     const double length = ProfileLine(options.line).length();
     Extent extent;
@@ -94,8 +98,7 @@ Run add_profile(Options& options)
         .required();
     options.option("--heights", arguments->heights, "Only points with z from LOW to HIGH, both included").values(2);
     options.option("-l,--level", arguments->options.level, "Only the cloud at this level (default: all points)");
-    options.option("--where", arguments->where, "Only points that satisfy a condition, such as classification=2")
-        .one_value_each();
+    arguments->limits.add_limits_to(options, "Which points");
     options
         .option("-a,--attribute", arguments->options.attributes,
                 "Attribute to write to CSV beside station, offset, x, y and z; may be given several times")

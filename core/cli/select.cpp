@@ -1,19 +1,16 @@
-#include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
+#include "pcm/cli/set_actions.h"
 #include "pcm/point_cloud.h"
 #include "pcm/select/front_points.h"
 #include "pcm/select/grow.h"
 #include "pcm/select/select_points.h"
-#include "pcm/select/set_changes.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/view/camera.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -30,11 +27,7 @@ struct Arguments {
     std::optional<double> radius, distance, within;
     std::vector<double> front;
     bool grow = false, invert = false;
-    std::string attribute, extract;
-    bool erase = false, overwrite = false;
-    std::optional<double> classify;
-    std::string classes = "classification";
-    TargetOptions target;
+    SetActions actions;
     std::uint64_t memory = std::uint64_t(256) << 20;
     std::uint32_t threads = 0;
 };
@@ -43,16 +36,7 @@ struct Arguments {
 
 void check(const Arguments& a)
 {
-    const int actions = !a.attribute.empty() + !a.extract.empty() + a.erase + a.classify.has_value();
-    if (actions > 1) refuse("--save-attribute, --extract, --delete and --classify cannot be combined");
-    const bool changes = actions == 1 && a.extract.empty();
-    const bool has_target = !a.target.output.empty() || a.target.in_place;
-    if (changes && a.target.output.empty() == !a.target.in_place)
-        refuse("give either -o COPY, a tree to write, or --in-place");
-    if (!changes && has_target)
-        refuse(
-            "-o and --in-place are for --save-attribute, --delete and --classify; --extract names its output itself");
-    if (a.overwrite && a.extract.empty()) refuse("--overwrite is for --extract");
+    a.actions.check();
     if (a.brush.empty() != !a.radius) refuse("--brush X Y Z ... and --radius need each other");
     if (a.brush.size() % 3 != 0) refuse("--brush takes three numbers for each point of the stroke");
     const bool grows = a.grow || !a.grow_from.empty();
@@ -148,58 +132,9 @@ PointSet choose(const Arguments& arguments, const std::shared_ptr<const Tree>& t
     return grow(set, *arguments.distance, growth_of(arguments, std::move(limit)));
 }
 
-// What was done with the points.
-struct Done {
-    std::string what;  // "saved", ...; empty: nothing
-    std::string output;
-    std::uint64_t changed = 0;
-    Outcome outcome;
-    std::vector<std::string> notes;
-};
-
-Done change(const Arguments& arguments, const PointSet& set)
-{
-    SetChangeOptions options;
-    options.target = arguments.target.get();
-    options.memory_bytes = arguments.memory;
-    options.threads = arguments.threads;
-    options.progress = console_progress(arguments.common);
-    Done done;
-    if (arguments.erase) {
-        SetErasure erased = delete_points(set, options);
-        done = {"deleted", erased.tree.string(), erased.report.points_deleted, erased.report.outcome, {}};
-        if (!erased.report.coverage_kept)
-            done.notes.push_back("coarse levels have gaps where points were deleted; 'pcmlab compact' closes them");
-        return done;
-    }
-    const bool classifies = arguments.classify.has_value();
-    if (classifies &&
-        !(std::fabs(*arguments.classify) < 1e15 && std::nearbyint(*arguments.classify) == *arguments.classify))
-        throw Error(ErrorCode::invalid_argument, {}, "--classify " + exact(*arguments.classify) + " is no integer");
-    const SetChangeReport report =
-        classifies ? classify_points(set, static_cast<std::int64_t>(*arguments.classify), arguments.classes, options)
-                   : save_as_attribute(set, arguments.attribute, options);
-    return {classifies ? "classified" : "saved", report.tree.string(), report.outcome.points_out, report.outcome, {}};
-}
-
-Done act(const Arguments& arguments, const PointSet& set)
-{
-    if (arguments.extract.empty()) {
-        if (arguments.attribute.empty() && !arguments.erase && !arguments.classify) return {};
-        return change(arguments, set);
-    }
-    ExtractOptions options;
-    options.overwrite = arguments.overwrite;
-    options.threads = arguments.threads;
-    options.memory_bytes = std::max(arguments.memory, std::uint64_t(256) << 20);
-    options.progress = console_progress(arguments.common);
-    const ConvertReport report = extract_points(set, arguments.extract, options);
-    return {"extracted", arguments.extract, report.outcome.points_out, report.outcome, report.notes};
-}
-
 Json json_of(const Box3d& box) { return box.empty() ? Json() : Json({{"min", box.min}, {"max", box.max}}); }
 
-void print(const Arguments& arguments, const PointSet& set, const SetStatistics& statistics, const Done& done,
+void print(const Arguments& arguments, const PointSet& set, const SetStatistics& statistics, const SetDone& done,
            double seconds)
 {
     const Box3d cloud = set.tree().info().bounds();
@@ -213,9 +148,7 @@ void print(const Arguments& arguments, const PointSet& set, const SetStatistics&
         json["classes"] = std::move(classes);
         json["tree_bounds"] = json_of(cloud);
         json["set_bytes"] = set.bytes();
-        json["done"] = done.what.empty() ? Json() : Json(done.what);
-        json["output"] = done.output.empty() ? Json() : Json(done.output);
-        json["points_changed"] = done.changed;
+        put_done(json, done);
         json["seconds"] = seconds;
         json["peak_rss_bytes"] = peak_memory_bytes();
         json["notes"] = done.notes;
@@ -232,10 +165,7 @@ void print(const Arguments& arguments, const PointSet& set, const SetStatistics&
         for (const auto& [value, points] : statistics.classes)
             std::printf("  class %lld: %s points\n", static_cast<long long>(value), grouped(points).c_str());
     }
-    if (done.what == "saved" || done.what == "classified")
-        std::printf("%s: %s values changed\n", done.output.c_str(), grouped(done.changed).c_str());
-    else if (!done.what.empty())
-        std::printf("%s: %s points %s\n", done.output.c_str(), grouped(done.changed).c_str(), done.what.c_str());
+    print_done(done);
     for (const std::string& note : done.notes) std::printf("note: %s\n", note.c_str());
     std::printf("%.1f s, peak memory %s\n", seconds, bytes_text(peak_memory_bytes()).c_str());
 }
@@ -248,7 +178,7 @@ int select(Arguments& arguments)
     PointSet set = choose(arguments, tree);
     if (arguments.invert) set.invert();
     const SetStatistics statistics = statistics_of(set, arguments.threads, console_progress(arguments.common));
-    const Done done = act(arguments, set);
+    const SetDone done = arguments.actions.run(set, arguments.common, arguments.memory, arguments.threads);
     end_progress(arguments.common);
     print(arguments, set, statistics, done,
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -301,21 +231,7 @@ Run add_select(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     add_choices(options, *arguments);
-    const char* const group = "What to do with them (default: count them)";
-    options
-        .option("--save-attribute", arguments->attribute,
-                "Write this attribute (u8): 1 for the selected points, 0 for all others; --where NAME=1 selects them "
-                "again")
-        .group(group);
-    options.option("--extract", arguments->extract, "Write the points to this file, or tree (.pct)").group(group);
-    options.flag("--overwrite", arguments->overwrite, "Replace the output of --extract if it exists").group(group);
-    options.flag("--delete", arguments->erase, "Delete them").group(group);
-    options.option("--classify", arguments->classify, "Set their class to this integer").group(group);
-    options
-        .option("--class-attribute", arguments->classes,
-                "The integer attribute that --classify sets (default classification); made when absent")
-        .group(group);
-    arguments->target.add_to(options);
+    arguments->actions.add_to(options, "What to do with them (default: count them)");
     options.option("-m,--memory", arguments->memory, "Memory for growing and writing, e.g. 512M (default 256M)")
         .bytes();
     options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");

@@ -1,10 +1,12 @@
 #include "pcm/measure/volume.h"
 
 #include "pcm/cli/measure_output.h"
+#include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
 
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 namespace pcm::cli {
 namespace {
@@ -15,7 +17,7 @@ struct Arguments {
     std::string tree, before, height = "mean", name;
     std::vector<double> polygon, plane;
     std::optional<double> reference;
-    std::vector<std::string> where;
+    RegionOptions limits;
     bool interpolate = false;
     VolumeOptions options;
 };
@@ -102,7 +104,9 @@ int run(Arguments& arguments)
                      : arguments.height == "lowest" ? CellHeight::lowest
                                                     : CellHeight::highest;
     if (arguments.interpolate) options.empty = EmptyCells::interpolated;
-    for (const std::string& condition : arguments.where) options.where.push_back(parse_condition(condition));
+    Selection limits = arguments.limits.get();
+    options.where = std::move(limits.where);
+    options.clips = std::move(limits.clips);
     options.progress = console_progress(arguments.common);
     const VolumeReport report = measure_volume(*cloud, options);
     end_progress(arguments.common);
@@ -142,8 +146,7 @@ Run add_volume(Options& options)
     options.flag("--interpolate", arguments->interpolate,
                  "Give cells without points heights from those around them (default: they are left out)");
     options.option("-l,--level", arguments->options.level, "Only the clouds at this level (default: all points)");
-    options.option("--where", arguments->where, "Only points that satisfy a condition, such as classification=2")
-        .one_value_each();
+    arguments->limits.add_limits_to(options, "Which points");
     options.option("-m,--memory", arguments->options.memory, "Memory for the cells, e.g. 2G (default 512M)").bytes();
     options.option("--name", arguments->name, "Name of the measure in files (default: Volume 1)");
     arguments->files.add_to(options);

@@ -2,6 +2,7 @@
 
 #include "pcm/fit/least_squares.h"
 #include "pcm/fit/local_support.h"
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/fit/shape_search.h"
 #include "pcm/fit/working_points.h"
 #include "pcm/system/error.h"
@@ -183,6 +184,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const ShapeModel& model = model_of(options.kind);
     const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
     if (issue != FitIssue::none) return refused(options.kind, issue);
+    if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
     const WorkingPoints working = working_points(points, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);

@@ -3,10 +3,9 @@
 #include "pcm/cloud/morton.h"
 #include "pcm/knn/flann/flann_module.h"
 #include "pcm/system/error.h"
+#include "pcm/system/shared_module.h"
 
-#include <dlfcn.h>
 #include <algorithm>
-#include <filesystem>
 #include <numeric>
 
 namespace pcm {
@@ -14,47 +13,9 @@ namespace {
 
 constexpr std::size_t queries_at_once = 1024;
 
-struct Module {
-    const FlannFunctions* functions = nullptr;
-    std::string missing;  // why there is none
-};
-
-// Beside this code, where an install of it has its libraries, and where the system looks.
-std::vector<std::filesystem::path> places()
+const SharedModule& module()
 {
-    constexpr const char* name = "libpcm_flann.so";
-    std::vector<std::filesystem::path> all;
-    Dl_info here{};
-    if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) {
-        std::error_code ignored;
-        const auto folder = std::filesystem::weakly_canonical(here.dli_fname, ignored).parent_path();
-        all = {folder / name, folder / PCM_LIBRARY_FROM_PROGRAM / name};
-    }
-    all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);
-    all.emplace_back(name);
-    return all;
-}
-
-// It stays loaded until the process ends.
-const Module& module()
-{
-    static const Module loaded = [] {
-        Module result;
-        for (const auto& place : places()) {
-            std::error_code ignored;
-            if (place.has_parent_path() && !std::filesystem::exists(place, ignored)) continue;
-            void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
-            if (!library) {
-                result.missing = dlerror();
-                continue;
-            }
-            const auto entry = reinterpret_cast<FlannModule>(dlsym(library, flann_module_symbol));
-            const FlannFunctions* functions = entry ? entry() : nullptr;
-            if (functions && functions->version == flann_module_version) return Module{functions, {}};
-            result.missing = place.string() + " belongs to another version of this library";
-        }
-        return result;
-    }();
+    static const SharedModule loaded = load_shared_module("libpcm_flann.so", flann_module_symbol, flann_module_version);
     return loaded;
 }
 
@@ -62,11 +23,11 @@ class FlannSearch final : public UnitSearch {
 public:
     explicit FlannSearch(SearchPositions positions) : positions_(std::move(positions))
     {
-        const Module& flann = module();
+        const SharedModule& flann = module();
         if (!flann.functions)
             throw Error(ErrorCode::unsupported, {}, "the backend FLANN is not here: " + flann.missing,
                         "install libpcm_flann.so (built where libflann-dev is installed), or choose the backend own");
-        functions_ = flann.functions;
+        functions_ = static_cast<const FlannFunctions*>(flann.functions);
         to_single_precision();
         char message[flann_message_bytes] = "out of memory";
         index_ = {functions_->make(xyz_.data(), positions_.size(), message), functions_->free};

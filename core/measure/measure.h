@@ -8,7 +8,7 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
-#include "pcm/measure/surface.h"
+#include "pcm/fit/shape.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -41,7 +41,7 @@ enum class MeasureKind : std::uint8_t {
     plane,
     volume,   // a polygon: the volume of a cloud against a level or another cloud in it (measure/volume.h); "plan area"
     profile,  // a line of two or more points and a width (measure/profile.h); "length" in plan
-    surface,  // one point: its "distance" to a plane, sphere or cylinder given by numbers (measure/surface.h)
+    surface,  // one point: its "distance", never negative, to a shape given by numbers (fit/shape.h)
 };
 inline constexpr std::size_t measure_kinds = 9;
 
@@ -67,9 +67,9 @@ struct Measure {
     MeasureKind kind = MeasureKind::distance;
     std::string name;
     std::vector<MeasuredPoint> points;
-    bool hidden = false;             // in views
-    double width = 0;                // of a profile
-    std::optional<Surface> surface;  // of a distance to a surface
+    bool hidden = false;           // in views
+    double width = 0;              // of a profile
+    std::optional<Shape> surface;  // of a distance to a surface
     // Numbers that took a pass over clouds (volume, profile); values_of() gives them back, before all others.
     std::vector<MeasureValue> computed;
 };

@@ -1,9 +1,9 @@
 #include "pcm/measure/measure_export.h"
 
 #include "pcm/cad/dxf_file.h"
-#include "pcm/measure/new_output.h"
 #include "pcm/measure/polygon.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
 #include "pcm/system/text.h"
 

@@ -4,13 +4,11 @@
 #pragma once
 
 #include "pcm/measure/measure.h"
+#include "pcm/system/undo_list.h"
 
 #include <cstddef>
-#include <deque>
 #include <filesystem>
-#include <memory>
 #include <string>
-#include <vector>
 
 namespace pcm {
 
@@ -18,10 +16,10 @@ namespace pcm {
 // Error(invalid_argument) for an index that the list does not have, and then change nothing.
 class MeasureList {
 public:
-    std::size_t size() const { return measures_.size(); }
-    bool empty() const { return measures_.empty(); }
-    const Measure& operator[](std::size_t index) const { return *measures_[index]; }  // index < size()
-    const Measure& at(std::size_t index) const;
+    std::size_t size() const { return list_.size(); }
+    bool empty() const { return size() == 0; }
+    const Measure& operator[](std::size_t index) const { return list_[index]; }  // index < size()
+    const Measure& at(std::size_t index) const { return list_.at(index); }
 
     // At the end; returns its index. A measure without a name gets that of its kind and the first free number:
     // "Distance 1". Throws what rename() throws.
@@ -32,13 +30,13 @@ public:
     void hide(std::size_t index, bool hidden);
     // Another one in its place: its points were moved, say.
     void replace(std::size_t index, Measure measure);
-    void remove(std::size_t index);
-    void clear();
+    void remove(std::size_t index) { list_.remove(index); }
+    void clear() { list_.clear(); }
 
-    bool can_undo() const { return !undone_.empty(); }
-    bool can_redo() const { return !redone_.empty(); }
-    void undo();  // does nothing when there is nothing to undo
-    void redo();
+    bool can_undo() const { return list_.can_undo(); }
+    bool can_redo() const { return list_.can_redo(); }
+    void undo() { list_.undo(); }  // does nothing when there is nothing to undo
+    void redo() { list_.redo(); }
 
     // All of it as JSON, numbers with all digits; parse() gives the same list back, without steps to undo. Throws
     // Error(invalid_argument) for numbers that are not finite, which JSON lacks.
@@ -49,14 +47,7 @@ public:
     static MeasureList read(const std::filesystem::path& file);
 
 private:
-    using Measures = std::vector<std::shared_ptr<const Measure>>;
-    void change(Measures measures);
-    void check_index(std::size_t index) const;
-    std::string free_name(MeasureKind kind) const;
-
-    Measures measures_;
-    std::deque<Measures> undone_;  // the states before, the last one last
-    std::vector<Measures> redone_;
+    UndoList<Measure> list_{"measure"};
 };
 
 }  // namespace pcm

@@ -120,7 +120,8 @@ std::vector<MeasureValue> angle_values(const Measure& measure)
 
 std::vector<MeasureValue> surface_values(const Measure& measure)
 {
-    if (!measure.surface) refuse("the measure 'surface' has no surface: a plane, sphere or cylinder is needed");
+    if (!measure.surface)
+        refuse("the measure 'surface' has no surface: a plane, cylinder, sphere, cone or torus is needed");
     check(*measure.surface);
     const MeasuredPoint& point = measure.points[0];
     return {{"distance", distance_to(*measure.surface, point.position), std::sqrt(point.variance()), ""}};

@@ -1,8 +1,8 @@
 // Profiles as CSV and DXF.
 #include "pcm/cad/dxf_file.h"
-#include "pcm/measure/new_output.h"
 #include "pcm/measure/profile.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
 #include "pcm/system/text.h"
 

@@ -1,4 +1,4 @@
-// Finds all planes, cylinders, spheres (cones, tori) of a cloud.
+// Finds all planes, cylinders and spheres of a cloud.
 #pragma once
 
 #include "pcm/cloud/selection.h"
@@ -16,29 +16,36 @@
 
 namespace pcm {
 
+class PointLabels;
+
 struct DetectOptions {
-    std::vector<ShapeKind> kinds{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+    std::vector<ShapeKind> kinds{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};  // no others
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
     std::uint64_t least_points = 500;  // of a primitive
     double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians
-    double step = 0;            // points farther apart are not of one primitive, source units; 0: from the spacing
-    double probability = 0.99;  // that a primitive of the least size is not overlooked
+    double step =
+        0;  // points farther apart are not of one primitive, source units; 0: as the spacing around each allows
     std::uint64_t seed = 1;
     Selection limit;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
-    unsigned threads = 0;  // 0: one per processor
+    unsigned threads = 0;  // 0: one per processor; fewer run where the memory does not suffice for all
     ProgressFunction progress;
 };
 
 struct DetectReport {
     Outcome outcome;                    // in: points looked at; out: points that belong to a primitive
     std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
-    double threshold = 0, step = 0;     // that were used
+    double threshold = 0, step = 0;     // that were used; step 0: as the spacing allows
+    double spacing = 0, noise = 0;      // of the cloud, source units, as far as a few places say
+    double sample = 0;                  // shapes are searched in one point for each cell of this size, source units
     std::vector<std::string> notes;
+    std::shared_ptr<const PointLabels> labels;  // of all points: label, or 0
 };
 
-// In bounded memory. The result depends on the seed, not on threads. Throws Error(invalid_argument) for options out of
-// range, what Selector throws, Error(cancelled), and what reading throws.
+// In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
+// with a label is within the threshold of its primitive's shape. The result depends on the seed, and neither on threads
+// nor on memory. Throws Error(invalid_argument) for options out of range and kinds that are not searched for, what
+// Selector throws, Error(cancelled), and what reading and the scratch file throw.
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
 
 struct LabelOptions {
@@ -49,8 +56,15 @@ struct LabelOptions {
     ProgressFunction progress;
 };
 
-// Writes which primitive each point belongs to, as detect_primitives() decided. Atomic.
-std::filesystem::path label_primitives(const std::shared_ptr<const Tree>& tree, const DetectReport& found,
-                                       const DetectOptions& options, const LabelOptions& labels);
+struct LabelReport {
+    Outcome outcome;             // in: points of the tree; out: points whose value was changed
+    std::filesystem::path tree;  // that was changed or written
+};
+
+// Writes which primitive each point belongs to, as detect_primitives() found. Atomic. Throws Error(invalid_argument)
+// when the tree was changed since, and for an attribute of that name and another type; what UpdateTarget, reading and
+// writing throw.
+LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const DetectReport& found,
+                             const LabelOptions& options);
 
 }  // namespace pcm

@@ -14,11 +14,13 @@
 namespace pcm {
 
 struct NearOptions {
-    // One of both: all points within a radius (source units), or the nearest `count`.
+    // One of both: all points within a radius (source units, inclusive), or the nearest `count`.
     double radius = 0;
     std::size_t count = 0;
-    Selection limit;             // only points that it chooses: clip box, conditions
-    std::size_t most = 1000000;  // of these a part evenly spread, when there are more
+    Selection limit;  // only points that it chooses: clip box, conditions
+    // When there are more, only so many are given: those of the coarsest levels, which are spread evenly, and of the
+    // level that does not fit a part at random, the same each time.
+    std::size_t most = 1000000;
     ProgressFunction progress;
 };
 
@@ -27,15 +29,20 @@ struct NearPoints {
         NodeId node = no_node;
         std::uint32_t index = 0;  // in the node's chunk
     };
-    FitPoints points;         // with the cloud's normals, where it has any
+    FitPoints points;         // the nearest first; with the cloud's normals, where it has any
     std::vector<Id> ids;      // of the same points
     std::uint64_t found = 0;  // points there, before `most`
-    double radius = 0;        // of the sphere about the seed that holds them
-    double spacing = 0;       // typical distance of a point to its nearest neighbour, source units
+    double radius = 0;        // of the sphere about the place that holds them
+    // Median distance of the nearest (at most 256) points to the nearest of them at another place, source units; 0
+    // where there are no two places.
+    double spacing = 0;
 };
 
-// At full density, out of core. Throws Error(invalid_argument) for options out of range (no or both sizes), what
-// Selector throws, Error(cancelled), and what reading throws. A place without points gives none.
+// At full density, out of core: nodes are read from the tree on disk, past any cache, the nearest first, and of them
+// the segments that can hold wanted points. Distances and order are those of query/nearest.h, of the source coordinates
+// that readers get. One thread. Memory: a chunk, and about 90 bytes per point that is given. Throws
+// Error(invalid_argument) for options out of range (no or both sizes, more than 10 million points), what Selector
+// throws, Error(cancelled), and what reading throws. A place without points gives none.
 NearPoints points_near(const PointCloud& cloud, const Vec3d& place, const NearOptions& options);
 
 }  // namespace pcm

@@ -2,10 +2,9 @@
 #pragma once
 
 #include "pcm/fit/primitive.h"
+#include "pcm/system/undo_list.h"
 
 #include <cstddef>
-#include <deque>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,34 +14,32 @@ namespace pcm {
 // Error(invalid_argument) for an index that the list does not have, and then change nothing.
 class PrimitiveList {
 public:
-    std::size_t size() const { return primitives_.size(); }
-    bool empty() const { return primitives_.empty(); }
-    const Primitive& operator[](std::size_t index) const { return *primitives_[index]; }  // index < size()
+    std::size_t size() const { return list_.size(); }
+    bool empty() const { return size() == 0; }
+    const Primitive& operator[](std::size_t index) const { return list_[index]; }  // index < size()
+    const Primitive& at(std::size_t index) const { return list_.at(index); }
 
     // At the end; returns its index. Without a name it gets that of its kind and the first free number: "Cylinder 3".
+    // Throws what rename() throws.
     std::size_t add(Primitive primitive);
-    void add_all(const std::vector<Primitive>& primitives);  // one step
+    void add_all(std::vector<Primitive> primitives);  // one step; none for no primitives
+    // Names are no key: two primitives may have the same. Throws Error(invalid_argument) for a name that is empty,
+    // longer than 1000 bytes, or has control characters.
     void rename(std::size_t index, const std::string& name);
     void hide(std::size_t index, bool hidden);
     void replace(std::size_t index, Primitive primitive);
-    void remove(std::size_t index);
-    void clear();
+    void remove(std::size_t index) { list_.remove(index); }
+    void clear() { list_.clear(); }
 
-    bool can_undo() const { return !undone_.empty(); }
-    bool can_redo() const { return !redone_.empty(); }
-    void undo();
-    void redo();
+    bool can_undo() const { return list_.can_undo(); }
+    bool can_redo() const { return list_.can_redo(); }
+    void undo() { list_.undo(); }  // does nothing when there is nothing to undo
+    void redo() { list_.redo(); }
 
     std::vector<Primitive> all() const;
 
 private:
-    using Primitives = std::vector<std::shared_ptr<const Primitive>>;
-    void change(Primitives primitives);
-    void check_index(std::size_t index) const;
-
-    Primitives primitives_;
-    std::deque<Primitives> undone_;
-    std::vector<Primitives> redone_;
+    UndoList<Primitive> list_{"primitive"};
 };
 
 }  // namespace pcm

@@ -126,6 +126,7 @@ private:
     {
         PointSet seeds(reached_.shared_tree());
         ScanOptions scan;
+        scan.test = options_.test;
         scan.within = &reached_;
         scan.columns = ColumnSet::only_positions();
         scan.select.threads = options_.threads;
@@ -170,6 +171,7 @@ private:
         Selection here = options_.limit;
         here.box = here.box ? intersection(*here.box, unit.box) : unit.box;
         ScanOptions scan;
+        scan.test = options_.test;
         scan.columns = ColumnSet::only_positions();
         scan.select = alone();
         scan_points(tree_, here, scan, [&](const ScannedPoints& found) {

@@ -75,6 +75,7 @@ private:
         columns.positions = whole != BoxRelation::inside;
         for (const std::size_t k : selector_.tested()) columns.attributes.set(k);
         if (options_.columns) columns |= *options_.columns;
+        if (options_.test && whole != BoxRelation::inside) columns |= options_.test->columns();
         std::vector<BoxRelation> relations;
         const auto wanted = [&](const Box3i& box, std::uint16_t level) {
             if (options_.select.level && level > *options_.select.level) return false;
@@ -109,8 +110,13 @@ private:
         std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
         for (const std::size_t a : selector_.tested()) columns[a] = chunk.attributes[a].get();
         selector_.narrow(columns, position, some, relation);
+        if (relation != BoxRelation::inside && options_.test) {
+            std::vector<Vec3d> positions;
+            positions.reserve(some.size());
+            for (const std::uint32_t i : some) positions.push_back(position(i));
+            options_.test->narrow(chunk, positions, some);
+        }
         for (const std::uint32_t i : some) {
-            if (relation != BoxRelation::inside && options_.test && !options_.test->holds(position(i))) continue;
             found.indices.push_back(i);
             found.numbers.push_back(found.part.first[k] + (i - begin));
         }
@@ -125,6 +131,14 @@ private:
 };
 
 }  // namespace
+
+void PlaceTest::narrow(const Chunk&, const std::vector<Vec3d>& positions, std::vector<std::uint32_t>& some) const
+{
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < some.size(); ++k)
+        if (holds(positions[k])) some[kept++] = some[k];
+    some.resize(kept);
+}
 
 void scan_points(const Tree& tree, const Selection& selection, const ScanOptions& options,
                  const std::function<void(const ScannedPoints&)>& take)

@@ -20,9 +20,15 @@ namespace pcm {
 class PlaceTest {
 public:
     virtual ~PlaceTest() = default;
-    // Conservative like Region::relation(), for boxes of source coordinates.
+    // Conservative like Region::relation(), for boxes of source coordinates. The points of a box inside are not asked
+    // about: a test that looks at attributes calls no box that.
     virtual BoxRelation relation(const Box3d& box) const = 0;
     virtual bool holds(const Vec3d& p) const = 0;
+    // What narrow() looks at beside positions.
+    virtual ColumnSet columns() const { return {}; }
+    // Keeps those of the indices of points in `chunk` that hold; positions[k] are the source coordinates of some[k].
+    virtual void narrow(const Chunk& chunk, const std::vector<Vec3d>& positions,
+                        std::vector<std::uint32_t>& some) const;
 };
 
 // Some points of a node that were chosen.

@@ -3,6 +3,7 @@
 #include "plugin/edit/clip/clip_text.h"
 #include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/tools.h"
+#include "plugin/host/primitive_book.h"
 
 using namespace pcm::host;
 
@@ -10,6 +11,7 @@ PointCloudTools::PointCloudTools()
 {
     keep_clip_boxes_in_projects();
     keep_measures_in_projects();
+    keep_primitives_in_projects();
     for (const Tool& tool : tools()) {
         auto* action = new QAction(tool.icon(), tool.name, this);
         action->setCheckable(true);

@@ -116,6 +116,21 @@ QIcon measure_icon()
     });
 }
 
+QIcon fit_icon()
+{
+    return painted([](QPainter& painter) {
+        const QPolygonF pipe({{18, 14}, {46, 14}, {46, 52}, {18, 52}});
+        draw_points(painter, pipe, QColor(220, 60, 30), QColor(190, 200, 210));
+        painter.setBrush(Qt::NoBrush);
+        painter.setPen(QPen(QColor(40, 40, 40), 3));
+        painter.drawLine(16, 12, 16, 52);
+        painter.drawLine(48, 12, 48, 52);
+        painter.drawArc(QRectF(16, 46, 32, 12), 180 * 16, 180 * 16);
+        painter.setBrush(QColor(250, 215, 110));
+        painter.drawEllipse(QRectF(16, 6, 32, 12));
+    });
+}
+
 QIcon pick_point_icon()
 {
     return painted([](QPainter& painter) {

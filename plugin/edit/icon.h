@@ -15,6 +15,8 @@ QIcon clip_box_icon();
 QIcon select_points_icon();
 // Two point clouds, joined by lines.
 QIcon align_icon();
+// A cylinder of lines around coloured points.
+QIcon fit_icon();
 // A line between two crosses above a ruler.
 QIcon measure_icon();
 

@@ -2,6 +2,7 @@
 
 #include "plugin/edit/align/align_tool.h"
 #include "plugin/edit/clip/clip_tool.h"
+#include "plugin/edit/fit/fit_tool.h"
 #include "plugin/edit/icon.h"
 #include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/pick/pick_tool.h"
@@ -46,6 +47,11 @@ const std::vector<Tool>& tools()
          "Selects points of the cloud itself, not of its sample: by a rectangle, a polygon, a brush, by growing, or by "
          "conditions on attributes. What is selected can be extracted, deleted, classified or saved as an attribute.",
          select_points_icon, make<SelectTool>},
+        {"Fit Primitives",
+         "A click on a surface fits a plane, cylinder, sphere, cone or torus to the points around it and follows it "
+         "through the whole cloud. The list of primitives, with their standard deviations, is kept in the project and "
+         "exported as DXF, SCR, CSV and JSON; their points are extracted, deleted or saved as an attribute.",
+         fit_icon, make<FitTool>},
         {"Align by Picked Pairs",
          "Moves one point cloud to another by three or more pairs of points that are picked in the view: residuals, "
          "uncertainty, the layer's matrix with undo, or a new tree moved in double.",

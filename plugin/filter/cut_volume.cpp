@@ -1,8 +1,8 @@
 // Cut Volume: between a tree's surface and a height, a plane or another tree.
 #include "pcm/measure/volume.h"
 
-#include "pcm/measure/new_output.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/measure_parameters.h"
 #include "plugin/filter/parameters.h"

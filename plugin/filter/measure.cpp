@@ -1,9 +1,9 @@
 // Measure: numbers at points that are given, or at the points of a cloud nearest to them.
 #include "pcm/measure/measure.h"
 
-#include "pcm/measure/new_output.h"
 #include "pcm/measure/snap.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/measure_parameters.h"
 #include "plugin/filter/parameters.h"
@@ -39,7 +39,8 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(
         RichString("Surface", "", "Surface",
                    "For the distance to a surface, in source coordinates and units: 'plane X Y Z NX NY NZ', "
-                   "'sphere X Y Z RADIUS' or 'cylinder X Y Z AX AY AZ RADIUS'. Empty by default."));
+                   "'cylinder X Y Z AX AY AZ RADIUS', 'sphere X Y Z RADIUS', 'cone X Y Z AX AY AZ DEGREES' (apex, axis "
+                   "inwards, half the opening angle) or 'torus X Y Z AX AY AZ RADIUS TUBE'. Empty by default."));
     parameters.addParam(RichString("Name", "", "Name", "Name of the measure. Default: its kind and a number."));
     parameters.addParam(RichString("ListFile", "", "List",
                                    "A list of measures (.json): they are written to the output file too, before the "
@@ -57,7 +58,7 @@ Measure measure_of(const FilterRun& run, PointCloud* cloud)
         if (measure.kind != MeasureKind::surface)
             throw Error(ErrorCode::invalid_argument, {}, "a surface is given, but nothing is measured to it",
                         "choose 'Distance to a plane, sphere or cylinder', or empty the parameter Surface");
-        measure.surface = parse_surface(surface.toStdString());
+        measure.surface = parse_shape(surface.toStdString());
     }
     for (const Vec3d& place : points_parameter(run.parameters, "Points", "Points", 3)) {
         MeasuredPoint point;

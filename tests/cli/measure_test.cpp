@@ -122,6 +122,23 @@ TEST_F(MeasureCommands, ProfileOfATree)
     EXPECT_NE(text.out.find("height "), std::string::npos) << text.out;
 }
 
+TEST_F(MeasureCommands, ClipsHoldInProfilesAndVolumes)
+{
+    make_tree("a", 1);
+    const std::string tree = path("a.pct"), inside = " --clip 'box 500010 4800010 0 500040 4800050 999'",
+                      hole = " --clip-outside 'sphere 500030 4800030 90 8'",
+                      box = "query --count " + tree + " --box 500000 4800029 0 500060 4800031 999";
+    const std::string line = "profile " + tree + " --line 500000 4800030 500060 4800030 -w 2";
+    const Json clipped = json_of(line + inside + hole), all = json_of(line);
+    EXPECT_EQ(clipped["points"], json_of(box + inside + hole)["points"]);
+    EXPECT_GT(clipped["points"], 0);
+    EXPECT_LT(json_of(line + inside)["points"], all["points"]);
+    const Json volume = json_of("volume " + tree + " --side 2 --reference 90" + inside + hole);
+    EXPECT_EQ(volume["points_of_tree"], json_of("query --count " + tree + inside + hole)["points"]);
+    EXPECT_GT(volume["area_without_data"], json_of("volume " + tree + " --side 2 --reference 90")["area_without_data"]);
+    expect_refused(line + " --clip 'ball 1 2 3 4'", 1, "ball");
+}
+
 TEST_F(MeasureCommands, VolumeOfATree)
 {
     make_tree("a", 1);

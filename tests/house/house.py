@@ -32,7 +32,7 @@ PACKAGES = {
     r"<dxflib/": {"cad"},
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
-    r"<pcl/": {"bench"},
+    r"<pcl/": {"fit", "bench"},
     r"<flann/": {"knn", "bench"},
     r"<nanoflann": {"tests", "bench"},
 }

@@ -27,7 +27,7 @@ Measure full_measure(double x)
     measure.points = {{{x, -x / 3, 1e-7 * x}, x / 7, x * 1e-9, "folder/with \\ and \".pct"}};
     measure.hidden = true;
     measure.width = x / 11;
-    measure.surface = Surface{Surface::Shape::cylinder, {x, x / 3, -x}, {0.1, 0.2, 0.3}, x / 13};
+    measure.surface = Shape{ShapeKind::cylinder, {x, x / 3, -x}, normalised({0.1, 0.2, 0.3}), x / 13, 0};
     measure.computed = {{"net", -x / 17, x / 19, "^3"}, {"area", x, 0, "^2"}};
     return measure;
 }
@@ -40,8 +40,8 @@ void expect_equal(const Measure& a, const Measure& b)
     EXPECT_EQ(a.width, b.width);
     ASSERT_EQ(a.surface.has_value(), b.surface.has_value());
     if (a.surface) {
-        EXPECT_EQ(a.surface->shape, b.surface->shape);
-        EXPECT_EQ(a.surface->origin, b.surface->origin);
+        EXPECT_EQ(a.surface->kind, b.surface->kind);
+        EXPECT_EQ(a.surface->point, b.surface->point);
         EXPECT_EQ(a.surface->axis, b.surface->axis);
         EXPECT_EQ(a.surface->radius, b.surface->radius);
     }
@@ -209,6 +209,20 @@ TEST(MeasureList, WrongTextIsNamed)
     };
     for (const auto& [text, expected] : cases)
         EXPECT_NE(error(text).find(expected), std::string::npos) << text << "\n" << error(text);
+}
+
+TEST(MeasureList, SurfacesWithAnAxisOfAnyLengthAreRead)
+{
+    const auto distance = [](const std::string& surface) {
+        const MeasureList list =
+            MeasureList::parse(R"({"format":"pcm measures","version":1,"measures":[{"kind":"surface","name":"a",)"
+                               R"("surface":")" +
+                               surface + R"(","points":[{"position":[3,4,9]}]}]})");
+        return values_of(list[0])[0].value;
+    };
+    EXPECT_DOUBLE_EQ(distance("cylinder 0 0 0 0 0 0.25 2"), 3);
+    EXPECT_DOUBLE_EQ(distance("plane 0 0 1 0 0 -7"), 8);
+    EXPECT_DOUBLE_EQ(distance("cone 0 0 9 0 0 7 45"), std::sqrt(12.5));
 }
 
 TEST(MeasureList, FilesAreNamedInErrors)

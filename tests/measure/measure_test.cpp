@@ -335,7 +335,7 @@ TEST(Measure, DistanceToSurfaces)
 {
     const auto distance = [](const std::string& surface, const Vec3d& p) {
         Measure measure = measure_at(MeasureKind::surface, {p}, 0.4);
-        measure.surface = parse_surface(surface);
+        measure.surface = parse_shape(surface);
         EXPECT_NEAR(value_of(measure, "distance").uncertainty, 0.1, 1e-15);
         return value_of(measure, "distance").value;
     };
@@ -347,12 +347,14 @@ TEST(Measure, DistanceToSurfaces)
     EXPECT_EQ(distance("cylinder 1 1 0 0 0 7 6", {4, 5, -100}), 1);
     // Far out, 1 mm from a tilted plane through a map coordinate.
     EXPECT_NEAR(distance("plane 5000000 4800000 100 2 3 6", {5000002.0, 4800003.0, 106.0}), 7, 1e-12);
-    for (const char* text :
-         {"", "cone 1 2 3 4", "plane 1 2 3 4 5", "plane 1 2 3 4 5 6 7", "plane 1 2 3 4 5 x", "plane 1 2 3 0 0 0",
-          "sphere 0 0 0 0", "sphere 0 0 0 -1", "cylinder 0 0 0 0 0 0 1", "sphere nan 0 0 1"})
-        EXPECT_THROW(parse_surface(text), Error) << text;
-    const Surface surface = parse_surface("cylinder 500000.123 4800000.456 -0.1 0.3 0 1 0.025");
-    EXPECT_EQ(text_of(surface), "cylinder 500000.123 4800000.456 -0.1 0.3 0 1 0.025");
+    for (const char* text : {"", "cone 1 2 3 4", "cone 0 0 0 0 0 1 90", "torus 0 0 0 0 0 1 1 2", "cube 1 2 3",
+                             "plane 1 2 3 4 5", "plane 1 2 3 4 5 6 7", "plane 1 2 3 4 5 x", "plane 1 2 3 0 0 0",
+                             "sphere 0 0 0 0", "sphere 0 0 0 -1", "cylinder 0 0 0 0 0 0 1", "sphere nan 0 0 1"})
+        EXPECT_THROW(parse_shape(text), Error) << text;
+    EXPECT_NEAR(distance("cone 1 2 3 0 0 1 45", {1, 3, 3}), std::sqrt(0.5), 1e-15);
+    EXPECT_NEAR(distance("cone 1 2 3 0 0 1 45", {1, 2, 4}), std::sqrt(0.5), 1e-15);  // inside
+    EXPECT_EQ(distance("torus 0 0 0 0 0 2 5 1", {0, 9, 0}), 3);
+    EXPECT_EQ(distance("torus 0 0 0 0 0 2 5 1", {5, 0, 0}), 1);  // inside
     EXPECT_NE(refusal(measure_at(MeasureKind::surface, {{1, 2, 3}})).find("no surface"), std::string::npos);
 }
 

@@ -49,7 +49,7 @@ void free_index(void* index) { delete static_cast<Index*>(index); }
 }  // namespace
 }  // namespace pcm
 
-extern "C" __attribute__((visibility("default"))) const pcm::FlannFunctions* pcm_flann_functions()
+extern "C" __attribute__((visibility("default"))) const void* pcm_flann_functions()
 {
     static constexpr pcm::FlannFunctions functions{pcm::flann_module_version, pcm::make, pcm::search, pcm::free_index};
     return &functions;

@@ -22,8 +22,7 @@ struct FlannFunctions {
 inline constexpr std::uint32_t flann_module_version = 1;
 inline constexpr std::size_t flann_message_bytes = 256;
 
-// The one symbol of the shared object.
-using FlannModule = const FlannFunctions* (*)();
+// The one symbol of the shared object: see system/shared_module.h.
 inline constexpr const char* flann_module_symbol = "pcm_flann_functions";
 
 }  // namespace pcm

@@ -1,10 +1,6 @@
 #include "plugin/edit/measure/look_at.h"
 
-#include "pcm/cloud/vector.h"
-#include "plugin/edit/scene_bounds.h"
-#include "plugin/host/registry.h"
-
-#include <meshlab/glarea.h>
+#include "plugin/edit/look_at.h"
 
 #include <algorithm>
 
@@ -12,29 +8,19 @@ namespace pcm::host {
 
 namespace {
 
-// MeshLab's view spans 1.75 of the trackball's units above and below its centre (host/trackball_pose.h).
-constexpr double shown_radius = 1.75, filled = 0.35;
 constexpr double least_spacings = 100;  // the radius of a single point's surroundings
 
 }  // namespace
 
 void look_at(GLArea& view, const std::vector<MeasuredPoint>& points)
 {
-    if (points.empty()) return;
     Box3d box;
     double spacing = 0;
     for (const MeasuredPoint& point : points) {
         box.extend(point.position);
         spacing = std::max(spacing, point.spacing);
     }
-    const double all = bounds_of_shown(view).diagonal();
-    double radius = std::max(box.diagonal() / 2, least_spacings * spacing);
-    if (!(radius > 0)) radius = all > 0 ? all / 100 : 1;
-    const Vec3d centre = box.centre() - Registry::instance().origin_of(*view.md()).value_or(Vec3d{});
-    auto& track = view.trackball.track;
-    track.sca = static_cast<float>(filled * shown_radius / radius);
-    track.tra = vcg::Point3f(float(-centre[0]), float(-centre[1]), float(-centre[2]));
-    view.update();
+    look_at(view, box, least_spacings * spacing);
 }
 
 }  // namespace pcm::host

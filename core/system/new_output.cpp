@@ -1,4 +1,4 @@
-#include "pcm/measure/new_output.h"
+#include "pcm/system/new_output.h"
 
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"

@@ -1,0 +1,33 @@
+// What bench_fit compares, by name.
+#pragma once
+
+#include "bench/fit/fit_scene.h"
+#include "pcm/fit/shape_fit.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::bench {
+
+struct MethodResult {
+    std::optional<Shape> shape;
+    std::string verdict, issue;  // of ours
+    double radius_sigma = 0;     // that it claims; of ours
+    std::uint64_t samples = 0;
+};
+
+struct Method {
+    std::string name;
+    std::function<MethodResult(const FitScene&, const ShapeFitOptions&)> run;
+};
+
+// "own-msac", "pcl-msac", "pcl-msac-raw" (without PCL's least squares at the end), "pcl-rransac-default" (with PCL's
+// own pretest), "cgal": those that are here.
+std::vector<Method> fit_methods();
+
+// CGAL's efficient RANSAC, the shape with the most points: where CGAL is.
+MethodResult fit_by_cgal(const FitScene& scene, const ShapeFitOptions& options);
+
+}  // namespace pcm::bench

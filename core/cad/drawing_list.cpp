@@ -1,0 +1,73 @@
+#include "pcm/cad/drawing_list.h"
+
+#include "pcm/system/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+void check_numbers(const Primitive& primitive)
+{
+    const ShapeBounds& bounds = primitive.bounds;
+    try {
+        check(primitive.fit.shape);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::invalid_argument, {}, "'" + primitive.name + "': " + error.what());
+    }
+    if (!std::all_of(bounds.outline.begin(), bounds.outline.end(), is_finite) || !std::isfinite(bounds.from) ||
+        !std::isfinite(bounds.to) || !is_finite(bounds.zero) || !std::isfinite(bounds.begin) ||
+        !std::isfinite(bounds.end))
+        throw Error(ErrorCode::invalid_argument, {}, "the bounds of '" + primitive.name + "' are not finite");
+}
+
+std::string counted(std::size_t count, const std::string& word, const std::string& one, const std::string& several)
+{
+    return std::to_string(count) + " " + word + (count == 1 ? " " + one : "s " + several);
+}
+
+}  // namespace
+
+std::vector<std::string> DrawingList::names() const
+{
+    std::vector<std::string> names;
+    for (const Primitive* primitive : shown) names.push_back(primitive->name);
+    return names;
+}
+
+DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
+{
+    DrawingList list;
+    std::size_t hidden = 0;
+    std::array<std::size_t, 5> unbounded{};
+    for (const Primitive& primitive : primitives) {
+        const ShapeKind kind = primitive.fit.shape.kind;
+        if (primitive.hidden) {
+            ++hidden;
+            continue;
+        }
+        check_numbers(primitive);
+        if (bounded && !primitive.bounds.known(kind))
+            ++unbounded[static_cast<std::size_t>(kind)];
+        else
+            list.shown.push_back(&primitive);
+    }
+    if (hidden) list.notes.push_back(counted(hidden, "hidden primitive", "is left out", "are left out"));
+    for (const ShapeTraits& traits : shape_kinds()) {
+        const std::string what = traits.kind == ShapeKind::plane ? "no outline" : "no known length";
+        if (const std::size_t count = unbounded[static_cast<std::size_t>(traits.kind)])
+            list.notes.push_back(
+                counted(count, traits.name, "has " + what + " and is left out", "have " + what + " and are left out"));
+    }
+    if (list.shown.empty()) {
+        std::string why = primitives.empty() ? "the list is empty" : "";
+        for (const std::string& note : list.notes) why += (why.empty() ? "" : "; ") + note;
+        throw Error(ErrorCode::invalid_argument, {}, "there is no primitive to write: " + why);
+    }
+    return list;
+}
+
+}  // namespace pcm

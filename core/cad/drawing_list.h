@@ -1,0 +1,26 @@
+// What of a list of primitives is drawn.
+#pragma once
+
+#include "pcm/cad/primitive_files.h"
+
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct DrawingList {
+    std::vector<const Primitive*> shown;
+    std::vector<std::string> notes;  // what is left out, and why
+
+    std::vector<std::string> names() const;
+};
+
+// Without hidden ones and, `bounded`, those whose bounds are not known. Throws Error(invalid_argument) where nothing is
+// left and for numbers that are not finite.
+DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded);
+
+// Writers of the formats; `file` may be written.
+void write_drawing(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
+void write_script(const std::filesystem::path& file, const DrawingList& list, const CadOptions& options);
+
+}  // namespace pcm

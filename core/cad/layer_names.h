@@ -1,0 +1,16 @@
+// Layers of drawings with a layer per thing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// A name for each that a layer may have, all different, in capital letters too, and none "0" or "Defpoints", which
+// programs have already: "Wall", "Wall (2)". Characters that no layer's name may have become "_", others beyond ASCII
+// stay. At most 255 characters as dxf_text() writes them.
+std::vector<std::string> layer_names(const std::vector<std::string>& names);
+// The same for names that are typed: letters, digits, "-", "_" and "$" of ASCII alone.
+std::vector<std::string> plain_layer_names(const std::vector<std::string>& names);
+
+}  // namespace pcm

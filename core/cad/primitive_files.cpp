@@ -1,0 +1,194 @@
+#include "pcm/cad/primitive_files.h"
+
+#include "pcm/cad/drawing_list.h"
+#include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
+#include "pcm/system/output_file.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+
+namespace pcm {
+namespace {
+
+constexpr std::array<const char*, 6> unit_names{"", "m", "mm", "cm", "ft", "in"};
+constexpr double degree = pi / 180;
+
+enum class ColumnUnit { none, length, angle };
+
+// One column of the table. Empty: the primitive has no such number.
+struct Column {
+    const char* name;
+    ColumnUnit unit;
+    std::string (*text)(const Primitive& primitive);
+};
+
+std::string number(double value) { return std::isfinite(value) ? exact(value) : value > 0 ? "inf" : ""; }
+std::string angle(double value) { return number(value / degree); }
+const ShapeTraits& traits(const Primitive& p) { return traits_of(p.fit.shape.kind); }
+bool has_ends(const Primitive& p)
+{
+    const ShapeKind kind = p.fit.shape.kind;
+    return (kind == ShapeKind::cylinder || kind == ShapeKind::cone) && p.bounds.known(kind);
+}
+template <std::size_t A>
+std::string point_at(const Primitive& p)
+{
+    return number(p.fit.shape.point[A]);
+}
+template <std::size_t A>
+std::string axis_at(const Primitive& p)
+{
+    return traits(p).axis ? number(p.fit.shape.axis[A]) : "";
+}
+template <std::size_t A, bool To>
+std::string end_at(const Primitive& p)
+{
+    if (!has_ends(p)) return "";
+    return number(p.fit.shape.point[A] + (To ? p.bounds.to : p.bounds.from) * p.fit.shape.axis[A]);
+}
+
+std::string arc_text(const Primitive& p)
+{
+    const bool about_axis = traits(p).axis && p.fit.shape.kind != ShapeKind::plane;
+    return about_axis && p.bounds.zero != Vec3d{} ? angle(p.bounds.end - p.bounds.begin) : "";
+}
+
+std::string area_text(const Primitive& p)
+{
+    const std::vector<Vec3d>& outline = p.bounds.outline;
+    if (p.fit.shape.kind != ShapeKind::plane || outline.empty()) return "";
+    double sum = 0;
+    for (std::size_t i = 1; i + 1 < outline.size(); ++i)
+        sum += dot(p.fit.shape.axis, cross(outline[i] - outline[0], outline[i + 1] - outline[0]));
+    return number(std::fabs(sum) / 2);
+}
+
+std::string colour_text(const Primitive& p)
+{
+    char text[8];
+    std::snprintf(text, sizeof text, "#%02x%02x%02x", p.colour[0], p.colour[1], p.colour[2]);
+    return text;
+}
+
+using P = const Primitive&;
+constexpr auto plain = ColumnUnit::none, length_unit = ColumnUnit::length, angle_unit = ColumnUnit::angle;
+const std::vector<Column>& columns()
+{
+    static const std::vector<Column> table{
+        {"name", plain, [](P p) { return p.name; }},
+        {"kind", plain, [](P p) { return std::string(traits(p).name); }},
+        {"colour", plain, colour_text},
+        {"x", length_unit, point_at<0>},
+        {"y", length_unit, point_at<1>},
+        {"z", length_unit, point_at<2>},
+        {"axis_x", plain, axis_at<0>},
+        {"axis_y", plain, axis_at<1>},
+        {"axis_z", plain, axis_at<2>},
+        {"radius", length_unit, [](P p) { return traits(p).radius ? number(p.fit.shape.radius) : ""; }},
+        {"tube_radius", length_unit,
+         [](P p) { return p.fit.shape.kind == ShapeKind::torus ? number(p.fit.shape.second) : ""; }},
+        {"half_angle", angle_unit,
+         [](P p) { return p.fit.shape.kind == ShapeKind::cone ? angle(p.fit.shape.second) : ""; }},
+        {"sigma_position", length_unit, [](P p) { return number(p.fit.errors.position); }},
+        {"sigma_axis", angle_unit, [](P p) { return traits(p).axis ? angle(p.fit.errors.angle) : ""; }},
+        {"sigma_radius", length_unit, [](P p) { return traits(p).radius ? number(p.fit.errors.radius) : ""; }},
+        {"sigma_tube_radius", length_unit,
+         [](P p) { return p.fit.shape.kind == ShapeKind::torus ? number(p.fit.errors.second) : ""; }},
+        {"sigma_half_angle", angle_unit,
+         [](P p) { return p.fit.shape.kind == ShapeKind::cone ? angle(p.fit.errors.second) : ""; }},
+        {"rms", length_unit, [](P p) { return number(p.fit.rms); }},
+        {"noise", length_unit, [](P p) { return number(p.fit.noise); }},
+        {"threshold", length_unit, [](P p) { return number(p.fit.threshold); }},
+        {"inliers", plain, [](P p) { return std::to_string(p.fit.inliers); }},
+        {"points", plain, [](P p) { return std::to_string(p.points); }},
+        {"length", length_unit, [](P p) { return has_ends(p) ? number(p.bounds.to - p.bounds.from) : ""; }},
+        {"from_x", length_unit, end_at<0, false>},
+        {"from_y", length_unit, end_at<1, false>},
+        {"from_z", length_unit, end_at<2, false>},
+        {"to_x", length_unit, end_at<0, true>},
+        {"to_y", length_unit, end_at<1, true>},
+        {"to_z", length_unit, end_at<2, true>},
+        {"arc", angle_unit, arc_text},
+        {"area", plain, area_text},
+        {"label", plain, [](P p) { return p.label ? std::to_string(p.label) : ""; }},
+        {"verdict", plain, [](P p) { return std::string(name_of(p.fit.verdict)); }},
+        {"message", plain, [](P p) { return p.fit.message; }},
+        {"estimator", plain, [](P p) { return p.estimator; }},
+        {"cloud", plain, [](P p) { return p.cloud; }},
+    };
+    return table;
+}
+
+std::string heading(const Column& column, CadUnit unit)
+{
+    const std::string name = column.name, length = name_of(unit);
+    if (column.unit == ColumnUnit::angle) return name + " [deg]";
+    if (length.empty()) return name;
+    if (name == "area") return name + " [" + length + "^2]";
+    return column.unit == ColumnUnit::length ? name + " [" + length + "]" : name;
+}
+
+void write_table(const std::filesystem::path& file, const DrawingList& list, CadUnit unit)
+{
+    OutputFile output(file);
+    const auto row = [&](const auto& text) {
+        std::string line;
+        for (const Column& column : columns()) line += (line.empty() ? "" : ",") + csv_field(text(column));
+        output.append(line + "\r\n");
+    };
+    row([&](const Column& column) { return heading(column, unit); });
+    for (const Primitive* primitive : list.shown) row([&](const Column& column) { return column.text(*primitive); });
+    output.finish();
+}
+
+}  // namespace
+
+const char* name_of(CadUnit unit) { return unit_names[static_cast<std::size_t>(unit)]; }
+
+std::optional<CadUnit> cad_unit(const std::string& name)
+{
+    for (std::size_t i = 0; i < unit_names.size(); ++i)
+        if (name == unit_names[i]) return static_cast<CadUnit>(i);
+    return {};
+}
+
+CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
+                           const CadOptions& options)
+{
+    const std::string extension = lower_extension(file);
+    const auto is_it = [&](const char* other) { return extension == other; };
+    if (std::none_of(std::begin(cad_extensions), std::end(cad_extensions), is_it))
+        throw Error(ErrorCode::invalid_argument, file, "the extension says no format of primitives",
+                    "use .dxf, .scr, .csv or .json");
+    if (!(options.chord >= 0 && std::isfinite(options.chord)))
+        throw Error(ErrorCode::invalid_argument, file, "the chord tolerance is not 0 or above");
+    check_output(file, options.overwrite);
+    CadReport report;
+    if (extension == ".json") {
+        if (primitives.empty())
+            throw Error(ErrorCode::invalid_argument, file, "there is no primitive to write: the list is empty");
+        const std::string text = json_of(primitives);
+        OutputFile output(file);
+        output.append(text);
+        output.finish();
+        report.written = primitives.size();
+        return report;
+    }
+    DrawingList list = drawing_list(primitives, extension != ".csv");
+    if (extension == ".csv")
+        write_table(file, list, options.unit);
+    else if (extension == ".scr")
+        write_script(file, list, options);
+    else
+        write_drawing(file, list, options);
+    report.written = list.shown.size();
+    report.notes = list.notes;
+    return report;
+}
+
+}  // namespace pcm

@@ -1,0 +1,81 @@
+#include "pcm/cli/primitive_output.h"
+
+#include "pcm/cad/primitive_files.h"
+#include "pcm/primitives/primitive_list.h"
+#include "pcm/system/error.h"
+
+#include <cstdio>
+
+namespace pcm::cli {
+namespace {
+
+constexpr double degree = pi / 180;
+
+void line(const char* name, const std::string& value) { std::printf("  %-11s %s\n", name, value.c_str()); }
+
+std::string with_error(double value, double error, const char* unit = "")
+{
+    return exact(value) + " +- " + brief(error) + unit;
+}
+
+void print_bounds(const Shape& shape, const ShapeBounds& bounds)
+{
+    if (!bounds.known(shape.kind)) return;
+    if (shape.kind == ShapeKind::plane) line("outline", std::to_string(bounds.outline.size()) + " corners");
+    if (bounds.from < bounds.to) line("length", exact(bounds.to - bounds.from));
+    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone || shape.kind == ShapeKind::torus)
+        line("arc", brief((bounds.end - bounds.begin) / degree) + " degrees");
+}
+
+}  // namespace
+
+void print_primitive(const Primitive& primitive)
+{
+    const ShapeFit& fit = primitive.fit;
+    const ShapeTraits& traits = traits_of(fit.shape.kind);
+    std::printf("%s: %s%s\n", traits.label, name_of(fit.verdict),
+                fit.message.empty() ? "" : (" (" + fit.message + ")").c_str());
+    if (!fit.has_shape()) return;
+    const bool is_plane = fit.shape.kind == ShapeKind::plane;
+    line(is_plane || fit.shape.kind == ShapeKind::cylinder ? "point"
+         : fit.shape.kind == ShapeKind::cone               ? "apex"
+                                                           : "centre",
+         exact(fit.shape.point) + " +- " + brief(fit.errors.position));
+    if (traits.axis)
+        line(is_plane ? "normal" : "axis",
+             exact(fit.shape.axis) + " +- " + brief(fit.errors.angle / degree) + " degrees");
+    if (traits.radius) line("radius", with_error(fit.shape.radius, fit.errors.radius));
+    if (fit.shape.kind == ShapeKind::cone)
+        line("half angle", with_error(fit.shape.second / degree, fit.errors.second / degree, " degrees"));
+    if (fit.shape.kind == ShapeKind::torus) line("tube", with_error(fit.shape.second, fit.errors.second));
+    print_bounds(fit.shape, primitive.bounds);
+    line("noise",
+         brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
+    line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
+                       time_text(fit.seconds));
+}
+
+Json json_of(const Primitive& primitive)
+{
+    if (primitive.fit.has_shape()) return Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
+    return {{"kind", traits_of(primitive.fit.shape.kind).name},
+            {"verdict", name_of(primitive.fit.verdict)},
+            {"issue", name_of(primitive.fit.issue)},
+            {"message", primitive.fit.message}};
+}
+
+void add_to_list(const std::filesystem::path& file, Primitive& primitive)
+{
+    if (file.extension() != ".json")
+        throw Error(ErrorCode::invalid_argument, file, "a list of primitives is a file whose name ends in .json");
+    std::error_code error;
+    const bool exists = std::filesystem::exists(file, error);
+    PrimitiveList list;
+    if (exists) list.add_all(read_primitives(file));
+    primitive = list[list.add(primitive)];
+    CadOptions options;
+    options.overwrite = exists;
+    write_primitives(file, list.all(), options);
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,21 @@
+// How commands show primitives, and keep them in lists.
+#pragma once
+
+#include "pcm/cli/common.h"
+#include "pcm/fit/primitive.h"
+
+#include <filesystem>
+
+namespace pcm::cli {
+
+// All of it, as in a list (cad/primitive_files.h).
+Json json_of(const Primitive& primitive);
+// Parameters with their standard deviations, bounds, and how good the fit is.
+void print_primitive(const Primitive& primitive);
+
+// Writes the list with the primitive added, which gets a name unless it has one; a list that does not exist is made.
+// Throws what read_primitives() and write_primitives() throw, and Error(invalid_argument) unless the file's name ends
+// in .json.
+void add_to_list(const std::filesystem::path& file, Primitive& primitive);
+
+}  // namespace pcm::cli

@@ -1,0 +1,48 @@
+// What commands do with a set of points: save, extract, classify or delete it.
+#pragma once
+
+#include "pcm/cli/attribute_options.h"
+#include "pcm/cli/common.h"
+#include "pcm/query/point_set.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::cli {
+
+// What was done with the points.
+struct SetDone {
+    std::string what;  // "saved", ...; empty: nothing
+    std::string output;
+    std::uint64_t changed = 0;
+    Outcome outcome;
+    std::vector<std::string> notes;
+};
+
+// --save-attribute, --extract, --overwrite, --delete, --classify, --class-attribute, -o and --in-place.
+class SetActions {
+public:
+    void add_to(Options& options, const char* group);
+    // Throws UsageError for options that do not go together.
+    void check() const;
+    // Throws what select/set_changes.h and select/set_points.h throw, and Error(invalid_argument) for a class that is
+    // no integer.
+    SetDone run(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
+
+private:
+    SetDone change(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
+
+    std::string attribute_, extract_;
+    bool erase_ = false, overwrite_ = false;
+    std::optional<double> classify_;
+    std::string classes_ = "classification";
+    TargetOptions target_;
+};
+
+// done, output and points_changed; as JSON and as text.
+void put_done(Json& json, const SetDone& done);
+void print_done(const SetDone& done);
+
+}  // namespace pcm::cli

@@ -1,0 +1,328 @@
+#include "pcm/primitives/assign_points.h"
+
+#include "pcm/primitives/shape_search.h"
+#include "pcm/threads/for_each_index.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::size_t part_points = 512;  // in SurfacePart::some
+// A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
+constexpr std::size_t enough_beyond = 3;
+constexpr double least_beyond = 0.7, most_beyond = 4;
+
+// A cell of the sample at the border of units, where parts of neighbouring units meet.
+struct BorderCell {
+    std::uint64_t key = 0;
+    std::uint32_t hypothesis = 0, part = 0;
+    bool operator<(const BorderCell& o) const
+    {
+        return std::tie(key, hypothesis, part) < std::tie(o.key, o.hypothesis, o.part);
+    }
+};
+
+struct UnitResult {
+    std::uint32_t first = 0;  // the label of the first part, less 1
+    std::vector<SurfacePart> parts;
+    std::vector<BorderCell> border;
+};
+
+class UnitAssignment {
+public:
+    UnitAssignment(const ChosenPoints& points, const Box3i& box, const std::vector<Hypothesis>& hypotheses,
+                   const AssignOptions& options)
+        : points_(points),
+          box_(box),
+          hypotheses_(hypotheses),
+          options_(options),
+          lattice_(points.tree(), options.sample.cell),
+          sample_(sample_surface(points, box, options.sample))
+    {
+    }
+
+    // `next`: the first label, less 1, that no unit has taken.
+    UnitResult run(PointLabels& labels, std::atomic<std::uint32_t>& next)
+    {
+        choose();
+        connect();
+        result_.first = next.fetch_add(static_cast<std::uint32_t>(result_.parts.size()));
+        find_border();
+        find_interior();
+        find_continued();
+        give_labels(labels);
+        return std::move(result_);
+    }
+
+private:
+    // The nearest surface of each point of the sample.
+    void choose()
+    {
+        owner_.assign(sample_.size(), none);
+        std::vector<float> best(sample_.size(), std::numeric_limits<float>::max());
+        const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
+        for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
+            Box3d box = hypotheses_[h].box;
+            for (std::size_t a = 0; a < 3; ++a) {
+                const double reach = std::max(options_.reach, hypotheses_[h].reach);
+                box.min[a] -= reach + sample_.origin[a];
+                box.max[a] += reach - sample_.origin[a];
+            }
+            const Shape shape = shape_here(h);
+            for (std::uint32_t i = 0; i < sample_.size(); ++i) {
+                if (!box.contains(sample_.at[i])) continue;
+                const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]));
+                if (!(distance < best[i]) || !fits(sample_, i, shape, options_.threshold, cos_angle)) continue;
+                best[i] = distance;
+                owner_[i] = h;
+            }
+        }
+    }
+
+    void connect()
+    {
+        part_.assign(sample_.size(), none);
+        std::vector<std::uint32_t> open;
+        for (std::uint32_t seed = 0; seed < sample_.size(); ++seed) {
+            if (owner_[seed] == none || part_[seed] != none) continue;
+            const auto part = static_cast<std::uint32_t>(result_.parts.size());
+            result_.parts.emplace_back();
+            result_.parts.back().hypothesis = owner_[seed];
+            part_[seed] = part;
+            open.assign(1, seed);
+            while (!open.empty()) {
+                const std::uint32_t i = open.back();
+                open.pop_back();
+                const std::uint32_t* const near = sample_.neighbours(i);
+                for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+                    const std::uint32_t j = near[k];
+                    if (owner_[j] != owner_[seed]) continue;
+                    if (part_[j] == none) {
+                        part_[j] = part;
+                        open.push_back(j);
+                    } else if (part_[j] != part) {  // an edge that leads only one way
+                        joined_.push_back({part_[j], part});
+                    }
+                }
+            }
+        }
+    }
+
+    void find_border()
+    {
+        const Box3d box = points_.source_box(box_);
+        const double zone = 1.5 * options_.sample.cell;
+        for (const auto& [key, i] : sample_.by_cell) {
+            if (part_[i] == none) continue;
+            const Vec3d p = sample_.origin + sample_.at[i];
+            bool near = false;
+            for (std::size_t a = 0; a < 3; ++a)
+                near = near || std::fabs(p[a] - box.min[a]) <= zone || std::fabs(p[a] - box.max[a]) <= zone;
+            if (near) result_.border.push_back({key, owner_[i], part_[i]});
+        }
+        // Parts that are one by an edge of one direction share a cell that no point has.
+        std::uint64_t key = std::uint64_t(1) << 63;
+        for (const auto& [a, b] : joined_) {
+            result_.border.push_back({key, result_.parts[a].hypothesis, a});
+            result_.border.push_back({key++, result_.parts[a].hypothesis, b});
+        }
+    }
+
+    void find_interior()
+    {
+        interior_.assign(sample_.size(), 1);
+        for (std::uint32_t i = 0; i < sample_.size(); ++i) {
+            const std::uint32_t* const near = sample_.neighbours(i);
+            for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k)
+                if (owner_[near[k]] != owner_[i]) interior_[i] = 0;
+        }
+    }
+
+    Shape shape_here(std::uint32_t hypothesis) const
+    {
+        Shape shape = hypotheses_[hypothesis].shape;
+        shape.point = shape.point - sample_.origin;
+        return shape;
+    }
+
+    // Whether the surface of the cloud continues smoothly beside point i, but not on the point's shape.
+    bool goes_beyond(std::uint32_t i, const Shape& shape, double cos_angle) const
+    {
+        const std::uint32_t* const near = sample_.neighbours(i);
+        std::size_t beyond = 0;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+            const std::uint32_t j = near[k];
+            if (owner_[j] == owner_[i]) continue;
+            const Vec3d normal = normal_at(shape, sample_.at[j]);
+            if (owner_[j] != none) {
+                const Shape other = shape_here(owner_[j]);
+                beyond += std::fabs(dot(normal_at(other, sample_.at[j]), normal)) >= cos_angle;
+                continue;
+            }
+            if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
+            // The distance of the surface there, not of a point with its noise.
+            double distance = signed_distance(shape, sample_.at[j]);
+            for (std::size_t m = 0; m < SurfaceSample::most_neighbours; ++m)
+                distance += signed_distance(shape, sample_.at[sample_.neighbours(j)[m]]);
+            distance = std::fabs(distance) / (SurfaceSample::most_neighbours + 1);
+            beyond += distance > least_beyond * options_.threshold && distance < most_beyond * options_.threshold;
+        }
+        return beyond >= enough_beyond;
+    }
+
+    void find_continued()
+    {
+        const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
+        for (std::uint32_t i = 0; i < sample_.size(); ++i) {
+            if (part_[i] == none || !sample_.inside[i]) continue;
+            SurfacePart& part = result_.parts[part_[i]];
+            ++part.sampled;
+            if (interior_[i]) continue;
+            ++part.edge;
+            part.continued += goes_beyond(i, shape_here(owner_[i]), cos_angle);
+        }
+    }
+
+    // The part of a point: that of the nearest surface among those of the point's cell and of the sample's neighbours.
+    std::uint32_t label_of(const Vec3d& at, std::uint32_t i) const
+    {
+        std::uint32_t best = none;
+        double nearest = options_.threshold;
+        const auto consider = [&](std::uint32_t j) {
+            if (part_[j] == none || part_[j] == best) return;
+            const double distance = distance_to(hypotheses_[owner_[j]].shape, at);
+            if (distance > nearest || (best != none && distance == nearest)) return;
+            nearest = distance;
+            best = part_[j];
+        };
+        consider(i);
+        const std::uint32_t* const near = sample_.neighbours(i);
+        for (std::size_t k = 0; k < 6; ++k) consider(near[k]);
+        if (best == none) return 0;
+        return (result_.first + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
+    }
+
+    void give_labels(PointLabels& labels)
+    {
+        std::vector<std::uint64_t> seen(result_.parts.size(), 0);
+        points_.visit(box_, options_.sample.level, [&](const ChosenPoints::Some& some) {
+            std::vector<std::uint32_t> numbers, given;
+            for (std::size_t i = 0; i < some.number.size(); ++i) {
+                const auto cell = sample_.by_cell.find(SampleLattice::key_of(lattice_.cell_of(some.grid[i])));
+                if (cell == sample_.by_cell.end()) continue;
+                const std::uint32_t label = label_of(some.at[i], cell->second);
+                if (label == 0) continue;
+                numbers.push_back(some.number[i]);
+                given.push_back(label);
+                SurfacePart& part = result_.parts[(label & ~interior_label) - 1 - result_.first];
+                ++part.points;
+                part.box.extend(some.at[i]);
+            }
+            labels.set(some.node, numbers, given.data());
+        });
+        for (std::uint32_t i = 0; i < sample_.size(); ++i) {
+            if (part_[i] == none || !sample_.inside[i]) continue;
+            SurfacePart& part = result_.parts[part_[i]];
+            const std::uint64_t every = 1 + part.points / (2 * part_points);
+            if (seen[part_[i]]++ % every == 0 && part.some.size() < part_points)
+                part.some.push_back(sample_.origin + sample_.at[i]);
+        }
+    }
+
+    const ChosenPoints& points_;
+    const Box3i box_;
+    const std::vector<Hypothesis>& hypotheses_;
+    const AssignOptions& options_;
+    const SampleLattice lattice_;
+    const SurfaceSample sample_;
+    std::vector<std::uint32_t> owner_, part_;  // of the sample's points: hypothesis and part, or `none`
+    std::vector<std::uint8_t> interior_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;
+    UnitResult result_;
+};
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i)
+{
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+void add_to(SurfacePart& whole, const SurfacePart& part)
+{
+    whole.hypothesis = part.hypothesis;
+    whole.points += part.points;
+    whole.sampled += part.sampled;
+    whole.edge += part.edge;
+    whole.continued += part.continued;
+    whole.box.extend(part.box);
+    whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
+    if (whole.some.size() <= 2 * part_points) return;
+    std::vector<Vec3d> some;
+    for (std::size_t i = 0; i < whole.some.size(); i += 2) some.push_back(whole.some[i]);
+    whole.some = std::move(some);
+}
+
+// Joins parts that have a cell of the border in common. `units` number their parts one after the other.
+std::vector<std::uint32_t> roots_of(const std::vector<UnitResult>& units, const std::vector<std::uint32_t>& first)
+{
+    std::vector<std::uint32_t> parent(first.back());
+    std::iota(parent.begin(), parent.end(), 0u);
+    std::vector<BorderCell> border;
+    for (std::size_t u = 0; u < units.size(); ++u)
+        for (BorderCell cell : units[u].border) {
+            if (cell.key >> 63) cell.key += std::uint64_t(u) << 32;
+            cell.part += first[u];
+            border.push_back(cell);
+        }
+    std::sort(border.begin(), border.end());
+    for (std::size_t i = 1; i < border.size(); ++i)
+        if (border[i].key == border[i - 1].key && border[i].hypothesis == border[i - 1].hypothesis) {
+            const std::uint32_t a = root_of(parent, border[i].part), b = root_of(parent, border[i - 1].part);
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root_of(parent, i);
+    return parent;
+}
+
+}  // namespace
+
+AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
+                             const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
+                             PointLabels& labels)
+{
+    std::vector<UnitResult> results(units.size());
+    std::atomic<std::uint32_t> next{0};
+    for_each_index(
+        units.size(), options.threads,
+        [&](std::size_t u) { results[u] = UnitAssignment(points, units[u], hypotheses, options).run(labels, next); },
+        [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
+    std::vector<std::uint32_t> first{0};
+    for (const UnitResult& result : results)
+        first.push_back(first.back() + static_cast<std::uint32_t>(result.parts.size()));
+    const std::vector<std::uint32_t> root = roots_of(results, first);
+    AssignedPoints assigned;
+    assigned.part_of.resize(root.size());
+    std::vector<std::uint32_t> place(root.size());
+    for (std::size_t u = 0; u < units.size(); ++u)
+        for (std::uint32_t k = 0; k < results[u].parts.size(); ++k) {
+            const std::uint32_t i = first[u] + k;
+            if (root[i] == i) {
+                place[i] = static_cast<std::uint32_t>(assigned.parts.size());
+                assigned.parts.emplace_back();
+            } else {
+                place[i] = place[root[i]];
+            }
+            add_to(assigned.parts[place[i]], results[u].parts[k]);
+            assigned.part_of[results[u].first + k] = place[i];
+        }
+    return assigned;
+}
+
+}  // namespace pcm

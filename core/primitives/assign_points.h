@@ -1,0 +1,46 @@
+// Gives each point of a cloud to the surface that it lies on.
+#pragma once
+
+#include "pcm/primitives/hypotheses.h"
+#include "pcm/primitives/point_labels.h"
+#include "pcm/primitives/surface_sample.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+// Connected points of one surface.
+struct SurfacePart {
+    std::uint32_t hypothesis = 0;
+    std::uint64_t points = 0;
+    std::uint64_t sampled = 0;    // of the sample's points
+    std::uint64_t edge = 0;       // of these, those with a neighbour that is not of the part
+    std::uint64_t continued = 0;  // of these, those beside which the surface continues smoothly, but not on the shape
+    Box3d box;
+    std::vector<Vec3d> some;  // of the points, evenly; source coordinates
+};
+
+struct AssignOptions {
+    SampleSettings sample;
+    double threshold = 0, normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
+    unsigned threads = 1;
+    std::function<void(double)> progress;  // 0 to 1; may throw
+};
+
+inline constexpr std::uint32_t interior_label = 0x80000000u;  // set where all neighbours have the same label
+
+struct AssignedPoints {
+    std::vector<SurfacePart> parts;
+    // parts[part_of[label - 1]] has the points with that label, the bit interior_label taken off; label 0: of no part.
+    std::vector<std::uint32_t> part_of;
+};
+
+// Of the surfaces within the threshold whose normal agrees, a point belongs to the nearest; connected by the edges of
+// the samples of the units. The parts do not depend on threads, the labels do. Throws what reading and `labels` throw.
+AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
+                             const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
+                             PointLabels& labels);
+
+}  // namespace pcm

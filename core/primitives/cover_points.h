@@ -1,0 +1,19 @@
+// Points of a set that are enough to find what it covers.
+#pragma once
+
+#include "pcm/fit/shape.h"
+#include "pcm/query/point_set.h"
+#include "pcm/system/progress.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace pcm {
+
+// All points of the set, in source coordinates; of more than `most` those of coarse levels, about so many, and of each
+// node those that are farthest along the shape's axis and in 64 directions across it. Streams; memory: the points.
+// The result depends neither on threads nor on their order. Throws Error(cancelled), and what reading throws.
+std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigned threads = 0,
+                                const ProgressFunction& progress = {}, std::size_t most = 1000000);
+
+}  // namespace pcm

@@ -1,0 +1,205 @@
+#include "pcm/primitives/fit_at.h"
+
+#include "pcm/primitives/cover_points.h"
+#include "pcm/primitives/local_fit.h"
+#include "pcm/primitives/progress_part.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t left_out_points = 500;
+
+void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
+{
+    const auto refuse = [](const std::string& what, const std::string& hint = {}) {
+        throw Error(ErrorCode::invalid_argument, {}, what, hint);
+    };
+    if (places.empty()) refuse("no place was given to fit a shape at", "pick one or more points of the surface");
+    for (const std::vector<Vec3d>* list : {&places, &not_places})
+        for (const Vec3d& p : *list)
+            if (!is_finite(p)) refuse("a place that is not finite was picked: " + exact(p));
+    for (const Vec3d& p : not_places)
+        if (std::find(places.begin(), places.end(), p) != places.end())
+            refuse("the place " + exact(p) + " was given as one of the surface and as one beside it");
+    if (!(options.step >= 0) || !std::isfinite(options.step))
+        refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
+}
+
+class PlacedFit {
+public:
+    PlacedFit(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options)
+        : cloud_(cloud), tree_(cloud.tree()), places_(places), options_(options), limit_(options.limit)
+    {
+    }
+
+    FittedPrimitive run(const std::vector<Vec3d>& not_places)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        for (const Vec3d& p : not_places) leave_out(p);
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, 0, 0, false, {}};
+        LocalFit local = local_fit();
+        result.near = std::move(local.near);
+        result.local = std::move(local.fit);
+        result.notes = std::move(local.notes);
+        Primitive& primitive = result.primitive;
+        primitive.cloud = tree_->folder().string();
+        primitive.estimator = traits_of(options_.fit.estimator).name;
+        primitive.fit = result.local;
+        primitive.fit.is_inlier.clear();
+        if (result.local.has_shape()) add_points(local.close, result);
+        primitive.points = result.points.size();
+        if (!result.points.empty())
+            primitive.bounds = bounds_of(
+                primitive.fit.shape,
+                cover_points(result.points, primitive.fit.shape, options_.threads, part_of(options_.progress, 0.9, 1)),
+                options_.outline, tree_->info().bounds());
+        primitive.fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return result;
+    }
+
+private:
+    NearOptions near_options(std::size_t count) const
+    {
+        NearOptions options;
+        options.radius = options_.radius;
+        options.count = options.radius > 0 ? 0 : count;
+        options.limit = limit_;
+        return options;
+    }
+
+    void leave_out(const Vec3d& place)
+    {
+        double radius =
+            points_near(cloud_, place, near_options(options_.count > 0 ? options_.count : left_out_points)).radius;
+        for (const Vec3d& p : places_) radius = std::min(radius, length(p - place) / 2);
+        limit_.clips.push_back({Region::sphere(place, radius), true});
+    }
+
+    LocalFit local_fit() const
+    {
+        LocalFitOptions options;
+        options.fit = options_.fit;
+        options.kinds = options_.kinds;
+        options.radius = options_.radius;
+        options.count = options_.count;
+        options.limit = limit_;
+        options.progress = part_of(options_.progress, 0, 0.4);
+        return fit_locally(cloud_, places_, options);
+    }
+
+    void add_points(const NearPoints& close, FittedPrimitive& result) const
+    {
+        const ShapeFit& local = result.local;
+        std::map<NodeId, std::vector<std::uint32_t>> inliers;
+        for (std::size_t i = 0; i < result.near.ids.size(); ++i)
+            if (local.is_inlier[i]) inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
+        for (auto& [node, numbers] : inliers) {
+            std::sort(numbers.begin(), numbers.end());
+            result.points.set(node, numbers);
+        }
+        if (!options_.grow || result.points.empty()) return;
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < close.ids.size(); ++i)
+            if (const Vec3d p = close.points.source(i); distance_to(local.shape, p) <= local.threshold)
+                positions.push_back(p);
+        result.step = options_.step > 0 ? options_.step : automatic_step(positions);
+        if (!(result.step > 0) || !(local.threshold > 0)) return;
+        GrowShapeOptions options;
+        options.threshold = local.threshold;
+        options.raise_threshold = options_.fit.threshold == 0;
+        options.step = result.step;
+        options.normal_angle = options_.fit.normal_angle;
+        options.most_rounds = options_.rounds;
+        options.limit = limit_;
+        options.memory_bytes = options_.memory_bytes;
+        options.threads = options_.threads;
+        options.progress = part_of(options_.progress, 0.4, 0.9);
+        take(grow_shape(local.shape, result.points, options), result);
+    }
+
+    static void take(GrownShape grown, FittedPrimitive& result)
+    {
+        result.rounds = grown.rounds;
+        result.converged = grown.converged;
+        if (!grown.fit.has_shape()) {
+            result.notes.push_back("growth lost the surface (" + std::string(name_of(grown.fit.issue)) +
+                                   "): the neighbourhood's points are given");
+            return;
+        }
+        if (grown.agreement > 1)
+            result.notes.push_back("neighbouring points leave the surface together: the errors are " +
+                                   brief(grown.agreement) + " times those of independent points");
+        result.points = std::move(grown.points);
+        grown.fit.iterations = result.local.iterations;
+        result.primitive.fit = std::move(grown.fit);
+    }
+
+    const PointCloud& cloud_;
+    const std::shared_ptr<const Tree> tree_;
+    const std::vector<Vec3d>& places_;
+    const FitAtOptions& options_;
+    Selection limit_;
+};
+
+}  // namespace
+
+double automatic_step(const std::vector<Vec3d>& inliers)
+{
+    // The tree of least length that joins the points (Prim); its edges in the order of their lengths join them into
+    // ever larger groups.
+    constexpr std::size_t most = 4000;
+    const std::size_t count = std::min(inliers.size(), most);
+    struct Edge {
+        double square;
+        std::size_t from, to;
+    };
+    if (count < 2) return 0;
+    std::vector<Edge> nearest(count, {std::numeric_limits<double>::infinity(), 0, 0}), edges;
+    std::vector<bool> joined(count, false);
+    for (std::size_t last = 0;;) {
+        joined[last] = true;
+        std::size_t next = count;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (joined[i]) continue;
+            const double square = squared_distance(inliers[i], inliers[last]);
+            if (square < nearest[i].square) nearest[i] = {square, last, i};
+            if (next == count || nearest[i].square < nearest[next].square) next = i;
+        }
+        if (next == count) break;
+        edges.push_back(nearest[next]);
+        last = next;
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.square < b.square; });
+    std::vector<std::size_t> group(count), size(count, 1);
+    std::iota(group.begin(), group.end(), std::size_t(0));
+    const auto group_of = [&](std::size_t i) {
+        while (group[i] != i) i = group[i] = group[group[i]];
+        return i;
+    };
+    for (const Edge& edge : edges) {
+        const std::size_t a = group_of(edge.from), b = group_of(edge.to);
+        group[a] = b;
+        size[b] += size[a];
+        if (edge.square > 0 && 10 * size[b] >= 9 * count) return 4 * std::sqrt(edge.square);
+    }
+    return 0;
+}
+
+FittedPrimitive fit_at(const PointCloud& cloud, const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places,
+                       const FitAtOptions& options)
+{
+    require(places, not_places, options);
+    return PlacedFit(cloud, places, options).run(not_places);
+}
+
+}  // namespace pcm

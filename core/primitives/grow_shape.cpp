@@ -1,0 +1,84 @@
+#include "pcm/primitives/grow_shape.h"
+
+#include "pcm/primitives/near_shape.h"
+#include "pcm/primitives/progress_part.h"
+#include "pcm/primitives/refit.h"
+#include "pcm/select/grow.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double noises = 3.3, most_raised = 4;  // of a raised threshold
+
+class ShapeGrowth {
+public:
+    ShapeGrowth(const PointSet& seeds, const GrowShapeOptions& options)
+        : seeds_(seeds), options_(options), threshold_(options.threshold)
+    {
+    }
+
+    GrownShape run(const Shape& start)
+    {
+        GrownShape grown{{}, 1, PointSet(seeds_.shared_tree()), 0, false};
+        grown.fit.shape = start;
+        const unsigned rounds = std::max(1u, options_.most_rounds);
+        while (grown.rounds < rounds && !grown.converged) {
+            const double begin = grown.rounds == 0 ? 0 : 1 - std::pow(0.5, grown.rounds);
+            const double end = 1 - std::pow(0.5, ++grown.rounds);
+            const Shape before = grown.fit.shape;
+            grown.points = reached(before, begin, (begin + end) / 2);
+            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end);
+            grown.fit = fitted.fit;
+            grown.agreement = fitted.agreement;
+            if (!grown.fit.has_shape()) break;
+            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
+            if (options_.raise_threshold && grown.rounds < rounds) {
+                const double raised = std::min(noises * grown.fit.noise, most_raised * options_.threshold);
+                grown.converged = grown.converged && raised <= 1.05 * threshold_;
+                if (!grown.converged) threshold_ = std::max(threshold_, raised);
+            }
+        }
+        if (options_.most_rounds == 0) grown.rounds = 0;
+        return grown;
+    }
+
+private:
+    PointSet reached(const Shape& shape, double begin, double end) const
+    {
+        const NearShape near(shape, threshold_, options_.normal_angle, seeds_.tree().info().schema);
+        GrowOptions grow_options;
+        grow_options.limit = options_.limit;
+        grow_options.test = &near;
+        grow_options.memory_bytes = options_.memory_bytes;
+        grow_options.threads = options_.threads;
+        grow_options.progress = part_of(options_.progress, begin, end);
+        return grow(seeds_, options_.step, grow_options);
+    }
+
+    RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end) const
+    {
+        RefitOptions refit;
+        refit.threshold = threshold_;
+        refit.most_steps = options_.most_rounds == 0 ? 0 : refit.most_steps;
+        refit.threads = options_.threads;
+        refit.progress = part_of(options_.progress, begin, end);
+        return refit_shape(points, shape, refit);
+    }
+
+    const PointSet& seeds_;
+    const GrowShapeOptions& options_;
+    double threshold_;
+};
+
+}  // namespace
+
+GrownShape grow_shape(const Shape& shape, const PointSet& seeds, const GrowShapeOptions& options)
+{
+    return ShapeGrowth(seeds, options).run(shape);
+}
+
+}  // namespace pcm

@@ -1,0 +1,92 @@
+#include "pcm/cache/l2_cache.h"
+#include "pcm/filter/result_attributes.h"
+#include "pcm/primitives/detect.h"
+#include "pcm/primitives/point_labels.h"
+#include "pcm/system/error.h"
+#include "pcm/threads/for_each_index.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
+#include "pcm/update/tree_changes.h"
+
+#include <atomic>
+
+namespace pcm {
+namespace {
+
+constexpr const char* stage = "Writing the labels";
+
+// A copy has another name; everything else is as when the primitives were detected.
+void require_unchanged(const Tree& then, const Tree& now)
+{
+    if (then.info().generation == now.info().generation && then.info().content_hash == now.info().content_hash &&
+        then.info().points == now.info().points && then.nodes().size() == now.nodes().size())
+        return;
+    throw Error(ErrorCode::invalid_argument, now.folder(), "the tree was changed since its primitives were detected",
+                "detect them again");
+}
+
+void write(L2Cache& cache, std::size_t place, const PointLabels& labels, const LabelOptions& options, Watch& watch,
+           Outcome& outcome)
+{
+    std::vector<NodeId> nodes;
+    for (NodeId id = 0; id < cache.tree().nodes().size(); ++id)
+        if (cache.tree().node(id).points > 0) nodes.push_back(id);
+    std::atomic<std::uint64_t> changed{0};
+    const auto change = [&](std::size_t i) {
+        ColumnSet columns;
+        columns.positions = false;
+        columns.attributes.set(place);
+        const std::vector<std::uint32_t> wanted = labels.get(nodes[i]);
+        L2Cache::Edit edit = cache.edit(nodes[i], columns);
+        const auto* const before = edit.chunk().attributes[place]->as<std::uint32_t>();
+        std::uint64_t values = 0;
+        for (std::size_t k = 0; k < wanted.size(); ++k) values += before[k] != wanted[k];
+        if (values == 0) return;
+        std::copy(wanted.begin(), wanted.end(), edit.column(place).as<std::uint32_t>());
+        edit.mark_written();
+        changed += values;
+    };
+    for_each_index(nodes.size(), thread_count(options.threads), change, [&](std::size_t begun) {
+        watch.report(stage, 0.97 * static_cast<double>(begun) / static_cast<double>(nodes.size() + 1));
+    });
+    outcome.points_in = cache.tree().info().points;
+    outcome.points_out = changed;
+}
+
+}  // namespace
+
+LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const DetectReport& found,
+                             const LabelOptions& options)
+{
+    Watch watch(options.progress);
+    watch.report(stage, 0, true);
+    if (!found.labels)
+        throw Error(ErrorCode::invalid_argument, tree->folder(), "there are no labels: nothing was detected",
+                    "detect primitives first");
+    LabelReport report;
+    UpdateTarget target(tree->folder(), options.target);
+    report.tree = target.path();
+    {
+        const auto changes = std::make_shared<TreeChanges>(target.path());
+        require_unchanged(*tree, *changes->tree());
+        const std::size_t place = place_for(*changes, {options.attribute, ScalarType::u32, 1, 1, 0, ""});
+        L2Options capacity;
+        capacity.capacity_bytes = options.memory_bytes;
+        L2Cache cache(changes, capacity);
+        try {
+            write(cache, place, *found.labels, options, watch, report.outcome);
+            watch.report(stage, 0.98, true);  // the last chance to cancel
+            run_last_step(report.outcome, [&] { cache.close(); });
+        } catch (...) {
+            cache.abandon();
+            throw;
+        }
+    }
+    const auto& warnings = target.keep();
+    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    report.outcome.seconds = watch.seconds();
+    watch.finish("Done");
+    return report;
+}
+
+}  // namespace pcm

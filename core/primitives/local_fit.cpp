@@ -1,0 +1,211 @@
+#include "pcm/primitives/local_fit.h"
+
+#include "pcm/primitives/best_kind.h"
+#include "pcm/primitives/progress_part.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
+constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
+constexpr std::size_t core_points = 50;    // of a place, half of which the shape must pass through
+constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
+constexpr int most_raised = 4;             // the threshold: doublings
+
+class LocalSearch {
+public:
+    LocalSearch(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
+        : cloud_(cloud), places_(places), options_(options)
+    {
+    }
+
+    LocalFit run()
+    {
+        LocalFit best;
+        gather_close(best);
+        if (options_.radius > 0 || options_.count > 0) {
+            best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
+            best.fit = fitted(best.near, 0.3, 1);
+            return best;
+        }
+        best.near = best.close;
+        best.fit = fitted(best.near, 0.1, 0.3);
+        std::size_t count = first_count;
+        for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
+            count *= widening;
+            const double begin = 0.3 + 0.7 * static_cast<double>(round - 1) / most_widenings,
+                         end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
+            NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
+            if (near.found <= best.near.found) break;  // these are all points
+            ShapeFit fit = fitted(near, (begin + end) / 2, end);
+            if (!is_improvement(fit, near, best)) {
+                if (best.fit.has_shape()) break;
+                continue;
+            }
+            best.near = std::move(near);
+            best.fit = std::move(fit);
+        }
+        if (best.near.found > best.close.found)
+            best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
+        if (best.fit.has_shape() && !passes(best.fit))
+            best.notes.push_back("the shape does not pass through the points nearest to the place");
+        return best;
+    }
+
+private:
+    NearPoints neighbourhood(double radius, std::size_t count, std::size_t most, double begin, double end)
+    {
+        NearPoints all;
+        std::set<std::pair<NodeId, std::uint32_t>> known;
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(places_.size());
+            NearOptions options;
+            options.radius = radius;
+            options.count = count;
+            options.most = most;
+            options.limit = options_.limit;
+            options.progress = part_of(options_.progress, begin + share * static_cast<double>(k),
+                                       begin + share * static_cast<double>(k + 1));
+            const NearPoints near = points_near(cloud_, places_[k], options);
+            all.found += near.found;
+            all.radius = std::max(all.radius, near.radius);
+            all.spacing = std::max(all.spacing, near.spacing);
+            if (all.ids.empty()) all.points.origin = near.points.origin;
+            for (std::size_t i = 0; i < near.ids.size(); ++i) {
+                if (!known.emplace(near.ids[i].node, near.ids[i].index).second) continue;
+                all.ids.push_back(near.ids[i]);
+                if (near.points.has_normals())
+                    all.points.add(near.points.source(i), near.points.normal(i));
+                else
+                    all.points.add(near.points.source(i));
+            }
+        }
+        return all;
+    }
+
+    void gather_close(LocalFit& result)
+    {
+        result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
+        noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : automatic_threshold(result.close.points);
+        for (const Vec3d& place : places_) {
+            NearOptions options;
+            options.count = core_points;
+            options.limit = options_.limit;
+            const NearPoints core = points_near(cloud_, place, options);
+            std::vector<Vec3d> positions;
+            for (std::size_t i = 0; i < core.ids.size(); ++i) positions.push_back(core.points.source(i));
+            if (!positions.empty()) {
+                const double distance = length(positions.front() - place);
+                if (distance > 10 * core.spacing)
+                    result.notes.push_back("the place " + exact(place) + " lies " + brief(distance) +
+                                           " source units from the nearest point");
+            }
+            cores_.push_back(std::move(positions));
+        }
+    }
+
+    static double share_of(const ShapeFit& fit, const NearPoints& near)
+    {
+        return static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(near.ids.size(), 1));
+    }
+
+    static bool is_worth_widening(const LocalFit& best)
+    {
+        if (best.fit.issue == FitIssue::not_finite) return false;
+        return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
+    }
+
+    // Half of the points nearest to each place.
+    bool passes(const ShapeFit& fit) const
+    {
+        for (const std::vector<Vec3d>& core : cores_) {
+            std::size_t near = 0;
+            for (const Vec3d& p : core) near += distance_to(fit.shape, p) <= fit.threshold;
+            if (2 * near < core.size()) return false;
+        }
+        return true;
+    }
+
+    bool is_improvement(const ShapeFit& fit, const NearPoints& near, const LocalFit& best) const
+    {
+        if (!fit.has_shape() || !passes(fit)) return false;
+        if (!best.fit.has_shape() || !passes(best.fit)) return true;
+        if (!follows(fit, best) ||
+            !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
+            return false;
+        if (is_determined(fit) != is_determined(best.fit)) return is_determined(fit);
+        const double before = share_of(best.fit, best.near) * static_cast<double>(best.near.found),
+                     now = share_of(fit, near) * static_cast<double>(near.found);
+        return now >= 1.5 * before;
+    }
+
+    // Half of the former inliers are still near.
+    static bool follows(const ShapeFit& fit, const LocalFit& best)
+    {
+        std::size_t near = 0;
+        for (std::size_t i = 0; i < best.near.ids.size(); ++i)
+            near +=
+                best.fit.is_inlier[i] && distance_to(fit.shape, best.near.points.source(i)) <= 2 * best.fit.threshold;
+        return 2 * near >= best.fit.inliers;
+    }
+
+    // Of the best kind.
+    ShapeFit fitted(const NearPoints& near, double begin, double end) const
+    {
+        std::vector<ShapeKind> kinds = options_.kinds;
+        if (kinds.empty()) kinds.push_back(options_.fit.kind);
+        std::vector<ShapeFit> fits;
+        for (std::size_t k = 0; k < kinds.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(kinds.size());
+            fits.push_back(fitted(near, kinds[k], begin + share * static_cast<double>(k),
+                                  begin + share * static_cast<double>(k + 1)));
+        }
+        return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
+    }
+
+    // With the threshold that is least probable by chance.
+    ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
+    {
+        ShapeFitOptions options = options_.fit;
+        options.kind = kind;
+        ShapeFit best;
+        double least = 0;
+        for (int raised = 0; raised <= most_raised; ++raised) {
+            const double share = (end - begin) / (most_raised + 1);
+            options.threshold = std::ldexp(noise_, raised);
+            options.progress = part_of(options_.progress, begin + share * raised, begin + share * (raised + 1));
+            if (raised > 0 && !(options.threshold < near.radius / 4)) break;
+            ShapeFit fit = fit_shape(near.points, options);
+            const double chance = chance_of(fit, near.points, near.radius);
+            const double gain = least_gain * static_cast<double>(fit.inliers);
+            if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance + gain < least))) {
+                best = std::move(fit);
+                least = chance;
+            }
+            if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
+        }
+        return best;
+    }
+
+    const PointCloud& cloud_;
+    const std::vector<Vec3d>& places_;
+    const LocalFitOptions& options_;
+    std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
+    double noise_ = 0;                       // a threshold from it; 0: unknown
+};
+
+}  // namespace
+
+LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
+{
+    return LocalSearch(cloud, places, options).run();
+}
+
+}  // namespace pcm

@@ -1,0 +1,43 @@
+// The shape at picked places: from which neighbourhood, and how near to the surface its points are.
+//
+// A neighbourhood of few points holds little but the shape, and says little of its size; the noise of neighbours says
+// little of how far scanned points leave a surface, since errors of scanners are alike at neighbours. So where it is
+// not given,
+// - the neighbourhood is widened fourfold, three times at most, as long as the shape of the wider one still passes
+//   through the places and most of the former points, holds half as many points again, and is less probable by chance
+//   among the points there than the former shape;
+// - the threshold is the noise's own (automatic_threshold()) or 2, 4, 8 or 16 times that: the one at which it is
+//   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
+//   Stival 2004: an a contrario RANSAC).
+#pragma once
+
+#include "pcm/fit/shape_fit.h"
+#include "pcm/point_cloud.h"
+#include "pcm/primitives/near_points.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct LocalFitOptions {
+    ShapeFitOptions fit;           // threshold 0: chosen
+    std::vector<ShapeKind> kinds;  // of which best_of() chooses; empty: fit.kind
+    double radius = 0;             // of a place's neighbourhood, source units
+    std::size_t count = 0;         // or its number of points; both 0: chosen
+    Selection limit;
+    ProgressFunction progress;
+};
+
+struct LocalFit {
+    NearPoints near;   // of all places, a point once; thinned where they are many
+    NearPoints close;  // the nearest (at most 500) points of each place, at full density
+    ShapeFit fit;      // to `near`
+    std::vector<std::string> notes;
+};
+
+// `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.
+LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options);
+
+}  // namespace pcm

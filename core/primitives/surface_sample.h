@@ -1,0 +1,90 @@
+// The points of a box, thinned evenly, with neighbours and normals: what shapes are searched in.
+#pragma once
+
+#include "pcm/cloud/selection.h"
+#include "pcm/filter/points_in_boxes.h"
+#include "pcm/tree/tree.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+namespace pcm {
+
+// Reads the chosen points of boxes. Any number of threads.
+class ChosenPoints {
+public:
+    ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit);
+
+    // Some points of one node: `number[i]` in the node's whole chunk, `at[i]` its place in source coordinates,
+    // `grid[i]` on the grid.
+    struct Some {
+        NodeId node = no_node;
+        std::vector<std::uint32_t> number;
+        std::vector<Vec3d> at;
+        std::vector<Vec3i> grid;
+    };
+    // Calls take() with the points of levels 0..level in the box, both ends included, node by node in the order of the
+    // tree. Throws what reading throws.
+    void visit(const Box3i& box, std::uint16_t level, const std::function<void(const Some&)>& take) const;
+
+    // Source coordinates of all points of a node, chosen or not.
+    std::vector<Vec3d> positions(NodeId node) const;
+
+    const Tree& tree() const { return *tree_; }
+    Box3d source_box(const Box3i& box) const;
+
+private:
+    const std::shared_ptr<const Tree> tree_;
+    const PointsInBoxes boxes_;
+    const Selector selector_;
+    const SourceRounding rounding_;
+};
+
+// Cells of a lattice that has its origin at the grid's.
+class SampleLattice {
+public:
+    // cell: source units, positive.
+    SampleLattice(const Tree& tree, double cell);
+    Vec3i cell_of(const Vec3i& grid) const;
+    // 63 bits, different for different cells but for one pair in 10^18.
+    static std::uint64_t key_of(const Vec3i& cell);
+
+private:
+    Vec3d factor_{};
+};
+
+struct SampleSettings {
+    std::uint16_t level = 0;  // points of coarser levels and of this one
+    double cell = 0;          // one point of each cell of this size, source units; 0: all points
+    double margin = 0;        // points around the box are there too
+    double step = 0;          // longest edge, source units; 0: as the spacing around a point allows
+};
+
+// One object by one thread at a time.
+struct SurfaceSample {
+    static constexpr std::size_t most_neighbours = 16;
+
+    Vec3d origin{};                            // source coordinates
+    std::vector<Vec3d> at;                     // relative to it
+    std::vector<std::array<float, 3>> normal;  // unit, of any sign; 0 0 0 for points on one line
+    std::vector<float> rough;                  // rms distance of the neighbours from their plane, source units
+    std::vector<float> spacing;                // distance to the fourth neighbour (or the last), source units
+    std::vector<std::uint8_t> inside;          // of the box, not of the margin
+    std::vector<std::uint32_t> edges;          // most_neighbours for each point, nearest first; itself where fewer
+    std::unordered_map<std::uint64_t, std::uint32_t> by_cell;  // the point of a cell, by SampleLattice::key_of()
+
+    std::size_t size() const { return at.size(); }
+    const std::uint32_t* neighbours(std::size_t i) const { return edges.data() + i * most_neighbours; }
+    Vec3d normal_of(std::size_t i) const { return {normal[i][0], normal[i][1], normal[i][2]}; }
+};
+
+// Throws what reading throws.
+SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings);
+
+}  // namespace pcm

@@ -1,0 +1,47 @@
+#include "pcm/system/shared_module.h"
+
+#include <dlfcn.h>
+#include <filesystem>
+#include <vector>
+
+namespace pcm {
+namespace {
+
+// Beside this code, where an install of it has its libraries, and where the system looks.
+std::vector<std::filesystem::path> places(const std::string& name)
+{
+    std::vector<std::filesystem::path> all;
+    Dl_info here{};
+    if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) {
+        std::error_code ignored;
+        const auto folder = std::filesystem::weakly_canonical(here.dli_fname, ignored).parent_path();
+        all = {folder / name, folder / PCM_LIBRARY_FROM_PROGRAM / name};
+    }
+    all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);
+    all.emplace_back(name);
+    return all;
+}
+
+}  // namespace
+
+SharedModule load_shared_module(const std::string& file, const char* symbol, std::uint32_t version)
+{
+    SharedModule result;
+    for (const auto& place : places(file)) {
+        std::error_code ignored;
+        if (place.has_parent_path() && !std::filesystem::exists(place, ignored)) continue;
+        void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!library) {
+            // Why an existing file cannot be loaded says more than that no other place has one.
+            if (result.missing.empty() || place.has_parent_path()) result.missing = dlerror();
+            continue;
+        }
+        const auto entry = reinterpret_cast<const void* (*)()>(dlsym(library, symbol));
+        const void* functions = entry ? entry() : nullptr;
+        if (functions && *static_cast<const std::uint32_t*>(functions) == version) return {functions, {}};
+        result.missing = place.string() + " belongs to another version of this library";
+    }
+    return result;
+}
+
+}  // namespace pcm

@@ -1,0 +1,238 @@
+#include "plugin/edit/fit/fit_panel.h"
+
+#include "pcm/system/text.h"
+#include "plugin/edit/fit/fit_fields.h"
+#include "plugin/host/drawn_primitives.h"
+
+#include <QGridLayout>
+#include <QHeaderView>
+#include <QLabel>
+#include <QMenu>
+#include <QPixmap>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QSignalBlocker>
+#include <QTreeWidget>
+#include <QVBoxLayout>
+
+#include <algorithm>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr int progress_steps = 1000;
+constexpr int least_width = 280;  // pixels
+const char* const how_to =
+    "Click a point of a surface. Ctrl+click adds a place that belongs to it; Shift+click or Alt+click one that does "
+    "not. Dragging and the wheel move the camera.";
+
+QTreeWidget* table(const char* name, const QStringList& columns)
+{
+    auto* made = new QTreeWidget;
+    made->setObjectName(name);
+    made->setHeaderLabels(columns);
+    made->setRootIsDecorated(false);
+    made->setAlternatingRowColors(true);
+    made->header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
+    made->header()->setStretchLastSection(true);
+    made->setMinimumHeight(110);
+    return made;
+}
+
+QIcon square(const QColor& colour)
+{
+    QPixmap picture(12, 12);
+    picture.fill(colour);
+    return QIcon(picture);
+}
+
+}  // namespace
+
+FitPanel::FitPanel(QWidget* window) : QDockWidget("Fit Primitives", window)
+{
+    setObjectName("PointCloudFitDock");
+    auto* form = new QWidget;
+    auto* column = new QVBoxLayout(form);
+    fields_ = new FitFields;
+    column->addWidget(fields_);
+    connect(fields_, &FitFields::changed, this, &FitPanel::settings_changed);
+    add_draft(*column);
+    add_list(*column);
+    auto* scroll = new QScrollArea;
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    scroll->setWidget(form);
+    scroll->setMinimumWidth(std::max(least_width, form->minimumSizeHint().width() + 16));
+    setWidget(scroll);
+    show_found({}, false);
+}
+
+FitSettings FitPanel::settings() const { return fields_->settings(); }
+
+void FitPanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip)
+{
+    auto* widget = buttons_[button] = new QPushButton(text);
+    widget->setToolTip(tooltip);
+    widget->setFocusPolicy(Qt::NoFocus);  // Enter and Esc stay the view's
+    widget->setMinimumWidth(40);
+    connect(widget, &QPushButton::clicked, this, [this, button] { emit pressed(button); });
+    rows.addWidget(widget, row, column);
+}
+
+void FitPanel::add_draft(QVBoxLayout& column)
+{
+    found_ = new QLabel;
+    found_->setObjectName("PointCloudFitFound");
+    found_->setWordWrap(true);
+    found_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    column.addWidget(found_);
+    auto* buttons = new QGridLayout;
+    add_button(*buttons, 0, 0, Button::accept, "Accept", "Puts the found shape into the list. Enter in the view.");
+    add_button(*buttons, 0, 1, Button::discard, "Discard",
+               "Discards the found shape, or stops what runs. Esc in the view.");
+    column.addLayout(buttons);
+    progress_ = new QProgressBar;
+    progress_->setObjectName("PointCloudFitProgress");
+    progress_->setRange(0, progress_steps);
+    progress_->hide();
+    column.addWidget(progress_);
+    words_ = new QLabel;
+    words_->setObjectName("PointCloudFitMessage");
+    words_->setWordWrap(true);
+    column.addWidget(words_);
+}
+
+void FitPanel::add_list(QVBoxLayout& column)
+{
+    list_ = table("PointCloudFitList", {"Name", "Size", "Residual", "Points"});
+    list_->setToolTip(
+        "The primitives of the project. The tick shows one in views; a double click on a name changes it. Residual: "
+        "root mean square of its points' distances.");
+    list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
+    connect(list_, &QTreeWidget::itemChanged, this, &FitPanel::item_changed);
+    connect(list_, &QTreeWidget::itemSelectionChanged, this, [this] {
+        const auto chosen = list_->selectedItems();
+        emit selected(chosen.empty() ? -1 : list_->indexOfTopLevelItem(chosen.front()));
+    });
+    column.addWidget(list_, 3);
+    auto* buttons = new QGridLayout;
+    buttons->setHorizontalSpacing(4);
+    add_button(*buttons, 0, 0, Button::look_at, "Jump to", "The camera looks at the selected primitive.");
+    add_button(*buttons, 0, 1, Button::colour, "Colour",
+               "The colour of the selected primitive, in views and drawings.");
+    add_button(*buttons, 0, 2, Button::save, "Export",
+               "Writes all primitives that are not hidden to a file, in source coordinates: DXF, SCR (a script for "
+               "AutoCAD), CSV, or JSON, which reads back.");
+    add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
+    add_button(*buttons, 1, 1, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_points_menu(*buttons, 1, 2);
+    add_button(*buttons, 2, 0, Button::remove, "Delete",
+               "Deletes the selected primitive from the list, not its points; Undo brings it back.");
+    add_button(*buttons, 2, 1, Button::clear, "Delete all", "Deletes all primitives; Undo brings them back.");
+    column.addLayout(buttons);
+    values_ = table("PointCloudFitValues", {"", "Selected primitive"});
+    values_->setToolTip(
+        "All that is known of the selected primitive, with standard deviations. Angles are in degrees, lengths in the "
+        "unit of the coordinates.");
+    column.addWidget(values_, 3);
+}
+
+void FitPanel::add_points_menu(QGridLayout& rows, int row, int column)
+{
+    points_ = new QPushButton("Points");
+    points_->setToolTip("What is done with the points of the selected primitive.");
+    points_->setFocusPolicy(Qt::NoFocus);
+    points_->setMinimumWidth(40);
+    auto* menu = new QMenu(points_);
+    const auto add = [&](Button button, const char* text, const char* tooltip) {
+        QAction* action = menu->addAction(text);
+        action->setToolTip(tooltip);
+        connect(action, &QAction::triggered, this, [this, button] { emit pressed(button); });
+    };
+    menu->setToolTipsVisible(true);
+    add(Button::select_points, "Select its points", "Selects them, as the tool Select Points does.");
+    add(Button::to_layer, "Its points to a layer...", "Makes a new tree of them, shown in a layer of its own.");
+    add(Button::to_file, "Its points to a file...", "Writes them to a file; the extension chooses the format.");
+    add(Button::remove_points, "Delete its points...", "Deletes them from a copy of the tree, or in place.");
+    add(Button::save_attribute, "Its points as an attribute...",
+        "Saves an attribute in the tree that is 1 for these points and 0 for all others.");
+    points_->setMenu(menu);
+    rows.addWidget(points_, row, column);
+}
+
+void FitPanel::show_list(const PrimitiveList& list, std::optional<std::size_t> selected, const std::string& unit)
+{
+    const QSignalBlocker silent(list_);
+    list_->clear();
+    shown_.clear();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const Primitive& primitive = list[i];
+        auto* item = new QTreeWidgetItem(list_);
+        item->setText(0, QString::fromStdString(primitive.name));
+        item->setText(1, size_of(primitive, unit));
+        item->setText(2, QString::fromStdString(brief(primitive.fit.rms) + (unit.empty() ? "" : " " + unit)));
+        item->setText(3, QString::fromStdString(grouped(primitive.points)));
+        item->setIcon(0, square(colour_of(primitive)));
+        for (int column = 1; column < 4; ++column) item->setToolTip(column, item->text(column));
+        item->setCheckState(0, primitive.hidden ? Qt::Unchecked : Qt::Checked);
+        item->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemIsUserCheckable | Qt::ItemIsEditable);
+        item->setSelected(selected == i);
+        if (selected == i) list_->setCurrentItem(item);
+        shown_.emplace_back(primitive.name, primitive.hidden);
+    }
+    const bool some = selected.has_value();
+    for (const Button button : {Button::look_at, Button::colour, Button::remove}) buttons_[button]->setEnabled(some);
+    points_->setEnabled(some);
+    buttons_[Button::clear]->setEnabled(!list.empty());
+    buttons_[Button::save]->setEnabled(!list.empty());
+    buttons_[Button::undo]->setEnabled(list.can_undo());
+    buttons_[Button::redo]->setEnabled(list.can_redo());
+    show_values(some ? &list[*selected] : nullptr, unit);
+}
+
+void FitPanel::show_values(const Primitive* primitive, const std::string& unit)
+{
+    values_->clear();
+    if (!primitive) return;
+    for (const auto& [name, value] : lines_of(*primitive, unit)) {
+        auto* item = new QTreeWidgetItem(values_, {name, value});
+        item->setToolTip(1, value);
+    }
+}
+
+void FitPanel::item_changed(QTreeWidgetItem* item, int column)
+{
+    const int index = list_->indexOfTopLevelItem(item);
+    if (index < 0 || column != 0) return;
+    const auto& [name, was_hidden] = shown_[static_cast<std::size_t>(index)];
+    const bool is_hidden = item->checkState(0) == Qt::Unchecked;
+    // The tool shows the list anew, in which this item does not survive.
+    const QString text = item->text(0);
+    if (is_hidden != was_hidden)
+        QMetaObject::invokeMethod(
+            this, [this, index, is_hidden] { emit hidden(index, is_hidden); }, Qt::QueuedConnection);
+    else if (text != QString::fromStdString(name))
+        QMetaObject::invokeMethod(
+            this, [this, index, text] { emit renamed(index, text); }, Qt::QueuedConnection);
+}
+
+void FitPanel::show_found(const QString& text, bool some)
+{
+    found_->setText(text.isEmpty() ? QString(how_to) : text);
+    buttons_[Button::accept]->setEnabled(some);
+}
+
+void FitPanel::say(const QString& text) { words_->setText(text); }
+
+void FitPanel::show_progress(const std::optional<std::pair<QString, double>>& progress)
+{
+    progress_->setVisible(progress.has_value());
+    if (!progress) return;
+    progress_->setFormat(progress->first + " %p%");
+    progress_->setValue(static_cast<int>(std::clamp(progress->second, 0.0, 1.0) * progress_steps));
+}
+
+}  // namespace pcm::host

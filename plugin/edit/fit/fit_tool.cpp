@@ -1,0 +1,381 @@
+#include "plugin/edit/fit/fit_tool.h"
+
+#include "pcm/system/error.h"
+#include "plugin/edit/look_at.h"
+#include "plugin/edit/measure/length_unit.h"
+#include "plugin/edit/tool_dock.h"
+#include "plugin/edit/view_events.h"
+#include "plugin/host/annotations.h"
+#include "plugin/host/drawn_primitives.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/primitive_book.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/shown_points.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QMainWindow>
+#include <QMouseEvent>
+#include <QVariantMap>
+
+#include <array>
+
+namespace pcm::host {
+
+namespace {
+
+const char* const draft_owner = "fit draft";
+const QColor draft_colour(90, 220, 255);
+// Of accepted primitives, one after the other.
+constexpr std::array<std::array<std::uint8_t, 3>, 8> colours{{{255, 200, 0},
+                                                              {80, 200, 255},
+                                                              {255, 110, 80},
+                                                              {120, 220, 90},
+                                                              {220, 130, 255},
+                                                              {255, 255, 140},
+                                                              {70, 230, 200},
+                                                              {255, 150, 200}}};
+QString counted(std::size_t count, const char* what)
+{
+    return QString("%1 %2%3").arg(count).arg(what).arg(count == 1 ? "" : "s");
+}
+
+Box3d box_in_scene(const PrimitiveBook& book, const Primitive& primitive)
+{
+    Box3d box;
+    for (const Annotation& line : drawn_primitive(primitive, book.placement_of(primitive), {}))
+        for (const Vec3d& p : line.line) box.extend(p);
+    return box;
+}
+
+}  // namespace
+
+FitTool::FitTool() : ViewTool("Fit Primitives"), picks_(std::make_unique<QObject>())
+{
+    connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
+        if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
+    });
+}
+
+FitTool::~FitTool() { delete panel_; }
+
+PrimitiveBook& FitTool::book() const { return PrimitiveBook::of(*view_->md()); }
+
+void FitTool::publish(const QString& state)
+{
+    if (!view_) return;
+    view_->setProperty("pcm_fit_tool", QVariantMap{{"state", state}, {"fits", fits_}});
+    publish_camera(*view_);
+}
+
+bool FitTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (!take_view(*view)) return false;
+    if (!panel_) make_panel();
+    show_dock(*view, *panel_);
+    connect(&PrimitiveBook::of(document), &PrimitiveBook::changed, this, &FitTool::show_panel, Qt::UniqueConnection);
+    view->installEventFilter(this);
+    view->setFocus();
+    view->setCursor(Qt::CrossCursor);
+    keep_unmodified(document);
+    guarded([&] { show_panel(); });
+    publish("idle");
+    say("click a surface. Enter accepts what is fitted there, Esc discards it");
+    return true;
+}
+
+void FitTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
+{
+    if (view != view_) return;
+    wanted_.reset();
+    worker_.cancel();
+    guarded([&] { discard(); });
+    disconnect(&PrimitiveBook::of(document), nullptr, this, nullptr);
+    view->removeEventFilter(this);
+    pressed_.reset();
+    PrimitiveBook::of(document).select(std::nullopt);
+    if (panel_) panel_->hide();
+    publish({});
+    view_ = nullptr;
+}
+
+void FitTool::make_panel()
+{
+    panel_ = new FitPanel(window_of(*view_));
+    connect(panel_, &FitPanel::settings_changed, this, [this] {
+        if (!view_ || (!draft_ && !wanted_)) return;
+        guarded([&] {
+            if (!wanted_) wanted_ = draft_->places;
+            fit();
+        });
+    });
+    connect(panel_, &FitPanel::pressed, this, [this](FitPanel::Button button) {
+        if (view_) guarded([&] { press(button); });
+    });
+    connect(panel_, &FitPanel::renamed, this, [this](int index, const QString& text) {
+        if (!view_) return;
+        guarded([&] {
+            book().change(
+                [&](PrimitiveList& list) { list.rename(static_cast<std::size_t>(index), text.toStdString()); });
+        });
+        show_panel();  // a name that was refused is put back
+    });
+    connect(panel_, &FitPanel::hidden, this, [this](int index, bool hidden) {
+        if (view_)
+            guarded([&] {
+                book().change([&](PrimitiveList& list) { list.hide(static_cast<std::size_t>(index), hidden); });
+            });
+    });
+    connect(panel_, &FitPanel::selected, this, [this](int index) {
+        if (view_) book().select(index < 0 ? std::nullopt : std::make_optional(static_cast<std::size_t>(index)));
+    });
+}
+
+void FitTool::show_panel()
+{
+    if (!view_ || !panel_) return;
+    unit_ = length_unit_of(*view_->md()).symbol;
+    panel_->show_list(book().list(), book().selected(), unit_);
+    show_draft();
+}
+
+void FitTool::click(const QPoint& place, Qt::KeyboardModifiers modifiers)
+{
+    const Way way = (modifiers & Qt::ControlModifier)                     ? Way::add
+                    : (modifiers & (Qt::ShiftModifier | Qt::AltModifier)) ? Way::take_away
+                                                                          : Way::first;
+    publish("picking");
+    pick(*view_, place, *picks_, [this, way](const PickAnswer& answer) {
+        if (!view_ || !answer.final) return;
+        guarded([&] {
+            publish("idle");
+            if (!answer.point) {
+                ++fits_;
+                publish("idle");
+                return say(answer.message);
+            }
+            take(way, *answer.point);
+        });
+    });
+}
+
+void FitTool::take(Way way, const Picked& picked)
+{
+    const FitPlaces* before = wanted_ ? &*wanted_ : draft_ ? &draft_->places : nullptr;
+    if (way == Way::take_away && !before)
+        return say("there is no shape yet to take a place away from: click a surface");
+    FitPlaces places;
+    if (way != Way::first && before) {
+        if (before->mesh_id != picked.mesh_id)
+            return say("that point is of another layer than the shape: a shape is fitted to one cloud");
+        places = *before;
+    }
+    places.mesh_id = picked.mesh_id;
+    places.cloud = picked.cloud;
+    (way == Way::take_away ? places.off : places.on).push_back(picked.position);
+    wanted_ = std::move(places);
+    say({});
+    fit();
+}
+
+void FitTool::fit()
+{
+    if (worker_.is_running()) {
+        worker_.cancel();
+        again_ = true;
+        return;
+    }
+    const MeshModel* layer = view_->md()->getMesh(wanted_->mesh_id);
+    if (!layer) return wanted_.reset();
+    FitAtOptions options;
+    try {
+        options = options_of(panel_->settings());
+        options.limit = shown_points(*view_, *layer).selection();
+    } catch (...) {
+        wanted_.reset();
+        throw;
+    }
+    const auto found = std::make_shared<std::optional<FittedPrimitive>>();
+    panel_->show_progress(std::make_pair(QString("Fitting"), 0.0));
+    publish("fitting");
+    worker_.start(
+        [places = *wanted_, options, found](const ProgressFunction& progress) {
+            FitAtOptions running = options;
+            running.progress = running.fit.progress = progress;
+            *found = fit_at(*places.cloud, places.on, places.off, running);
+        },
+        [this, places = *wanted_, found](std::exception_ptr failure) {
+            if (panel_) panel_->show_progress(std::nullopt);
+            if (view_) guarded([&] { take_fit(places, *found, failure); });
+        });
+}
+
+void FitTool::take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure)
+{
+    if (std::exchange(again_, false) && wanted_) return fit();
+    const bool cancelled = !wanted_;  // what was found in spite of that is dropped
+    wanted_.reset();
+    ++fits_;
+    publish(draft_ ? "draft" : "idle");
+    if (cancelled) return say("cancelled");
+    if (failure) std::rethrow_exception(failure);
+    const ShapeFit& fit = found->primitive.fit;
+    const MeshModel* layer = view_->md()->getMesh(places.mesh_id);
+    const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+    if (!tree || tree->cloud != places.cloud) return say("the layer's cloud has changed: click again");
+    if (!fit.has_shape())
+        return say(
+            QString("no %1 was fitted (%2): %3")
+                .arg(QString(traits_of(fit.shape.kind).name), name_of(fit.issue), QString::fromStdString(fit.message)));
+    keep_draft(places, *found);
+}
+
+void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
+{
+    MeshModel& layer = *view_->md()->getMesh(places.mesh_id);
+    SceneState& scene = SceneState::of(*view_->md());
+    if (draft_ && draft_->places.mesh_id != places.mesh_id) discard();
+    FitDraft draft;
+    draft.before = draft_ ? draft_->before : scene.selection(layer);
+    draft.places = places;
+    draft.primitive = std::move(found.primitive);
+    draft.primitive.cloud = cloud_name(layer);
+    draft.points = std::make_shared<const PointSet>(std::move(found.points));
+    draft_ = std::move(draft);
+    scene.select(layer, draft_->points,
+                 QString("fitted %1, %2 points")
+                     .arg(QString(traits_of(draft_->primitive.fit.shape.kind).name),
+                          QString::fromStdString(grouped(draft_->points->size()))));
+    show_draft();
+    const ShapeFit& fit = draft_->primitive.fit;
+    if (fit.verdict == FitVerdict::doubtful)
+        say(QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message)));
+    publish("draft");
+}
+
+void FitTool::show_draft()
+{
+    std::vector<Annotation> drawn;
+    QString text;
+    if (draft_) {
+        const MeshModel* layer = view_->md()->getMesh(draft_->places.mesh_id);
+        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        const auto placement = tree ? placement_of(*layer, *tree) : std::nullopt;
+        const Primitive& primitive = draft_->primitive;
+        const QString label = traits_of(primitive.fit.shape.kind).label;
+        const QString size = size_of(primitive, unit_);
+        drawn = drawn_primitive(primitive, placement, {draft_colour, true, label + "\n" + size});
+        Annotation places;
+        for (const Vec3d& p : draft_->places.on) places.marks.push_back(placement ? (*placement)(p) : p);
+        places.colour = draft_colour;
+        places.on_top = true;
+        drawn.push_back(places);
+        places.marks.clear();
+        for (const Vec3d& p : draft_->places.off) places.marks.push_back(placement ? (*placement)(p) : p);
+        places.colour = QColor(255, 80, 60);
+        drawn.push_back(places);
+        text =
+            QString("%1: %2\nresidual %3, %4 points, %5%6. Enter accepts it.")
+                .arg(label, size, QString::fromStdString(brief(primitive.fit.rms) + (unit_.empty() ? "" : " " + unit_)),
+                     QString::fromStdString(grouped(primitive.points)), counted(draft_->places.on.size(), "place"),
+                     draft_->places.off.empty() ? QString()
+                                                : ", " + counted(draft_->places.off.size(), "place") + " taken away");
+    }
+    Annotations::of(*view_->md()).set(draft_owner, std::move(drawn));
+    if (panel_) panel_->show_found(text, draft_.has_value());
+}
+
+void FitTool::accept()
+{
+    if (!draft_) return say("there is nothing to accept: click a surface");
+    if (wanted_) throw Error(ErrorCode::invalid_argument, {}, "the shape is being fitted", "wait until it is done");
+    Primitive primitive = std::move(draft_->primitive);
+    primitive.colour = colours[book().list().size() % colours.size()];
+    const auto points = draft_->points;
+    draft_.reset();  // its points stay selected
+    std::size_t index = 0;
+    book().change([&](PrimitiveList& list) { index = list.add(std::move(primitive)); });
+    book().keep_points(book().list()[index], points);
+    book().select(index);
+    show_draft();
+    publish("idle");
+    say(QString("%1: %2").arg(QString::fromStdString(book().list()[index].name), size_of(book().list()[index], unit_)));
+}
+
+bool FitTool::cancel()
+{
+    if (wanted_ || worker_.is_running()) {
+        again_ = false;
+        wanted_.reset();
+        worker_.cancel();
+        return true;
+    }
+    if (!draft_) return false;
+    discard();
+    say("discarded");
+    return true;
+}
+
+bool FitTool::take_back()
+{
+    if (!draft_ || wanted_) return false;
+    FitPlaces places = draft_->places;
+    if (!places.off.empty())
+        places.off.pop_back();
+    else if (places.on.size() > 1)
+        places.on.pop_back();
+    else
+        return false;
+    wanted_ = std::move(places);
+    fit();
+    return true;
+}
+
+void FitTool::discard()
+{
+    if (!draft_) return;
+    const FitDraft draft = std::move(*draft_);
+    draft_.reset();
+    if (const MeshModel* layer = view_->md()->getMesh(draft.places.mesh_id)) {
+        SceneState& scene = SceneState::of(*view_->md());
+        if (scene.selection(*layer) == draft.points) scene.select(*layer, draft.before, "fitted shape discarded");
+    }
+    show_draft();
+    publish("idle");
+}
+
+void FitTool::press(FitPanel::Button button)
+{
+    using Button = FitPanel::Button;
+    const auto selected = book().selected();
+    say({});
+    switch (button) {
+        case Button::accept:
+            return accept();
+        case Button::discard:
+            cancel();
+            return;
+        case Button::look_at:
+            if (selected) look_at(*view_, box_in_scene(book(), book().list()[*selected]));
+            return;
+        case Button::colour:
+            if (selected) choose_colour(*selected);
+            return;
+        case Button::remove:
+            if (selected) book().change([&](PrimitiveList& list) { list.remove(*selected); });
+            return;
+        case Button::clear:
+            return book().change([](PrimitiveList& list) { list.clear(); });
+        case Button::undo:
+            return book().change([](PrimitiveList& list) { list.undo(); });
+        case Button::redo:
+            return book().change([](PrimitiveList& list) { list.redo(); });
+        case Button::save:
+            return write();
+        default:
+            return use_points(button);
+    }
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,103 @@
+// The tool Fit Primitives: a click on a surface fits a shape to the points around it, further clicks refine it, and its
+// panel has the list of accepted ones.
+//
+// A click without a movement picks a point; dragging and the wheel move MeshLab's camera. Fits are computed on a worker
+// (worker.h), in the coordinates of the picked cloud, of the points that the view shows. Ending the tool keeps the
+// list. GUI thread.
+#pragma once
+
+#include "plugin/edit/fit/fit_panel.h"
+#include "plugin/edit/select/selection_uses.h"
+#include "plugin/edit/view_tool.h"
+#include "plugin/edit/worker.h"
+#include "plugin/host/picker.h"
+
+#include <QPointer>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+class QMouseEvent;
+
+namespace pcm::host {
+
+class PrimitiveBook;
+
+// The places that were clicked, in the source coordinates of a layer's cloud.
+struct FitPlaces {
+    int mesh_id = -1;
+    std::shared_ptr<PointCloud> cloud;
+    std::vector<Vec3d> on, off;  // the surface
+};
+
+// A shape that was found and is not accepted yet.
+struct FitDraft {
+    FitPlaces places;
+    Primitive primitive;
+    std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
+};
+
+class FitTool : public ViewTool {
+    Q_OBJECT
+    Q_INTERFACES(MeshEditInterface)
+
+public:
+    FitTool();
+    ~FitTool() override;
+    bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+    void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
+
+    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
+    void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
+
+protected:
+    // Esc and other keys that MeshLab has as shortcuts.
+    bool eventFilter(QObject* receiver, QEvent* event) override;
+
+private:
+    enum class Way { first, add, take_away };
+
+    PrimitiveBook& book() const;
+    void say_in_panel(const QString& text) override
+    {
+        if (panel_) panel_->say(text);
+    }
+    void make_panel();
+    void show_panel();
+    void press(FitPanel::Button button);
+    void publish(const QString& state);
+
+    void click(const QPoint& place, Qt::KeyboardModifiers modifiers);
+    void take(Way way, const Picked& picked);
+    void fit();
+    void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
+    void keep_draft(const FitPlaces& places, FittedPrimitive& found);
+    void show_draft();
+    void accept();
+    bool cancel();     // what runs, or the draft; false if there is neither
+    bool take_back();  // the last place that was added or taken away
+    void discard();    // the draft; what was selected before is selected again
+
+    // In fit_uses.cpp.
+    void write();
+    void choose_colour(std::size_t index);
+    void with_points(std::size_t index, const std::function<void(MeshModel& layer)>& then);
+    void use_points(FitPanel::Button button);
+
+    QPointer<FitPanel> panel_;
+    std::unique_ptr<QObject> picks_;   // the context of picks that are not answered
+    std::optional<FitPlaces> wanted_;  // being fitted
+    std::optional<FitDraft> draft_;
+    std::unique_ptr<QMouseEvent> pressed_;  // has not moved far enough for a drag
+    std::string unit_;                      // of lengths
+    bool again_ = false;                    // the wanted fit has changed while it ran
+    int fits_ = 0;                          // that were answered
+    Worker worker_;
+};
+
+}  // namespace pcm::host

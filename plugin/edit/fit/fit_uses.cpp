@@ -1,0 +1,141 @@
+// What the tool Fit Primitives does with primitives of the list: files, colours, their points.
+#include "pcm/cad/primitive_files.h"
+#include "pcm/fit/shape_lines.h"
+#include "pcm/primitives/grow_shape.h"
+#include "pcm/system/error.h"
+#include "plugin/edit/fit/fit_tool.h"
+#include "plugin/edit/measure/length_unit.h"
+#include "plugin/host/drawn_primitives.h"
+#include "plugin/host/primitive_book.h"
+#include "plugin/host/scene_state.h"
+#include "plugin/host/text.h"
+
+#include <meshlab/glarea.h>
+
+#include <QColorDialog>
+#include <QFileDialog>
+#include <QFileInfo>
+
+#include <utility>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr double any_normal = 4;  // radians: normals are not compared
+
+CadUnit unit_of(const std::string& symbol)
+{
+    return symbol == "m" ? CadUnit::metres : symbol == "ft" || symbol == "ftUS" ? CadUnit::feet : CadUnit::none;
+}
+
+// The points near the surface, in the primitive's box.
+Selection around(const Primitive& primitive)
+{
+    Box3d box = box_of(primitive.fit.shape, primitive.bounds);
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= primitive.fit.threshold;
+        box.max[a] += primitive.fit.threshold;
+    }
+    Selection selection;
+    if (!box.empty()) selection.box = box;
+    return selection;
+}
+
+}  // namespace
+
+void FitTool::write()
+{
+    const QString filter = "Drawing (*.dxf);;AutoCAD script (*.scr);;Comma-separated values (*.csv);;List (*.json)";
+    QString kind;
+    QString file = QFileDialog::getSaveFileName(panel_, "Export primitives", "primitives.dxf", filter, &kind,
+                                                QFileDialog::DontUseNativeDialog);
+    if (file.isEmpty()) return;
+    CadOptions options;
+    options.unit = unit_of(length_unit_of(*view_->md()).symbol);
+    // The dialog asks before it replaces the file that was typed, and no other.
+    options.overwrite = !QFileInfo(file).suffix().isEmpty();
+    if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');
+    const CadReport report = write_primitives(file.toStdString(), book().list().all(), options);
+    QStringList words{QString("wrote %1 primitives to %2").arg(report.written).arg(file)};
+    for (const std::string& note : report.notes) words << QString::fromStdString(note);
+    bool moved = false;
+    for (std::size_t i = 0; i < book().list().size(); ++i)
+        moved = moved || book().placement_of(book().list()[i]).has_value();
+    if (moved) words << "in the clouds' own coordinates, without the matrices of layers";
+    say(words.join("; "));
+}
+
+void FitTool::choose_colour(std::size_t index)
+{
+    const QColor chosen = QColorDialog::getColor(colour_of(book().list()[index]), panel_, "Colour of the primitive",
+                                                 QColorDialog::DontUseNativeDialog);
+    if (!chosen.isValid() || index >= book().list().size()) return;
+    Primitive primitive = book().list()[index];
+    primitive.colour = {static_cast<std::uint8_t>(chosen.red()), static_cast<std::uint8_t>(chosen.green()),
+                        static_cast<std::uint8_t>(chosen.blue())};
+    book().change([&](PrimitiveList& list) { list.replace(index, primitive); });
+}
+
+// Selects the primitive's points, which are found first where they are not known.
+void FitTool::with_points(std::size_t index, const std::function<void(MeshModel& layer)>& then)
+{
+    const Primitive primitive = book().list()[index];
+    MeshModel* const layer = book().layer_of(primitive);
+    const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+    if (!tree)
+        throw Error(ErrorCode::invalid_argument, {}, "no layer shows the cloud of " + primitive.name,
+                    "open " + primitive.cloud);
+    const auto select = [this, primitive, then, id = layer->id()](const std::shared_ptr<const PointSet>& points) {
+        MeshModel* const shown = view_->md()->getMesh(id);
+        if (!shown) return;
+        if (points->empty()) return say("no point lies on " + QString::fromStdString(primitive.name));
+        SceneState::of(*view_->md())
+            .select(*shown, points,
+                    QString("%1, %2 points")
+                        .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
+        say(QString("%1: %2 points selected")
+                .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
+        if (then) then(*shown);
+    };
+    if (const auto known = book().points_of(primitive)) return select(known);
+    if (worker_.is_running())
+        throw Error(ErrorCode::invalid_argument, {}, "a shape is being fitted", "wait until it is done, or press Esc");
+    const auto found = std::make_shared<std::shared_ptr<const PointSet>>();
+    panel_->show_progress(std::make_pair(QString("Finding points"), 0.0));
+    worker_.start(
+        [primitive, found, shared = tree->cloud->tree()](const ProgressFunction& progress) {
+            *found = std::make_shared<const PointSet>(points_on_shape(
+                shared, primitive.fit.shape, primitive.fit.threshold, any_normal, around(primitive), 0, progress));
+        },
+        [this, primitive, found, select](std::exception_ptr failure) {
+            if (panel_) panel_->show_progress(std::nullopt);
+            if (!view_) return;
+            guarded([&] {
+                if (std::exchange(again_, false) && wanted_) return fit();  // a click has ended it
+                if (failure) std::rethrow_exception(failure);
+                book().keep_points(primitive, *found);
+                select(*found);
+            });
+        });
+}
+
+void FitTool::use_points(FitPanel::Button button)
+{
+    using Button = FitPanel::Button;
+    const auto selected = book().selected();
+    if (!selected) return say("select a primitive of the list first");
+    if (draft_) discard();
+    if (button == Button::select_points) return with_points(*selected, {});
+    const SelectionUse use = button == Button::to_layer        ? SelectionUse::to_layer
+                             : button == Button::to_file       ? SelectionUse::to_file
+                             : button == Button::remove_points ? SelectionUse::remove
+                                                               : SelectionUse::save;
+    with_points(*selected, [this, use](MeshModel& layer) {
+        const QPointer<GLArea> alive(view_);
+        const QString done = use_selected(*view_, layer, use);
+        if (alive && view_ && !done.isEmpty()) say(done);
+    });
+}
+
+}  // namespace pcm::host

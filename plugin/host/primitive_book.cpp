@@ -1,0 +1,170 @@
+#include "plugin/host/primitive_book.h"
+
+#include "pcm/cad/primitive_files.h"
+#include "plugin/host/annotations.h"
+#include "plugin/host/drawn_primitives.h"
+#include "plugin/host/layer_matrix.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/project_parts.h"
+
+#include <filesystem>
+#include <utility>
+
+namespace pcm::host {
+
+namespace {
+
+const char* const element = "PointCloudPrimitives";
+const char* const owner = "primitives";
+constexpr std::size_t most_labels = 30;  // with more of them only the selected one has a label
+constexpr int look_ms = 400;             // at the matrices of layers
+
+// Of its points: the same shape in the same cloud, whatever its name is.
+std::string key_of(const Primitive& primitive) { return text_of(primitive.fit.shape) + "\n" + primitive.cloud; }
+
+bool same_map(const std::optional<Affine>& a, const std::optional<Affine>& b)
+{
+    if (!a || !b) return !a && !b;
+    return a->linear == b->linear && a->pivot == b->pivot && a->target == b->target;
+}
+
+}  // namespace
+
+std::string cloud_name(const MeshModel& layer)
+{
+    const auto tree = Registry::instance().drawn(layer);
+    return tree && !tree->is_copy() ? tree->cloud->tree()->folder().string() : layer.label().toStdString();
+}
+
+PrimitiveBook::PrimitiveBook(MeshDocument& document) : QObject(&document), document_(document)
+{
+    timer_.setInterval(look_ms);
+    connect(&timer_, &QTimer::timeout, this, &PrimitiveBook::follow_matrices);
+    connect(&LayerMatrices::of(document), &LayerMatrices::changed, this, &PrimitiveBook::follow_matrices);
+    connect(&Registry::instance(), &Registry::detached, this, [this] {
+        for (auto each = points_.begin(); each != points_.end();)
+            each = is_drawn(each->second->tree()) ? std::next(each) : points_.erase(each);
+    });
+}
+
+PrimitiveBook& PrimitiveBook::of(MeshDocument& document)
+{
+    auto* found = document.findChild<PrimitiveBook*>(QString(), Qt::FindDirectChildrenOnly);
+    return found ? *found : *new PrimitiveBook(document);
+}
+
+void PrimitiveBook::change(const std::function<void(PrimitiveList& list)>& step)
+{
+    PrimitiveList changed = list_;
+    step(changed);
+    list_ = std::move(changed);
+    if (selected_ && *selected_ >= list_.size()) selected_.reset();
+    show();
+}
+
+void PrimitiveBook::replace(PrimitiveList list)
+{
+    list_ = std::move(list);
+    selected_.reset();
+    show();
+}
+
+void PrimitiveBook::select(std::optional<std::size_t> index)
+{
+    if (index && *index >= list_.size()) index.reset();
+    if (index == selected_) return;
+    selected_ = index;
+    show();
+}
+
+MeshModel* PrimitiveBook::layer_of(const Primitive& primitive) const
+{
+    MeshModel* moved = nullptr;  // the project and its trees may have been moved
+    const auto file = std::filesystem::path(primitive.cloud).filename();
+    for (MeshModel* layer : document_.meshList) {
+        if (!layer || !Registry::instance().drawn(*layer)) continue;
+        const std::string name = cloud_name(*layer);
+        if (name == primitive.cloud) return layer;
+        if (!moved && std::filesystem::path(name).filename() == file) moved = layer;
+    }
+    return moved;
+}
+
+std::optional<Affine> PrimitiveBook::placement_of(const Primitive& primitive) const
+{
+    const MeshModel* layer = layer_of(primitive);
+    const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+    return tree ? host::placement_of(*layer, *tree) : std::nullopt;
+}
+
+bool PrimitiveBook::is_drawn(const Tree& tree) const
+{
+    for (const MeshModel* layer : document_.meshList) {
+        const auto drawn = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        if (drawn && drawn->cloud->tree()->folder() == tree.folder()) return true;
+    }
+    return false;
+}
+
+void PrimitiveBook::keep_points(const Primitive& primitive, std::shared_ptr<const PointSet> points)
+{
+    points_[key_of(primitive)] = std::move(points);
+}
+
+std::shared_ptr<const PointSet> PrimitiveBook::points_of(const Primitive& primitive) const
+{
+    const auto found = points_.find(key_of(primitive));
+    const MeshModel* layer = layer_of(primitive);
+    const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+    if (found == points_.end() || !tree || !found->second->belongs_to(*tree->cloud->tree())) return nullptr;
+    return found->second;
+}
+
+void PrimitiveBook::show()
+{
+    std::vector<Annotation> drawn;
+    placements_.clear();
+    std::size_t shown = 0;
+    for (std::size_t i = 0; i < list_.size(); ++i) shown += !list_[i].hidden;
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+        const Primitive& primitive = list_[i];
+        const auto [place, is_new] = placements_.try_emplace(primitive.cloud);
+        if (is_new) place->second = placement_of(primitive);
+        if (primitive.hidden) continue;
+        const bool is_selected = selected_ == i;
+        const bool labelled = is_selected || shown <= most_labels;
+        for (Annotation& line : drawn_primitive(
+                 primitive, place->second,
+                 {colour_of(primitive), is_selected, labelled ? QString::fromStdString(primitive.name) : QString()}))
+            drawn.push_back(std::move(line));
+    }
+    Annotations::of(document_).set(owner, std::move(drawn));
+    list_.empty() ? timer_.stop() : timer_.start();
+    emit changed();
+}
+
+void PrimitiveBook::follow_matrices()
+{
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+        const auto drawn = placements_.find(list_[i].cloud);
+        if (drawn == placements_.end() || !same_map(drawn->second, placement_of(list_[i]))) return show();
+    }
+}
+
+void keep_primitives_in_projects()
+{
+    static bool once = false;
+    if (std::exchange(once, true)) return;
+    add_project_part({element,
+                      [](MeshDocument& document) {
+                          const PrimitiveList& list = PrimitiveBook::of(document).list();
+                          return list.empty() ? QString() : QString::fromStdString(json_of(list.all()));
+                      },
+                      [](MeshDocument& document, const QString& text) {
+                          PrimitiveList list;
+                          list.add_all(parse_primitives(text.toStdString()));
+                          PrimitiveBook::of(document).replace(std::move(list));
+                      }});
+}
+
+}  // namespace pcm::host
