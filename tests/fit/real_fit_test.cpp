@@ -53,12 +53,13 @@ TEST(RealClouds, MugAndTable)
     const double height = 0.528787 / length(Vec3d{-0.0161854, 0.837724, 0.545855});
     const Vec3d mug{0.0452105, 0.0924601, 0.790215}, axis{0.20495, -0.721649, -0.661225};
     const Vec3d on_table = mug - (dot(table.axis, mug) - height) * table.axis;  // under the mug
+    const Vec3d side{0.051, 0.068, 0.758};                                      // of the mug, as the scanner sees it
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         const ShapeFit plane = fit(within(points, on_table, 0.3), ShapeKind::plane, 0.01, seed);
         ASSERT_TRUE(plane.has_shape()) << plane.message;
         EXPECT_LT(angle_between(plane.shape.axis, table.axis), 0.5);
         EXPECT_LT(distance_to(plane.shape, on_table), 0.002) << plane.inliers;
-        const ShapeFit cylinder = fit(within(points, mug - 0.02 * axis, 0.09), ShapeKind::cylinder, 0.003, seed);
+        const ShapeFit cylinder = fit(within(points, side, 0.06), ShapeKind::cylinder, 0.005, seed);
         ASSERT_TRUE(cylinder.has_shape()) << cylinder.message;
         EXPECT_NEAR(cylinder.shape.radius, 0.0396354, 0.001) << text_of(cylinder.shape) << cylinder.inliers;
     }
@@ -75,7 +76,7 @@ TEST(RealClouds, TangoSceneSphereAndCylinder)
         EXPECT_GT(sphere.shape.radius, 0.0805 - 0.002);
         EXPECT_LT(sphere.shape.radius, 0.083 + 0.002);
         EXPECT_LT(length(sphere.shape.point - Vec3d{0.100, -0.070, -0.968}), 0.005) << text_of(sphere.shape);
-        const ShapeFit cylinder = fit(within(points, points[3437], 0.15), ShapeKind::cylinder, 0.005, seed);
+        const ShapeFit cylinder = fit(within(points, points[3437], 0.12), ShapeKind::cylinder, 0.005, seed);
         ASSERT_TRUE(cylinder.has_shape()) << cylinder.message;
         EXPECT_NEAR(cylinder.shape.radius, 0.0667, 0.002) << text_of(cylinder.shape) << " " << cylinder.inliers;
         EXPECT_LT(angle_between(cylinder.shape.axis, normalised(Vec3d{-0.0255, 0.8618, 0.5066})), 3);
