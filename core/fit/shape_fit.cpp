@@ -138,6 +138,12 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     return fit;
 }
 
+bool radius_in_range(const Shape& shape, const ShapeFitOptions& options)
+{
+    const double radius = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
+    return !traits_of(shape.kind).radius || (radius >= options.least_radius && radius <= options.largest_radius);
+}
+
 double cosine_of(double normal_angle) { return normal_angle < pi / 2 ? std::cos(normal_angle) : -1; }
 
 }  // namespace
@@ -211,6 +217,12 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
         search.threshold = better;
         fit = finished(points, working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50,
                        true);
+    }
+    if (fit.has_shape() && !radius_in_range(fit.shape, options)) {
+        fit.verdict = FitVerdict::refused;
+        fit.issue = FitIssue::out_of_range;
+        fit.message = "the " + std::string(traits_of(options.kind).name) +
+                      " of these points has a radius out of the range that was asked for: widen the range";
     }
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;
