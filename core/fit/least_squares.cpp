@@ -122,4 +122,18 @@ SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const 
     return descended(model, start, points, band, most_steps, enough, false).patch;
 }
 
+BandFacts band_facts(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& points,
+                     double threshold)
+{
+    const auto p = static_cast<Eigen::Index>(model.parameters);
+    Matrix a = Matrix::Zero(p, p);
+    for (Eigen::Index j = 0; j < p; ++j)
+        for (Eigen::Index k = j; k < p; ++k)
+            a(j, k) = a(k, j) =
+                polished.sums.products[static_cast<std::size_t>(j) * most_parameters + static_cast<std::size_t>(k)];
+    const Matrix inverse = a.ldlt().solve(Matrix::Identity(p, p));
+    if (!inverse.allFinite()) return {1, std::numeric_limits<double>::infinity()};
+    return facts_of(model, polished.patch, points, threshold, inverse.data());
+}
+
 }  // namespace pcm

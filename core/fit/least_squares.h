@@ -21,6 +21,10 @@ struct PolishedPatch {
     double noise() const;  // standard deviation of a point of the surface
 };
 
+// Whether points that are near by chance matter, and how many they are (facts_of()).
+BandFacts band_facts(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& points,
+                     double threshold);
+
 // Gauss-Newton steps, damped where they do not help (Levenberg, Marquardt), until a step lowers the sum of squares by
 // less than `enough` times the mean square: until it is shorter than the root of that in units of the errors. Of the
 // points within the threshold those count most that are likely to belong to the surface; the mixture is learned on the

@@ -23,16 +23,19 @@ public:
 
 private:
     struct Node {
-        std::uint32_t first = 0, last = 0;  // of order_
+        std::uint32_t first = 0, last = 0;  // of items_
         std::uint32_t axis = 3;             // 3: a leaf
         double cut = 0;
         std::uint32_t right = 0;  // the left child is the next node
     };
-    void build(std::uint32_t first, std::uint32_t last, const std::vector<Vec3d>& points);
+    struct Item {
+        Vec3d place{};
+        std::uint32_t index = 0;
+    };
+    void build(std::uint32_t first, std::uint32_t last);
 
     std::vector<Node> nodes_;
-    std::vector<std::uint32_t> order_;
-    std::vector<Vec3d> places_;  // in that order
+    std::vector<Item> items_;
 };
 
 }  // namespace pcm

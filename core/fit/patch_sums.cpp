@@ -115,6 +115,31 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
     return sums;
 }
 
+BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,
+                   const double* inverse)
+{
+    const std::size_t p = model.parameters;
+    double within = 0, around = 0, sum = 0, largest = 0;
+    PatchBlock block;
+    for (std::size_t first = 0; first < points.size(); first += patch_block) {
+        const std::size_t count = std::min(patch_block, points.size() - first);
+        model.differentiate(patch, &points.x[first], &points.y[first], &points.z[first], count, block);
+        for (std::size_t i = 0; i < count; ++i) {
+            const double away = std::fabs(block.distance[i]);
+            if (away > 2 * threshold && away <= 4 * threshold) around += 1;
+            if (!(away <= threshold)) continue;
+            double influence = 0;
+            for (std::size_t j = 0; j < p; ++j)
+                for (std::size_t k = 0; k < p; ++k) influence += inverse[j * p + k] * block.by[j][i] * block.by[k][i];
+            within += 1;
+            sum += influence;
+            largest = std::max(largest, influence);
+        }
+    }
+    if (!(within > 0) || !(sum > 0)) return {};
+    return {std::min(1.0, around / 2 / within), largest * within / sum};
+}
+
 std::array<double, most_parameters> parameter_units(const ShapeModel& model, double extent)
 {
     std::array<double, most_parameters> units{};

@@ -23,6 +23,15 @@ struct PatchBand {
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
                   const PatchBand& band, const NoiseMixture& mixture, DistanceBins* bins = nullptr);
 
+// What the points within the threshold show of chance and influence.
+struct BandFacts {
+    double chance = 0;     // share of them that points from twice to four times the threshold let expect by chance
+    double influence = 0;  // of the most influential one on the result, in units of the mean
+};
+// `inverse`: of the products, row by row, all of it.
+BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,
+                   const double* inverse);
+
 void add_to(PatchSums& sums, const PatchBlock& block, std::size_t i);  // one point, of weight 1
 void add_to(PatchSums& sums, const PatchSums& other);
 
