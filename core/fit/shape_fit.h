@@ -2,8 +2,10 @@
 //
 // Samples of the least number of points that determine a shape are drawn, each is scored by all points, and a sample
 // better than all before is improved by least squares at once (locally optimised RANSAC, Chum, Matas, Kittler 2003).
-// The winner is polished by least squares of geometric distances in double until its inliers no longer change. All is
-// computed relative to the points and to their extent.
+// The winner is polished by least squares of geometric distances in double until steps are small beside the errors.
+// Points that are near the surface by chance, as those beyond the threshold show, take no part or count less, and where
+// the threshold is within the noise least squares looks up to twice as far. All is computed relative to the points and
+// to their extent.
 #pragma once
 
 #include "pcm/fit/fit_points.h"
@@ -47,7 +49,8 @@ std::string why_no_pcl();  // why FitBackend::pcl would be refused; empty: it wo
 struct ShapeFitOptions {
     ShapeKind kind = ShapeKind::plane;
     Estimator estimator = Estimator::msac;
-    double threshold = 0;              // largest distance of an inlier, source units; 0: from the points' local noise
+    // Largest distance of an inlier, source units; 0: from the points' local noise, and that of the surface found.
+    double threshold = 0;
     std::uint32_t iterations = 10000;  // the most samples
     double probability = 0.99;         // that a sample without outliers was drawn; ends the search early; 0 < p < 1
     double seconds = 0;                // ends the search with the best so far; 0: no limit
@@ -126,8 +129,10 @@ struct RefineOptions {
 // Least squares of the geometric distances from a shape that is near. As fit_shape(), without samples.
 ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineOptions& options = {});
 
-// An inlier's largest distance, from the noise of the points' own surface: a robust multiple of the distances of points
-// from planes through their neighbours, curvature taken out. 0 where the points say nothing (all in one place, say).
+// An inlier's largest distance, from the noise of the points' own surface: three standard deviations of points from
+// curved surfaces through neighbourhoods that are wide beside the noise. Within a factor of two where up to a third of
+// the points are outliers, and more where the surface is dense beside them. 0 where the points say nothing (all in one
+// place, say).
 double automatic_threshold(const FitPoints& points);
 
 // Gives the points unit normals by planes through their nearest neighbours; 0 0 0 where these are on one line.

@@ -201,6 +201,32 @@ TEST(FitAccuracy, ASphereOfAThousandTimesThePatchIsAPlaneUntilTheNoiseIsSmall)
     EXPECT_LT(exact.size_ratio(), 1.2);
 }
 
+// Samples of two noisy normals say nothing of arcs this thin.
+TEST(FitAccuracy, ArcsWithinTheThresholdAreNoThinCylinders)
+{
+    SceneOptions scene;
+    scene.outliers = 0;
+    scene.noise = 0.001;
+    scene.arc = 5 * pi / 180;
+    scene.length = 0.1;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+        scene.seed = seed;
+        ShapeFitOptions options = with_threshold(0.003);
+        options.kind = ShapeKind::cylinder;
+        options.seed = seed;
+        options.probability = 0.9;
+        const ShapeFit fit = fit_shape(scene_of(cylinder, scene).points, options);
+        EXPECT_TRUE(!fit.has_shape() || fit.shape.radius > 0.05) << seed << " " << fit.shape.radius;
+        EXPECT_GT(fit.inliers, 2500u) << seed;
+    }
+    scene.noise = 0.003;
+    scene.arc = 20 * pi / 180;
+    scene.length = 1;
+    const Trial trial = trial_of(cylinder, scene, with_threshold(0.01), 100);
+    EXPECT_GE(trial.good, 98);
+    EXPECT_LT(trial.size_ratio(), 1.2);
+}
+
 // A cylinder of 10 m, 17 mm of which are known.
 TEST(FitAccuracy, NormalsATenthOfADegreeApart)
 {
