@@ -54,8 +54,11 @@ public:
         }
         if (best.near.found > best.close.found)
             best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
-        if (best.fit.has_shape() && !passes(best.fit))
-            best.notes.push_back("the shape does not pass through the points nearest to the place");
+        if (best.fit.has_shape() && !passes(best.fit)) {
+            best.fit.verdict = FitVerdict::doubtful;
+            best.fit.issue = FitIssue::no_consensus;
+            best.fit.message = "it does not pass through the points nearest to the place: take a smaller neighbourhood";
+        }
         return best;
     }
 
@@ -122,10 +125,11 @@ private:
         return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
-    // Half of the points nearest to each place.
+    // Near the point nearest to each place, and half of those around.
     bool passes(const ShapeFit& fit) const
     {
         for (const std::vector<Vec3d>& core : cores_) {
+            if (!core.empty() && distance_to(fit.shape, core.front()) > 2 * fit.threshold) return false;
             std::size_t near = 0;
             for (const Vec3d& p : core) near += distance_to(fit.shape, p) <= fit.threshold;
             if (2 * near < core.size()) return false;
