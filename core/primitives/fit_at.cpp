@@ -31,6 +31,11 @@ void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_pla
     for (const Vec3d& p : not_places)
         if (std::find(places.begin(), places.end(), p) != places.end())
             refuse("the place " + exact(p) + " was given as one of the surface and as one beside it");
+    if (!(options.fit.threshold >= 0) || !std::isfinite(options.fit.threshold))
+        refuse("the threshold is " + exact(options.fit.threshold) + "; it is a positive number of source units");
+    if (!(options.radius >= 0) || !std::isfinite(options.radius))
+        refuse("the radius of the neighbourhood is " + exact(options.radius) +
+               "; it is a positive number of source units");
     if (!(options.step >= 0) || !std::isfinite(options.step))
         refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
 }
