@@ -117,7 +117,7 @@ QString size_of(const Primitive& primitive, const std::string& unit)
     add_sizes(primitive, unit, lines);
     if (lines.empty()) return {};
     const auto& [name, value] = lines.front();
-    return name == "radius" ? "r " + value : value;
+    return (name == "radius" ? QString("r") : name) + " " + value;
 }
 
 std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, const std::string& unit)
