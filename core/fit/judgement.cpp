@@ -13,7 +13,7 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 // Of a curvature in units of its own error.
-constexpr double least_significance = 3, good_significance = 10;
+constexpr double least_significance = 5, good_significance = 10;
 
 // The numbers that people read, of which the errors are reported: place, axis, radius, second.
 struct Numbers {
@@ -118,6 +118,12 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
     fit.verdict = FitVerdict::good;
     if (!traits_of(model.kind).radius) return fit;
     const double radius = 1 / std::fabs(patch.curvature), significance = radius / fit.errors.radius;
+    // To the flatter side, which is the farther one.
+    if (significance < good_significance && significance > 1) {
+        const double wider = significance / (significance - 1);
+        fit.errors.radius *= wider;
+        if (traits_of(model.kind).axis == false || model.kind == ShapeKind::cylinder) fit.errors.position *= wider;
+    }
     if (significance < least_significance) {
         fit.errors.radius = fit.errors.position = infinite;
         doubt(fit, FitVerdict::refused, FitIssue::coplanar,

@@ -71,8 +71,9 @@ private:
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
             Box3d box = hypotheses_[h].box;
             for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] -= options_.reach + sample_.origin[a];
-                box.max[a] += options_.reach - sample_.origin[a];
+                const double reach = std::max(options_.reach, hypotheses_[h].reach);
+                box.min[a] -= reach + sample_.origin[a];
+                box.max[a] += reach - sample_.origin[a];
             }
             const Shape shape = shape_here(h);
             for (std::uint32_t i = 0; i < sample_.size(); ++i) {

@@ -39,10 +39,12 @@ constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread 
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
-constexpr double cell_of_noise = 3, cell_of_spacing = 0.5;
+constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
 constexpr double coarser = 4;  // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
-constexpr double reach_cells = 20;        // how far beyond where it was found a shape may be
+// How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
+// which the samples have no normals, and in cells of the present one.
+constexpr double edge_cells = 4, reach_cells = 20;
 constexpr std::size_t least_coarse = 60;  // sample points of a shape at all resolutions but the finest
 
 struct Resolution {
@@ -221,8 +223,9 @@ private:
             Hypothesis one;
             one.shape = shape.shape;
             one.shape.point = one.shape.point + sample.origin;
-            one.points = shape.points.size();
+            one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
             one.rms = shape.rms;
+            one.reach = edge_cells * resolution.sample.cell;
             for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
             const std::size_t some = std::min(hypothesis_points, shape.points.size());
             for (std::size_t i = 0; i < some; ++i)
@@ -238,8 +241,8 @@ private:
         for (const Hypothesis& known : hypotheses_) {
             Box3d box = known.box;
             for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] -= sample.origin[a] + reach_cells * cell;
-                box.max[a] -= sample.origin[a] - reach_cells * cell;
+                box.min[a] -= sample.origin[a] + std::max(known.reach, reach_cells * cell);
+                box.max[a] -= sample.origin[a] - std::max(known.reach, reach_cells * cell);
             }
             Shape shape = known.shape;
             shape.point = shape.point - sample.origin;

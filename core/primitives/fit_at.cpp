@@ -116,6 +116,7 @@ private:
         if (!(result.step > 0) || !(local.threshold > 0)) return;
         GrowShapeOptions options;
         options.threshold = local.threshold;
+        options.raise_threshold = options_.fit.threshold == 0;
         options.step = result.step;
         options.normal_angle = options_.fit.normal_angle;
         options.most_rounds = options_.rounds;
@@ -135,6 +136,9 @@ private:
                                    "): the neighbourhood's points are given");
             return;
         }
+        if (grown.agreement > 1)
+            result.notes.push_back("neighbouring points leave the surface together: the errors are " +
+                                   brief(grown.agreement) + " times those of independent points");
         result.points = std::move(grown.points);
         grown.fit.iterations = result.local.iterations;
         result.primitive.fit = std::move(grown.fit);

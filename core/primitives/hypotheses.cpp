@@ -50,7 +50,8 @@ std::vector<Vec3d> some_of(const Hypothesis& a, const Hypothesis& b)
 // Takes `other` into `one`, if both are the same surface.
 bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& options)
 {
-    if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, options.gap)) return false;
+    if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, std::max(one.reach, options.gap)))
+        return false;
     const double most = same_rms * std::max({one.rms, other.rms, 0.02 * options.threshold});
     double apart = rms_distance(one.shape, other.some);
     if (!(apart <= 4 * options.threshold) || !normals_agree(one.shape, other.shape, other.some, options.normal_angle))
@@ -64,7 +65,8 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
         return false;
     one.shape = fit.shape;
     one.box.extend(other.box);
-    one.points += other.points;
+    one.area += other.area;
+    one.reach = std::max(one.reach, other.reach);
     one.rms = rms_distance(fit.shape, some);
     one.some = std::move(some);
     return true;
@@ -74,12 +76,13 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
 // that a sphere fits as well, say.
 bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptions& options)
 {
-    if (large.points < small.points || !touch(large.box, small.box, options.gap)) return false;
+    const double gap = std::max(large.reach, options.gap);
+    if (large.area < small.area || !touch(large.box, small.box, gap)) return false;
     const double least = std::cos(std::min(options.normal_angle, pi / 2));
     Box3d box = large.box;
     for (std::size_t a = 0; a < 3; ++a) {
-        box.min[a] -= options.gap;
-        box.max[a] += options.gap;
+        box.min[a] -= gap;
+        box.max[a] += gap;
     }
     std::size_t on = 0;
     for (const Vec3d& p : small.some)
@@ -95,7 +98,7 @@ std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& 
     for (std::size_t before = all.size() + 1; all.size() < before;) {
         before = all.size();
         std::stable_sort(all.begin(), all.end(),
-                         [](const Hypothesis& a, const Hypothesis& b) { return a.points > b.points; });
+                         [](const Hypothesis& a, const Hypothesis& b) { return a.area > b.area; });
         std::vector<Hypothesis> kept;
         for (Hypothesis& next : all) {
             const auto takes = [&](Hypothesis& one) {

@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
 constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
 constexpr std::size_t core_points = 50;    // of a place, half of which the shape must pass through
+constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
 
 class LocalSearch {
@@ -183,7 +184,8 @@ private:
             if (raised > 0 && !(options.threshold < near.radius / 4)) break;
             ShapeFit fit = fit_shape(near.points, options);
             const double chance = chance_of(fit, near.points, near.radius);
-            if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance < least))) {
+            const double gain = least_gain * static_cast<double>(fit.inliers);
+            if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance + gain < least))) {
                 best = std::move(fit);
                 least = chance;
             }
