@@ -107,7 +107,9 @@ std::vector<Annotation> drawn_primitive(const Primitive& primitive, const std::o
     }
     if (drawn.empty()) return drawn;
     drawn.front().label = style.label;
-    drawn.front().label_at = box.max;
+    drawn.front().label_at = drawn.front().line.front();
+    for (const Vec3d& p : drawn.front().line)
+        if (length(p - box.max) < length(drawn.front().label_at - box.max)) drawn.front().label_at = p;
     return drawn;
 }
 

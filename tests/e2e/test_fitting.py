@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import random
 import re
 import unittest
 import xml.etree.ElementTree
@@ -181,11 +182,11 @@ class Fitting(MeshLabTest):
     def check_files(self, out):
         primitives = json.loads((out / "all.json").read_text())["primitives"]
         self.assertEqual([p["name"] for p in primitives], ["Cylinder 1", "Table <top>"])
-        shape = primitives[0]["shape"]
-        text = json.dumps(shape)
-        radius = next(float(x) for x in re.findall(r"0\.03\d+", text))
-        self.assertAlmostEqual(radius, RADIUS, delta=TOLERANCE)
-        # The published axis stands on the table: at right angles to the plane, within what the scan's noise leaves.
+        mug, table = primitives
+        self.assertAlmostEqual(mug["radius"], RADIUS, delta=TOLERANCE)
+        # The mug stands on the table: its axis is the table's normal.
+        along = abs(sum(a * b for a, b in zip(mug["axis"], table["axis"])))
+        self.assertLess(math.degrees(math.acos(min(1, along))), 2)
         with open(out / "all.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["name"] for row in rows], ["Cylinder 1", "Table <top>"])
@@ -222,30 +223,52 @@ class Fitting(MeshLabTest):
         self.assertAlmostEqual(again / number(rows[0][3]), 1, delta=0.1)
         self.assertGreater(different(pictures["none"], pictures["reopened"]), 0.005)
 
+    def pipe_on_a_floor(self):
+        """A floor at z = 0, and above it a pipe along y of radius 0.5 with its axis at x = 3, z = 1; 2 mm noise."""
+        chance = random.Random(5)
+        cloud = self.folder / "pipe.xyz"
+        with open(cloud, "w", encoding="utf-8") as file:
+            for _ in range(30000):
+                file.write(f"{chance.uniform(-5, 5):.6f} {chance.uniform(-5, 5):.6f} {chance.gauss(0, 0.002):.6f}\n")
+            for _ in range(15000):
+                angle, r = chance.uniform(0, math.pi), 0.5 + chance.gauss(0, 0.002)
+                file.write(f"{3 + r * math.cos(angle):.6f} {chance.uniform(-4, 4):.6f} {1 + r * math.sin(angle):.6f}\n")
+        tree = self.folder / "pipe.pct"
+        pcmlab("build", cloud, "-o", tree)
+        return tree
+
     def test_what_is_refused_changes_nothing(self):
+        self.tree = self.pipe_on_a_floor()
+        floor, pipe = "-2 1 0", "3 0.5 1.5"
         run = self.gui(f"""
             {self.start()}
             {self.click("0.05 0.05")}
             print-label {MESSAGE}
-            {self.click(TABLE, "Shift")}
-            """.replace('wait-property pcm_fit_tool "fits":2,', f"wait-label {MESSAGE} there is no shape yet") + f"""
+            modifiers Shift
+            click 0.3 0.5
+            wait-label {MESSAGE} there is no shape yet
+            modifiers none
             field PointCloudFitShape = Sphere
-            click {TABLE}
-            wait-label {MESSAGE} sphere
+            click-place {floor}
+            wait-label {MESSAGE} no sphere was fitted
             print-label {MESSAGE}
             print-label {FOUND}
             key Return
             wait-label {MESSAGE} there is nothing to accept
             field PointCloudFitShape = Cylinder
-            click {MUG}
+            click-place {pipe}
             wait-label {FOUND} Cylinder
             print-label {FOUND}
+            screen {self.result("pipe.png")}
             field PointCloudFitThreshold = -3
             wait-label {MESSAGE} is no number from 0
-            field PointCloudFitThreshold = 0.004
-            wait-label {FOUND} Cylinder
+            print-label {FOUND}
+            field PointCloudFitThreshold = 0.008
+            wait-property pcm_fit_tool "fits":4,
+            print-label {FOUND}
             field PointCloudFitShape = Sphere
-            wait-label {MESSAGE} sphere
+            wait-property pcm_fit_tool "fits":5,
+            print-label {MESSAGE}
             print-label {FOUND}
             escape-in-view
             wait-label {MESSAGE} discarded
@@ -261,17 +284,60 @@ class Fitting(MeshLabTest):
             pause 200
             print-field Shape
             print-field Threshold
-            screen {self.result("again.png")}
             quit
             """)
         self.assertDriven(run)
         messages, found = run.labels(MESSAGE), run.labels(FOUND)
         self.assertIn("No point within", messages[0])
-        self.assertRegex(messages[1], "no sphere was fitted|doubtful")
+        self.assertRegex(messages[1], r"no sphere was fitted \(.+\): .+")
+        self.assertRegex(messages[2], r"no sphere was fitted \(.+\): .+")
+        self.assertIn("Click a point", found[0])
+        for text in found[1:5]:  # also after the refusals
+            self.assertRegex(text, "^Cylinder: r 0.[45][0-9]+ ± ")
+            self.assertAlmostEqual(number(text), 0.5, delta=0.001)
+        self.assertEqual(found[1], found[2])
+        self.assertEqual(found[3], found[4])
+        self.assertIn("Click a point", found[5])
         self.assertEqual(run.tables(LIST), [[]])
-        self.assertIn("Click a point", found[-1])
+        self.assertEqual(run.text.count("driver: escape taken"), 1)
+        self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
-        self.assertEqual(run.fields()[-2:], ["Sphere", "0.004"], "the settings are kept")
+        self.assertEqual(run.fields()[-2:], ["Sphere", "0.008"], "the settings are kept")
+
+    def test_escape_and_further_clicks(self):
+        """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""
+        run = self.gui(f"""
+            {self.start()}
+            field PointCloudFitNeighbourhood = 100000
+            click {TABLE}
+            wait-property pcm_fit_tool "fitting"
+            print-camera before
+            drag 0.5 0.5 0.52 0.5
+            drag 0.52 0.5 0.5 0.5
+            drag 0.5 0.5 0.51 0.5
+            print-camera turned
+            print-property pcm_fit_tool
+            escape-in-view
+            wait-label {MESSAGE} cancelled
+            print-label {FOUND}
+            click {TABLE}
+            wait-property pcm_fit_tool "fitting"
+            click {TABLE}
+            wait-property pcm_fit_tool "draft"
+            pause 300
+            print-property pcm_fit_tool
+            print-label {FOUND}
+            escape-in-view
+            wait-label {MESSAGE} discarded
+            quit
+            """)
+        self.assertDriven(run)
+        states, found = run.properties("pcm_fit_tool"), run.labels(FOUND)
+        self.assertEqual(states[0], {"fits": 0, "state": "fitting"})
+        self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
+        self.assertIn("Click a point", found[0])
+        self.assertEqual(states[1], {"fits": 2, "state": "draft"}, "the first of two quick clicks has no answer")
+        self.assertIn("1 place.", found[1])
 
     def test_only_what_is_shown_is_fitted(self):
         """Under a clip box: all points of the plane are in it."""
@@ -328,11 +394,12 @@ class Fitting(MeshLabTest):
                 """)
             self.assertDriven(run)
             shapes[name] = kept_in(project)[0]
-        numbers = {name: [float(x) for x in re.findall(r"-?\d+\.\d+(?:e-?\d+)?", json.dumps(each["shape"]))]
-                   for name, each in shapes.items()}
-        self.assertEqual(len(numbers["there"]), len(numbers["moved"]))
-        for a, b in zip(numbers["there"], numbers["moved"]):
-            self.assertAlmostEqual(a, b, delta=0.005)
+        there, moved = shapes["there"], shapes["moved"]
+        self.assertAlmostEqual(there["radius"], moved["radius"], delta=TOLERANCE)
+        # The distance between the two axes, where the first one's point is.
+        apart = [a - b for a, b in zip(there["point"], moved["point"])]
+        along = sum(a * b for a, b in zip(apart, there["axis"]))
+        self.assertLess(math.hypot(*(a - along * b for a, b in zip(apart, there["axis"]))), 0.004)
         self.assertGreater(different(pictures["there"], pictures["moved"]), 0.01)
 
 
