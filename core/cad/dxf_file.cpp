@@ -275,6 +275,9 @@ void DxfFile::arc(const std::string& layer, const Vec3d& centre, const Vec3d& ax
 {
     if (angle >= 2 * pi) return circle(layer, centre, axis, radius);
     const ObjectAxes axes(axis);
+    check_finite(from);
+    if (!std::isfinite(angle))
+        throw Error(ErrorCode::invalid_argument, state_->writer.file().path(), "the angle of an arc is not finite");
     const double begin = std::atan2(dot(from, axes.y), dot(from, axes.x));
     const auto degrees = [](double radians) {
         const double turn = std::fmod(radians * 180 / pi, 360);
