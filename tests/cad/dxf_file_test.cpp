@@ -100,6 +100,8 @@ TEST_F(Dxf, CirclesThatAreNoneAreRefused)
     EXPECT_THROW(file.arc("a", {1, 2, 3}, {0, 0, 1}, 1, {nan, 0, 0}, 1), Error);
     EXPECT_THROW(file.face("a", {1, 2, 3}, {0, 0, nan}, {}, {}), Error);
     EXPECT_THROW(file.circle("b", {1, 2, 3}, {0, 0, 1}, 4), Error);
+    file.finish();
+    EXPECT_TRUE(section(folder_ / "a.dxf", "ENTITIES").empty());
 }
 
 TEST_F(Dxf, CoordinatesReadBackAsTheSameDoubles)
