@@ -152,6 +152,15 @@ private:
         return shape;
     }
 
+    // The distance of the surface at a point, rather than of the point with its noise.
+    double mean_distance(std::uint32_t i, const Shape& shape) const
+    {
+        double sum = signed_distance(shape, sample_.at[i]);
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k)
+            sum += signed_distance(shape, sample_.at[sample_.neighbours(i)[k]]);
+        return sum / (SurfaceSample::most_neighbours + 1);
+    }
+
     // Whether the surface of the cloud continues smoothly beside point i, but not on the point's shape.
     bool goes_beyond(std::uint32_t i, const Shape& shape, double cos_angle) const
     {
@@ -167,11 +176,7 @@ private:
                 continue;
             }
             if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
-            // The distance of the surface there, not of a point with its noise.
-            double distance = signed_distance(shape, sample_.at[j]);
-            for (std::size_t m = 0; m < SurfaceSample::most_neighbours; ++m)
-                distance += signed_distance(shape, sample_.at[sample_.neighbours(j)[m]]);
-            distance = std::fabs(distance) / (SurfaceSample::most_neighbours + 1);
+            const double distance = std::fabs(mean_distance(j, shape));
             beyond += distance > least_beyond * options_.threshold && distance < most_beyond * options_.threshold;
         }
         return beyond >= enough_beyond;
@@ -184,9 +189,15 @@ private:
             if (part_[i] == none || !sample_.inside[i]) continue;
             SurfacePart& part = result_.parts[part_[i]];
             ++part.sampled;
-            if (interior_[i]) continue;
-            ++part.edge;
-            part.continued += goes_beyond(i, shape_here(owner_[i]), cos_angle);
+            const Shape shape = shape_here(owner_[i]);
+            if (interior_[i]) {
+                const double distance = signed_distance(shape, sample_.at[i]), mean = mean_distance(i, shape);
+                part.squares += distance * distance;
+                part.smooth_squares += mean * mean;
+            } else {
+                ++part.edge;
+                part.continued += goes_beyond(i, shape, cos_angle);
+            }
         }
     }
 
@@ -260,6 +271,8 @@ void add_to(SurfacePart& whole, const SurfacePart& part)
     whole.points += part.points;
     whole.sampled += part.sampled;
     whole.edge += part.edge;
+    whole.squares += part.squares;
+    whole.smooth_squares += part.smooth_squares;
     whole.continued += part.continued;
     whole.box.extend(part.box);
     whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());

@@ -270,13 +270,15 @@ private:
         FinalFitOptions fit;
         fit.threshold = report_.threshold;
         fit.least_points = options_.least_points;
+        fit.keep_pieces = options_.pieces;
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
-        if (result.pieces > 0)
+        if (result.pieces > 0 && !options_.pieces)
             report_.notes.push_back(grouped(result.piece_points) + " points lie on " + grouped(result.pieces) +
-                                    " pieces of surfaces that continue smoothly beyond the threshold (ground, say); "
-                                    "these are no primitives");
+                                    " pieces of surfaces that continue smoothly beyond the threshold (ground, or what "
+                                    "the threshold is too small for); "
+                                    "they were left out");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
         report_.outcome.points_in = result.points;
