@@ -1,6 +1,8 @@
 // pcmlab primitives.
 
 #include "tests/cli/command.h"
+#include "tests/faults.h"
+#include "tests/paths.h"
 
 #include <fstream>
 
@@ -77,6 +79,34 @@ TEST_F(PrimitiveCommands, RefuseWithoutWriting)
     EXPECT_FALSE(std::filesystem::exists(folder_ / "a.scr"));
     const Result replaced = pcmlab("primitives " + path("a.json") + " --to " + path("b.json") + " --overwrite");
     EXPECT_EQ(replaced.code, 0) << replaced.err;
+}
+
+TEST_F(PrimitiveCommands, AFullOrBadDiskLeavesTheFilesAsTheyWere)
+{
+    namespace fs = std::filesystem;
+    fs::create_directory(folder_ / "out");
+    for (const std::string extension : {".dxf", ".scr", ".csv", ".json"}) {
+        const fs::path file = folder_ / "out" / ("a" + extension);
+        const std::vector<std::string> command{pcm::paths::command, "primitives", (folder_ / "a.json").string(), "--to",
+                                               file.string(),       "--overwrite"};
+        std::ofstream(file) << "mine";
+        const long calls = count_calls(command, folder_ / "out");
+        EXPECT_GE(calls, 3) << extension;
+        for (const std::string kind : {"full", "eio", "kill"})
+            for (const long at : spread(calls - 1, 10)) {
+                std::ofstream(file) << "mine";
+                const Faulty result = run_with_fault(command, folder_ / "out", kind, at);
+                if (result.code == 0) continue;  // no later call needs space
+                if (kind != "kill") EXPECT_NE(result.err.find("a" + extension), std::string::npos) << result.err;
+                std::ifstream there(file);
+                EXPECT_EQ(std::string(std::istreambuf_iterator<char>(there), {}), "mine") << kind << " at " << at;
+                for (const auto& left : fs::directory_iterator(folder_ / "out")) {
+                    if (kind != "kill") EXPECT_EQ(left.path(), file) << kind << " at " << at;
+                    if (left.path() != file) fs::remove(left);
+                }
+            }
+        fs::remove(file);
+    }
 }
 
 }  // namespace
