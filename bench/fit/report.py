@@ -3,7 +3,7 @@ import json
 import pathlib
 
 KINDS = ("plane", "cylinder", "sphere")
-FOUND = 0.015  # m: a shape whose surface is farther from the truth's on average was not found
+FOUND = 0.045  # m, three thresholds: a shape whose surface is farther from the true one is another shape
 COLOURS = {"own-msac": "#d62728", "own-ransac": "#ff9896", "pcl-ransac": "#1f77b4", "pcl-msac": "#17becf", "pcl-rmsac": "#9467bd", "cgal": "#2ca02c",
            "oracle": "black"}
 
@@ -43,6 +43,10 @@ class Runs:
 
     def success(self, within=FOUND):
         return 100 * sum(row["found"] and row["surface"] <= within for row in self.rows) / len(self.rows)
+
+    def misled(self):
+        """Not found, and not flagged."""
+        return 100 * sum(row["found"] and row["surface"] > FOUND and row.get("verdict", "good") == "good" for row in self.rows) / len(self.rows)
 
     def flagged(self):
         return 100 * sum(row.get("verdict", "good") != "good" for row in self.rows) / len(self.rows)
@@ -103,7 +107,7 @@ def stiff_table(out):
     cases = grouped(out, "stiff")
     if not cases:
         return
-    yield ("\n| case | method | radius error, %: median | 90 % | × oracle | more than 30 % wrong, % of fits | flagged, % | claimed σ of the radius, %: "
+    yield ("\n| case | method | radius error, %: median | 90 % | × oracle | more than 30 % wrong and not flagged, % of fits | flagged, % | claimed σ of the radius, %: "
            "median | within 3 σ, % |")
     yield "|---|---|---:|---:|---:|---:|---:|---:|---:|"
     for case, methods in cases.items():
@@ -112,7 +116,7 @@ def stiff_table(out):
         oracle = methods["oracle"].figure("radius")
         for name, runs in methods.items():
             half, most = runs.figure("radius"), runs.figure("radius", 0.9)
-            wrong = 100 * sum(not row["found"] or row["radius"] > 0.3 * true_radius for row in runs.rows) / len(runs.rows)
+            wrong = 100 * sum(row["found"] and row["radius"] > 0.3 * true_radius and row.get("verdict", "good") == "good" for row in runs.rows) / len(runs.rows)
             cells = [case, name, number(half and 100 * half / true_radius), number(most and 100 * most / true_radius), ratio(half, oracle), number(wrong)]
             claims = [row for row in runs.rows if "radius_sigma" in row and row["found"]]
             if any("verdict" in row for row in runs.rows):
@@ -128,7 +132,7 @@ def large_table(out):
     for case, methods in grouped(out, "large").items():
         path = pathlib.Path(out) / "memory.json"
         memory = json.loads(path.read_text()) if path.exists() else {}
-        yield f"\n| {case}, 100,000 points | CPU ms, median | 90 % | surface error, mm | found, % | peak memory of the fit, MB |\n|---|---:|---:|---:|---:|---:|"
+        yield f"\n| {case}, 100,000 points | CPU ms, median | 90 % | surface error, mm | found, % | memory of the fit, MB |\n|---|---:|---:|---:|---:|---:|"
         for name, runs in by_name(methods).items():
             error = runs.figure("surface")
             yield (f"| {name} | {number(runs.cpu())} | {number(runs.cpu(0.9))} | {number(error and 1e3 * error)} | {number(runs.success())} | "
@@ -211,14 +215,18 @@ def write(out):
     lines += [f"{seeds} scenes a row (half as many for the curves, a tenth for 100,000 points), made anew for each seed; on each all methods take turns. 3038 points unless said otherwise: a plane of 3 × 3 m, a cylinder of "
               "radius 0.5 m and length 3 m, a sphere of radius 0.5 m, σ of 5 mm along the normal, outliers evenly in the box around. Times are of the processor, one "
               "thread; normals are estimated beforehand and given to all methods alike. *Surface* is the rms distance of the true surface from the found one; "
-              "*oracle* is a least-squares fit in long double to the points that are truly on the shape, by code of its own; *found*: the surface is within 15 mm. "
+              "*oracle* is a least-squares fit in long double to the points that are truly on the shape, by code of its own; *found*: the surface is within 45 mm, three times the threshold. "
               "PCL is 1.13 with single-precision coordinates about the points' middle, "
               "with the least squares that its SACSegmentation does at the end (*-raw*: without); its RRANSAC and RMSAC pretest one point (*-default*: a tenth of all, as PCL does unless asked "
               "otherwise, and would then never end: here they end at 10,000 samples). CGAL is 5.5, its largest shape.",
               f"Machine: {info.read_text().strip() if info.exists() else ''}"]
     lines += ["\n## The plane of table 8.1, and the same of cylinder and sphere", *tables_of_methods(out)]
-    lines += ["\n## Time budgets\n", *(f"![Error against run time]({name})" for name in pictures if name.startswith("curves"))]
+    lines += ["\n## Time budgets\n\nLimits of 5 to 2000 samples, 60 % outliers.\n", *(f"![Error against run time]({name})" for name in pictures if name.startswith("curves"))]
+    with_time = lambda runs, _: f"{number(runs.figure('surface') and 1e3 * runs.figure('surface')) or '–'} ({number(runs.cpu(0.9))})"  # noqa: E731
+    lines += ["\nWith a limit of wall time instead, 70 % outliers, and a probability that never ends the search: median surface error in mm (and the CPU, ms, within which 90 % end).",
+              *table_by(out, "seconds", with_time, "limit", " ms")]
     lines += ["\n## Outliers\n\nShapes found, % of the scenes; probability 0.99, at most 10,000 samples.", *table_by(out, "outliers", lambda runs, _: number(runs.success()), "found, %", " %")]
+    lines += ["\nSomething else found in its place and not flagged, % of the scenes:", *table_by(out, "outliers", lambda runs, _: number(runs.misled()), "wrong, %", " %")]
     lines += ["\nMedian CPU, ms:", *table_by(out, "outliers", lambda runs, _: number(runs.cpu()), "ms", " %")]
     lines += ["", *(f"![Shapes found, and time, over the share of outliers]({name})" for name in pictures if name.startswith("success"))]
     lines += ["\n## Noise\n\nSurface error over the oracle's, medians; the threshold is 3 σ.", *table_by(out, "noise", over_oracle, "σ, m", "")]

@@ -24,7 +24,7 @@ struct Arguments {
     std::optional<double> threshold, seconds, radius, step, normal_angle, least_radius, largest_radius, outline_edge;
     std::optional<std::uint64_t> count;
     double probability = 0.99;
-    std::uint32_t iterations = 10000, rounds = 5;
+    std::uint32_t iterations = 10000, rounds = 8;
     std::uint64_t seed = 1;
     bool grow = true;
     RegionOptions region;
@@ -145,7 +145,9 @@ int fit(const Arguments& arguments)
     const auto cloud = PointCloud::open(arguments.tree);
     FittedPrimitive fitted =
         fit_at(*cloud, places_of(arguments.at, "--at"), places_of(arguments.not_at, "--not-at"), options);
-    fitted.primitive.name = arguments.name;
+    fitted.primitive.name = arguments.name.empty() && arguments.list.empty()
+                                ? traits_of(fitted.primitive.fit.shape.kind).label
+                                : arguments.name;
     SetDone done;
     if (fitted.primitive.fit.has_shape()) {
         // The list first: points that are deleted cannot be fitted again.
@@ -241,7 +243,7 @@ void add_growth(Options& options, Arguments& a)
         .group(group);
     options
         .option("--rounds", a.rounds,
-                "The most rounds of growing and fitting to all points reached (default 5; 0: the shape stays)")
+                "The most rounds of growing and fitting to all points reached (default 8; 0: the shape stays)")
         .between(0, 100)
         .group(group);
     options

@@ -68,8 +68,10 @@ double PolishedPatch::noise() const
     return mixture.deviation() > 0.05 * mixture.threshold() ? mixture.deviation() : rms;
 }
 
-PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
-                     const PatchBand& band, unsigned most_steps, bool weighted)
+namespace {
+
+PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
+                        const PatchBand& band, unsigned most_steps, double enough, bool weighted)
 {
     constexpr double extent = 1;  // working units
     PolishedPatch best{start, {}, NoiseMixture(band.threshold), false};
@@ -89,7 +91,7 @@ PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const W
         DistanceBins next_bins;
         const PatchSums sums = sums_of(model, next, points, band, best.mixture, &next_bins);
         const double square = mean_square(best.sums);
-        const bool small = gain_of(best.sums, step) <= 1e-10 * square || size_of(step) < 1e-13;
+        const bool small = gain_of(best.sums, step) <= enough * square || size_of(step) < 1e-13;
         if (is_proper(model.shape_of(next)) && sums.cost <= best.sums.cost * (1 + 1e-12) + 1e-6 * square) {
             best.patch = next;
             best.sums = sums;
@@ -104,6 +106,20 @@ PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const W
         }
     }
     return best;
+}
+
+}  // namespace
+
+PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
+                     const PatchBand& band, unsigned most_steps, double enough)
+{
+    return descended(model, start, points, band, most_steps, enough, true);
+}
+
+SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
+                      const PatchBand& band, unsigned most_steps, double enough)
+{
+    return descended(model, start, points, band, most_steps, enough, false).patch;
 }
 
 }  // namespace pcm

@@ -21,11 +21,15 @@ struct PolishedPatch {
     double noise() const;  // standard deviation of a point of the surface
 };
 
-// Gauss-Newton steps, damped where they do not help (Levenberg, Marquardt), until they are small beside the errors. Of
-// the points within the threshold those count most that are likely to belong to the surface, where `weighted`; the
-// mixture is learned on the way.
+// Gauss-Newton steps, damped where they do not help (Levenberg, Marquardt), until a step lowers the sum of squares by
+// less than `enough` times the mean square: until it is shorter than the root of that in units of the errors. Of the
+// points within the threshold those count most that are likely to belong to the surface; the mixture is learned on the
+// way.
 PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
-                     const PatchBand& band, unsigned most_steps, bool weighted);
+                     const PatchBand& band, unsigned most_steps, double enough);
+// By all points within the threshold alike.
+SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
+                      const PatchBand& band, unsigned most_steps, double enough);
 
 // Errors, condition, verdict, issue and message of a result in working units; the shape is not set. The rms is that of
 // weighted distances, and `noise` their deviation.

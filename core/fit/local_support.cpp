@@ -58,7 +58,7 @@ private:
     std::vector<Cell> cells_;
 };
 
-// Sums over a cell and those around it.
+// Points within and beyond the threshold in a cell and those around it.
 std::pair<double, double> around(SupportCells& cells, const SupportCells::Place& place)
 {
     double in = 0, out = 0;
@@ -72,10 +72,10 @@ std::pair<double, double> around(SupportCells& cells, const SupportCells::Place&
     return {in, out};
 }
 
-SupportCells filled(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double size)
+// Of the points up to `farthest` from the surface.
+SupportCells filled(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double size,
+                    double farthest)
 {
-    // Points farther away are in no block around the surface.
-    const double farthest = 3 * size;
     std::size_t near = 0;
     for (const double distance : distances) near += std::fabs(distance) <= farthest;
     SupportCells cells(size, near);
@@ -90,52 +90,64 @@ SupportCells filled(const WorkingPoints& points, const std::vector<double>& dist
 }
 
 // The size of cells whose blocks have enough points of the surface.
-double cell_size(const WorkingPoints& points, const std::vector<double>& distances, double threshold,
+double cell_size(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double noise,
                  std::size_t inliers)
 {
     const auto n = static_cast<double>(inliers);
-    const double wanted = std::max(least_in_block, n / blocks), least = std::max(2 * threshold, 4.0 / cells_across);
+    const double wanted = std::max(least_in_block, n / blocks), least = std::max(2 * noise, 4.0 / cells_across);
     double size = std::max(least, std::sqrt(wanted / n) / 2);
     for (int round = 0; round < 3 && size > least; ++round) {
-        SupportCells cells = filled(points, distances, threshold, size);
+        SupportCells cells = filled(points, distances, threshold, size, threshold);
         std::vector<double> counts;
-        for (std::size_t i = 0; i < points.size() && counts.size() < 200; ++i)
+        for (std::size_t i = 0; i < points.size() && counts.size() < 40; ++i)
             if (std::fabs(distances[i]) <= threshold) counts.push_back(around(cells, cells.place(points.at(i))).first);
         std::nth_element(counts.begin(), counts.begin() + counts.size() / 2, counts.end());
         const double scale = std::sqrt(wanted / counts[counts.size() / 2]);
         size = std::clamp(size * scale, least, 0.5);
-        if (scale > 0.8 && scale < 1.25) break;
+        if (scale > 0.7 && scale < 1.4) break;
     }
     return size;
 }
 
 }  // namespace
 
-std::vector<double> local_support(const ShapeModel& model, const Shape& shape, const WorkingPoints& points,
-                                  double threshold)
+bool LocalSupport::find(const Shape& shape, double threshold, double noise)
 {
-    const std::size_t n = points.size();
-    std::vector<double> distances(n);
-    model.distances(shape, points.x.data(), points.y.data(), points.z.data(), n, distances.data());
+    const std::size_t n = points_.size();
+    const std::vector<double> before = distances_;
+    distances_.resize(n);
+    model_.distances(shape, points_.x.data(), points_.y.data(), points_.z.data(), n, distances_.data());
     std::size_t inliers = 0;
-    for (const double distance : distances) inliers += std::fabs(distance) <= threshold;
-    if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return {};
-    const double size = cell_size(points, distances, threshold, inliers), part = 2 * threshold / (3 * size);
-    SupportCells cells = filled(points, distances, threshold, size);
-    std::vector<double> support(n, 0);
+    double change = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        if (std::fabs(distances_[i]) <= threshold) {
+            ++inliers;
+            if (!before.empty()) change += (distances_[i] - before[i]) * (distances_[i] - before[i]);
+        }
+    if (!before.empty() && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
+    support_.clear();
+    if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return true;
+    if (!(size_ > 0)) size_ = cell_size(points_, distances_, threshold, noise, inliers);
+    SupportCells cells = filled(points_, distances_, threshold, size_, threshold);
+    // What is anywhere is counted in larger cells: in a block of these, beyond the threshold.
+    const double large = std::max(size_, 4 * threshold), block = 3 * size_, large_block = 3 * large;
+    SupportCells large_cells = filled(points_, distances_, threshold, large, large_block);
+    const double part =
+        block * block * std::min(block, 2 * threshold) / (large_block * large_block * (large_block - 2 * threshold));
+    support_.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
-        if (!(std::fabs(distances[i]) <= threshold)) continue;
-        const SupportCells::Place place = cells.place(points.at(i));
+        if (!(std::fabs(distances_[i]) <= threshold)) continue;
+        const SupportCells::Place place = cells.place(points_.at(i));
         SupportCells::Cell& cell = cells.at(place);
         if (cell.support < 0) {
-            const auto [in, out] = around(cells, place);
-            const double others = in - 1, chance = out * part / (1 - part);
+            const double others = around(cells, place).first - 1;
+            const double chance = part * around(large_cells, large_cells.place(points_.at(i))).second;
             const bool is_more = others > chance + 2 * std::sqrt(chance + 1);
             cell.support = is_more ? static_cast<float>((others - chance) / others) : 0;
         }
-        support[i] = cell.support;
+        support_[i] = cell.support;
     }
-    return support;
+    return true;
 }
 
 }  // namespace pcm

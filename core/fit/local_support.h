@@ -8,10 +8,26 @@
 
 namespace pcm {
 
-// For each point within the threshold the part of such points around it that belong to the surface: 0 where they are no
+// For each point within a threshold the part of such points around it that belong to the surface: 0 where they are no
 // more than the points around, beyond the threshold, let expect by chance. A few such points far from the others, on
-// the other side of a cylinder say, would weigh more in least squares than all others. Empty: too few points to say.
-std::vector<double> local_support(const ShapeModel& model, const Shape& shape, const WorkingPoints& points,
-                                  double threshold);
+// the other side of a cylinder say, would weigh more in least squares than all others. One thread.
+class LocalSupport {
+public:
+    LocalSupport(const ShapeModel& model, const WorkingPoints& points) : model_(model), points_(points) {}
+
+    // `noise` is the standard deviation of the distances. False: these differ from those of the last shape by less than
+    // half of it, and nothing changes.
+    bool find(const Shape& shape, double threshold, double noise);
+    const double* of_points() const
+    {
+        return support_.empty() ? nullptr : support_.data();
+    }  // null: unknown, few points
+
+private:
+    const ShapeModel& model_;
+    const WorkingPoints& points_;
+    std::vector<double> distances_, support_;
+    double size_ = 0;
+};
 
 }  // namespace pcm

@@ -24,7 +24,7 @@ double reach_of(double square)
     double low = 0.3, high = most_reach;
     if (!(square < cut_square(low))) return low;
     if (!(square > cut_square(high))) return high;
-    for (int k = 0; k < 50 && high - low > 1e-6 * high; ++k) {
+    for (int k = 0; k < 50 && high - low > 1e-4 * high; ++k) {
         const double middle = std::sqrt(low * high);
         (cut_square(middle) > square ? low : high) = middle;
     }
@@ -75,7 +75,7 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
     double share = share_ < 1 ? share_ : 0.9, reach = deviation_ > 0 ? threshold_ / deviation_ : 3;
     reach = std::clamp(reach, least_reach, most_reach);
     constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
-    for (int round = 0; round < 30; ++round) {
+    for (int round = 0; round < 12; ++round) {
         double belong = 0, square = 0;
         const double top = 2 * reach * gauss(0) / within(reach);
         for (std::size_t i = 0; i < DistanceBins::size; ++i) {

@@ -14,6 +14,9 @@
 namespace pcm {
 namespace {
 
+constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
+constexpr double exactly = 1e-10;       // steps of a hundred-thousandth of the errors are the last ones
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -62,21 +65,37 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
 // With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
 double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
 
-// From a sample's shape: first by points within the threshold, then without those that are there by chance.
+// From a sample's shape: by points within the threshold first, then without those that are near it by chance.
 PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
                               unsigned most_steps)
 {
+    constexpr double roughly = 0.01;  // a tenth of the errors
     const double threshold = band.threshold;
-    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, true);
-    std::vector<double> support;
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, roughly);
+    LocalSupport support(model, working);
     for (int round = 0; round < 2; ++round) {
         band.threshold = widened(threshold, polished.noise());
         const Shape shape = model.shape_of(polished.patch);
-        support = local_support(model, shape, working, band.threshold);
-        band.support = support.empty() ? nullptr : support.data();
-        polished = polish(model, model.patch_at(shape, {}), working, band, most_steps, true);
+        const bool changed = support.find(shape, band.threshold, polished.noise());
+        if (round > 0 && !changed) break;
+        band.support = support.of_points();
+        polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
     }
-    return polished;
+    return polish(model, polished.patch, working, band, most_steps, exactly);
+}
+
+// Least squares of a cylinder that is almost a plane may end with its axis across: other directions are tried.
+void try_other_axes(const ShapeModel& model, const WorkingPoints& working, const PatchBand& band, unsigned most_steps,
+                    PolishedPatch& polished)
+{
+    const SurfacePatch from = polished.patch;
+    for (const double turn : {0.5, 0.25, 0.75}) {
+        SurfacePatch start = from;
+        models::turn(start, (turn * pi) * from.n);
+        start.curvature = 0.01;
+        const PolishedPatch other = polish(model, start, working, band, most_steps, exactly);
+        if (other.sums.cost < polished.sums.cost) polished = other;
+    }
 }
 
 // Polished with all points, judged, in source units, with its inliers.
@@ -84,9 +103,13 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
                   unsigned most_steps, bool sample)
 {
     const ShapeModel& model = model_of(start.kind);
-    const PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
-                                          : polish(model, model.patch_at(start, {}), working, band, most_steps, true);
+    PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
+                                    : polish(model, model.patch_at(start, {}), working, band, most_steps, exactly);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
+    if (sample && model.kind == ShapeKind::cylinder && fit.issue != FitIssue::none) {
+        try_other_axes(model, working, band, most_steps, polished);
+        fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
+    }
     if (fit.verdict == FitVerdict::good && !polished.converged) {
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
@@ -165,7 +188,10 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const WorkingPoints working = working_points(points, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
-    search.threshold = std::max(threshold / working.unit, 1e-12);
+    search.threshold = threshold > 0 ? threshold / working.unit : unknown_noise;
+    // No smaller than what rounded coordinates distinguish.
+    const double smallest = std::max(1e-9, 8e-16 * largest_magnitude(working.middle) / working.unit);
+    search.threshold = std::max(search.threshold, smallest);
     search.fit.least_radius /= working.unit;
     search.fit.largest_radius /= working.unit;
     search.on = [&](double fraction) {
@@ -177,6 +203,14 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
     if (found.found)
         fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
+    // Points that are few for their outliers show more than their noise; the surface shows it.
+    for (int round = 0; !(options.threshold > 0) && fit.has_shape() && round < 4; ++round) {
+        const double better = std::max(3 * fit.noise / working.unit, smallest);
+        if (better > 0.7 * search.threshold) break;
+        search.threshold = better;
+        fit = finished(points, working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50,
+                       true);
+    }
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;
     fit.seconds = seconds_since(start);

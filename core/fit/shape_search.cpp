@@ -12,6 +12,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t improved_points = 4096;
+constexpr unsigned flat_samples = 60;
 
 // What the estimators are made of. In the order of the enumerators.
 struct EstimatorParts {
@@ -60,10 +61,46 @@ public:
             improve();
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
+        if (model_.kind == ShapeKind::cylinder || model_.kind == ShapeKind::sphere) try_flat();
         return result_;
     }
 
 private:
+    // Samples say little of an arc so thin that it is a plane within the threshold: least squares starts from that
+    // plane then, with the axis in four directions.
+    void try_flat()
+    {
+        const ShapeModel& plane_model = model_of(ShapeKind::plane);
+        SampleScore score(points_, plane_model, SampleScoring::count, options_.threshold, least_cosine_);
+        SampleScore::Value best{std::numeric_limits<double>::infinity(), 0, std::numeric_limits<double>::infinity()};
+        // Only planes with half of the points at least.
+        if (result_.found) best.score = best.of_first = static_cast<double>(points_.size() - best_.inliers / 2);
+        Shape plane;
+        bool found = false;
+        for (unsigned k = 0; k < flat_samples; ++k) {
+            SampledPoint sample[3];
+            for (SampledPoint& point : sample) point.place = points_.at(random_.below(points_.size()));
+            Shape solution;
+            if (plane_model.solve(sample, &solution) == 0) continue;
+            if (!score.is_near(solution, random_.below(points_.size()))) continue;
+            const SampleScore::Value value = score.of(solution, best);
+            if (!(value.score < best.score)) continue;
+            best = value;
+            plane = solution;
+            found = true;
+        }
+        if (!found) return;
+        PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
+        const SurfacePatch flat = improved(plane_model, plane_model.patch_at(plane, {}), points_, band, 4, 0.01);
+        for (unsigned k = 0; k < (traits_of(model_.kind).axis ? 4u : 1u); ++k) {
+            SurfacePatch patch = models::patch_with_axis(flat.place, flat.a, flat.n);
+            models::turn(patch, (k * pi / 4) * patch.n);
+            patch.curvature = 1e-3;
+            band.threshold = 2 * options_.threshold;
+            improve(patch, band);
+        }
+    }
+
     bool draw(SampledPoint* sample)
     {
         std::size_t drawn[most_sampled];
@@ -100,10 +137,13 @@ private:
     // Least squares of the points near the best sample.
     void improve()
     {
-        PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
-        SurfacePatch patch = model_.patch_at(result_.shape, {});
+        improve(model_.patch_at(result_.shape, {}), {2 * options_.threshold, least_cosine_, improved_points});
+    }
+
+    void improve(SurfacePatch patch, PatchBand band)
+    {
         for (unsigned round = 0; round < 2; ++round) {
-            patch = polish(model_, patch, points_, band, 4, false).patch;
+            patch = improved(model_, patch, points_, band, 4, 0.01);
             band.threshold = options_.threshold;
             const Shape shape = model_.shape_of(patch);
             if (!in_range(shape)) return;

@@ -12,13 +12,18 @@
 namespace pcm {
 namespace {
 
+constexpr double noises = 3.3, most_raised = 2.5;  // of a raised threshold
+
 class ShapeGrowth {
 public:
-    ShapeGrowth(const PointSet& seeds, const GrowShapeOptions& options) : seeds_(seeds), options_(options) {}
+    ShapeGrowth(const PointSet& seeds, const GrowShapeOptions& options)
+        : seeds_(seeds), options_(options), threshold_(options.threshold)
+    {
+    }
 
     GrownShape run(const Shape& start)
     {
-        GrownShape grown{{}, PointSet(seeds_.shared_tree()), 0, false};
+        GrownShape grown{{}, 1, PointSet(seeds_.shared_tree()), 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -28,8 +33,14 @@ public:
             grown.points = reached(before, begin, (begin + end) / 2);
             const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end);
             grown.fit = fitted.fit;
+            grown.agreement = fitted.agreement;
             if (!grown.fit.has_shape()) break;
-            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 1;
+            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
+            if (options_.raise_threshold && grown.rounds < rounds) {
+                const double raised = std::min(noises * grown.fit.noise, most_raised * options_.threshold);
+                grown.converged = grown.converged && raised <= 1.05 * threshold_;
+                if (!grown.converged) threshold_ = std::max(threshold_, raised);
+            }
         }
         if (options_.most_rounds == 0) grown.rounds = 0;
         return grown;
@@ -38,7 +49,7 @@ public:
 private:
     PointSet reached(const Shape& shape, double begin, double end) const
     {
-        const NearShape near(shape, options_.threshold, options_.normal_angle, seeds_.tree().info().schema);
+        const NearShape near(shape, threshold_, options_.normal_angle, seeds_.tree().info().schema);
         GrowOptions grow_options;
         grow_options.limit = options_.limit;
         grow_options.test = &near;
@@ -51,7 +62,7 @@ private:
     RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end) const
     {
         RefitOptions refit;
-        refit.threshold = options_.threshold;
+        refit.threshold = threshold_;
         refit.most_steps = options_.most_rounds == 0 ? 0 : refit.most_steps;
         refit.threads = options_.threads;
         refit.progress = part_of(options_.progress, begin, end);
@@ -60,6 +71,7 @@ private:
 
     const PointSet& seeds_;
     const GrowShapeOptions& options_;
+    double threshold_;
 };
 
 }  // namespace

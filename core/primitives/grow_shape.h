@@ -11,10 +11,13 @@
 namespace pcm {
 
 struct GrowShapeOptions {
-    double threshold = 0;      // largest distance of a point from the surface, source units; above 0
+    double threshold = 0;  // largest distance of a point from the surface, source units; above 0
+    // Each round may raise it to 3.3 times the noise of the points reached, two and a half times what was given at
+    // most: noise differs along a surface.
+    bool raise_threshold = false;
     double step = 0;           // longest way from point to point, source units; above 0
     double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals
-    unsigned most_rounds = 5;  // of growing and fitting again to what was reached; 0: the shape stays
+    unsigned most_rounds = 8;  // of growing and fitting again to what was reached; 0: the shape stays
     Selection limit;           // only points that it chooses are reached
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     unsigned threads = 0;  // 0: one per processor
@@ -22,10 +25,12 @@ struct GrowShapeOptions {
 };
 
 struct GrownShape {
-    ShapeFit fit;            // to all points reached; without is_inlier
+    ShapeFit
+        fit;  // to all points reached; without is_inlier; errors as of refit.h, and the threshold of the last round
+    double agreement = 1;    // RefittedShape::agreement
     PointSet points;         // reached
     unsigned rounds = 0;     // done
-    bool converged = false;  // the last round changed the shape by less than its errors
+    bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };
 
 // From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface

@@ -6,6 +6,7 @@
 #include "pcm/tree/source_rounding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -50,10 +51,12 @@ public:
                 best.shape = *next;
             }
         }
+        const double agreement = best.has_shape() ? agreement_of(best.shape, box) : 1;
+        enlarge(best, agreement);
         best.inliers = sums.points();
         best.threshold = options_.threshold;
         best.seconds = watch_.seconds();
-        return {best, box};
+        return {best, box, agreement};
     }
 
 private:
@@ -102,6 +105,55 @@ private:
         ShapeSums sums(shape, middle_, extent_);
         for (const auto& [node, part] : parts) sums.add(part);
         return sums;
+    }
+
+    using Cell = std::array<int, 3>;
+    struct CellSum {
+        double distances = 0, squares = 0;
+    };
+
+    double agreement_of(const Shape& shape, const Box3d& box)
+    {
+        const double edge = extent_ / 16;
+        if (!(edge > 0)) return 1;
+        std::map<NodeId, std::map<Cell, CellSum>> parts;
+        std::mutex mutex;
+        scan([&](const ScannedPoints& found) {
+            std::map<Cell, CellSum> part;
+            for (const std::uint32_t i : found.indices) {
+                const Vec3d p = position(found, i), from_corner = p - box.min;
+                const double distance = signed_distance(shape, p);
+                CellSum& sum = part[{static_cast<int>(from_corner[0] / edge), static_cast<int>(from_corner[1] / edge),
+                                     static_cast<int>(from_corner[2] / edge)}];
+                sum.distances += distance;
+                sum.squares += distance * distance;
+            }
+            const std::lock_guard lock(mutex);
+            parts.emplace(found.node, std::move(part));
+        });
+        std::map<Cell, CellSum> cells;
+        for (const auto& [node, part] : parts)
+            for (const auto& [cell, sum] : part) {
+                cells[cell].distances += sum.distances;
+                cells[cell].squares += sum.squares;
+            }
+        double together = 0, alone = 0, fourth = 0;
+        for (const auto& [cell, sum] : cells) {
+            together += sum.distances * sum.distances;
+            alone += sum.squares;
+            fourth += sum.squares * sum.squares;
+        }
+        if (!(alone > 0)) return 1;
+        const double ratio = together / alone, deviation = std::sqrt(2 * fourth) / alone;
+        return ratio > 1 + 3 * deviation ? std::sqrt(ratio) : 1;
+    }
+
+    static void enlarge(ShapeFit& fit, double by)
+    {
+        fit.errors.position *= by;
+        fit.errors.angle *= by;
+        fit.errors.radius *= by;
+        fit.errors.second *= by;
     }
 
     const PointSet& points_;

@@ -16,8 +16,16 @@ struct RefitOptions {
 };
 
 struct RefittedShape {
-    ShapeFit fit;  // without is_inlier
+    ShapeFit fit;  // without is_inlier; its errors include `agreement`
     Box3d box;     // around the points, source coordinates
+    // How many times as large the errors are as those of independent points, at least 1: the root of
+    //
+    //     (sum over cells of (sum of the distances in the cell)^2) / (sum of all squared distances)
+    //
+    // over cubes a sixteenth as wide as the box's diagonal, where that is above 1 by more than three of its own
+    // standard deviations. Errors of scanners are alike at neighbours, as are those of a shape that is not quite the
+    // true one.
+    double agreement = 1;
 };
 
 // All points of the set take part. Streams from the tree on disk, once per step and once more; memory: a chunk per

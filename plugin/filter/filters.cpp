@@ -25,6 +25,9 @@ Filter extract_selected();
 Filter classify_selected();
 Filter delete_selected();
 Filter set_clip_box();
+Filter fit_primitive();
+Filter detect_primitives_filter();
+Filter export_primitives();
 
 const std::vector<Filter>& filters()
 {
@@ -49,6 +52,9 @@ const std::vector<Filter>& filters()
         measure_filter(),
         profile_filter(),
         cut_volume(),
+        fit_primitive(),
+        detect_primitives_filter(),
+        export_primitives(),
         set_clip_box(),
         tree_information(),
     };

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 
@@ -97,6 +99,27 @@ void expect_near(const Shape& found, const Shape& truth, double tolerance)
     } else if (truth.kind != ShapeKind::sphere) {
         EXPECT_GT(std::fabs(dot(found.axis, truth.axis)), 1 - tolerance);
     }
+}
+
+bool is_loaded(const std::string& library)
+{
+    std::ifstream maps("/proc/self/maps");
+    const std::string all{std::istreambuf_iterator<char>(maps), {}};
+    return all.find(library) != std::string::npos;
+}
+
+// First of all: the other tests load it.
+TEST(PclModule, IsLoadedOnlyWhenItIsChosen)
+{
+    if (is_loaded("libpcm_pcl")) GTEST_SKIP() << "another test has loaded it";
+    ShapeFitOptions options = options_for(ShapeKind::plane, Estimator::msac);
+    options.backend = FitBackend::own;
+    EXPECT_TRUE(fit_shape(cloud_of(ShapeKind::plane, 0.3).points, options).has_shape());
+    EXPECT_FALSE(is_loaded("libpcm_pcl"));
+    EXPECT_FALSE(is_loaded("libpcl_"));
+    if (const std::string why = why_no_pcl(); !why.empty()) GTEST_SKIP() << why;
+    EXPECT_TRUE(is_loaded("libpcm_pcl"));
+    EXPECT_TRUE(is_loaded("libpcl_sample_consensus"));
 }
 
 class PclFit : public testing::Test {

@@ -87,10 +87,9 @@ void FitFields::add_number(const FitNumber& row)
 
 void FitFields::add_choices()
 {
-    kind_ = add_choice(
-        "Shape", "Shape",
-        "What is fitted at the clicked place. Any: a plane, cylinder or sphere, whichever explains the points best; "
-        "cones and tori are to be asked for, as a small part of any surface is like one. Default Any.");
+    kind_ = add_choice("Shape", "Shape",
+                       "What is fitted at the clicked place. Any: each kind is fitted, and the one that the points are "
+                       "least probably like by chance is kept, a plane where that does. Default Any.");
     kind_->addItem("Any", any_kind);
     for (const ShapeTraits& traits : shape_kinds()) kind_->addItem(traits.label, traits.name);
     estimator_ = add_choice("Estimator", "Estimator",

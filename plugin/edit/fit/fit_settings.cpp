@@ -86,7 +86,7 @@ FitAtOptions options_of(const FitSettings& settings)
     if (settings.kind)
         options.fit.kind = *settings.kind;
     else
-        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+        for (const ShapeTraits& traits : shape_kinds()) options.kinds.push_back(traits.kind);
     options.fit.estimator = settings.estimator;
     options.fit.backend = settings.backend;
     options.outline.kind = settings.outline;

@@ -1,0 +1,153 @@
+// Detect Primitives: all planes, cylinders and spheres of a cloud.
+#include "pcm/primitives/detect.h"
+
+#include "pcm/system/error.h"
+#include "plugin/filter/filter.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/primitive_parameters.h"
+#include "plugin/filter/tree_target.h"
+#include "plugin/host/layer_matrix.h"
+#include "plugin/host/operation.h"
+#include "plugin/host/primitive_book.h"
+#include "plugin/host/selection_text.h"
+#include "plugin/host/text.h"
+
+#include <array>
+#include <limits>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr double degree = pi / 180;
+constexpr std::array<std::array<std::uint8_t, 3>, 3> colours{{{90, 190, 255}, {255, 200, 0}, {120, 220, 90}}};
+
+void add_parameters(RichParameterList& parameters)
+{
+    add_tree_parameter(parameters);
+    parameters.addParam(RichBool("Planes", true, "Planes", "Detect planes. Default on."));
+    parameters.addParam(RichBool("Cylinders", true, "Cylinders", "Detect cylinders. Default on."));
+    parameters.addParam(RichBool("Spheres", true, "Spheres", "Detect spheres. Default on."));
+    parameters.addParam(RichInt("LeastPoints", 500, "Least points", "Of a primitive. Default 500."));
+    parameters.addParam(
+        RichFloat("Threshold", 0, "Threshold",
+                  "Largest distance of a point from its surface, source units. 0, the default: from the "
+                  "noise of the cloud."));
+    parameters.addParam(RichFloat("NormalAngle", 20, "Normals within",
+                                  "Largest angle between the normals of a point and of its surface, degrees. Default "
+                                  "20."));
+    parameters.addParam(RichFloat("Step", 0, "Longest step",
+                                  "Points farther apart are not of one primitive, source units. 0, the default: as the "
+                                  "spacing around each allows."));
+    parameters.addParam(RichInt("Seed", 1, "Seed", "Of the search. Default 1."));
+    parameters.addParam(RichString("Box", "", "Box",
+                                   "Only points in this box: the smallest x y z and the largest x y z, source "
+                                   "coordinates. Empty, the default: all points."));
+    add_limit_parameters(parameters);
+    add_drawing_parameters(parameters, false);
+    parameters.addParam(RichBool("Labels", false, "Label the points",
+                                 "Write which primitive each point belongs to as an attribute: its number in the list, "
+                                 "or 0. Into a copy of the tree, or in place. Default off."));
+    parameters.addParam(RichString("Attribute", "primitive", "Attribute", "Of the labels. Default primitive."));
+    add_target_parameters(parameters);
+    add_work_parameters(parameters);
+}
+
+DetectOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
+{
+    const RichParameterList& p = run.parameters;
+    DetectOptions options;
+    options.kinds.clear();
+    if (p.getBool("Planes")) options.kinds.push_back(ShapeKind::plane);
+    if (p.getBool("Cylinders")) options.kinds.push_back(ShapeKind::cylinder);
+    if (p.getBool("Spheres")) options.kinds.push_back(ShapeKind::sphere);
+    if (options.kinds.empty())
+        throw Error(ErrorCode::invalid_argument, {}, "no kind of primitive is chosen", "switch one on");
+    constexpr int most = std::numeric_limits<int>::max();
+    options.least_points = static_cast<std::uint64_t>(in_range(p, "LeastPoints", "Least points", 1, most));
+    options.threshold = number_of(p, "Threshold", "Threshold");
+    options.normal_angle = number_of(p, "NormalAngle", "Normals within") * degree;
+    options.step = number_of(p, "Step", "Longest step");
+    options.seed = static_cast<std::uint64_t>(in_range(p, "Seed", "Seed", 0, most));
+    options.limit = limit_of(run, cloud);
+    options.limit.box = parse_selection(p.getString("Box"), {}).box;
+    options.memory_bytes = memory_of(p);
+    options.threads = threads_of(p);
+    return options;
+}
+
+void label(const FilterRun& run, const PrimitiveCloud& cloud, const DetectReport& found, LabelOptions options)
+{
+    LabelReport report;
+    {
+        Operation operation(run.callback);
+        options.progress = operation.progress();
+        report = label_primitives(cloud.cloud->tree(), found, options);
+    }
+    log_warnings(run, report.outcome.warnings);
+    run.log(report.tree.string() + ": the attribute '" + options.attribute +
+            "' says which primitive each point is of.");
+    show_afterwards(run, [&] {
+        if (options.target.in_place)
+            refresh_layers(run, report.tree);
+        else
+            add_tree_layer(run, report.tree);
+    });
+}
+
+void run(const FilterRun& run)
+{
+    check_drawing(run);
+    const PrimitiveCloud cloud = primitive_cloud_of(run);
+    DetectOptions options = options_of(run, cloud);
+    LabelOptions labels;
+    const bool labelled = run.parameters.getBool("Labels");
+    if (labelled) {
+        labels.target = target_of(run.parameters);
+        labels.attribute = run.parameters.getString("Attribute").trimmed().toStdString();
+        labels.memory_bytes = options.memory_bytes;
+        labels.threads = options.threads;
+        if (labels.target.copy.empty() && !labels.target.in_place)
+            throw Error(ErrorCode::invalid_argument, {}, "the labels go nowhere",
+                        "name the copy of the tree as Output folder, or switch on 'In place'");
+        if (labels.target.in_place) refuse_locked(run.document, cloud.cloud->tree()->folder());
+    }
+    DetectReport found;
+    {
+        Operation operation(run.callback);
+        options.progress = operation.progress();
+        found = detect_primitives(cloud.cloud->tree(), options);
+    }
+    log_notes(run, found.notes);
+    log_warnings(run, found.outcome.warnings);
+    const std::string name = cloud.layer ? cloud_name(*cloud.layer) : cloud.cloud->tree()->folder().string();
+    for (Primitive& primitive : found.primitives) {
+        primitive.cloud = name;
+        primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
+        run.log(primitive.name + ": " + text_of(primitive.fit.shape) + ", residual " + brief(primitive.fit.rms) + ", " +
+                grouped(primitive.points) + " points");
+    }
+    run.log(grouped(found.primitives.size()) + " primitives; " + grouped(found.outcome.points_out) + " of " +
+            grouped(found.outcome.points_in) + " points belong to one; threshold " + brief(found.threshold) + ", " +
+            brief(found.outcome.seconds) + " s.");
+    if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
+    PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
+    write_drawing(run, found.primitives, cloud.unit);
+    if (labelled) label(run, cloud, found, labels);
+}
+
+}  // namespace
+
+Filter detect_primitives_filter()
+{
+    using F = MeshFilterInterface;
+    return {
+        "Detect Primitives",
+        "Finds all planes, cylinders and spheres of a <b>point cloud tree</b> that have at least so many points, in "
+        "bounded memory, and fits them with standard deviations. They are added to the project's list, which the "
+        "tool <i>Fit Primitives</i> shows, and are written as a drawing or list on request; labels say which points "
+        "belong to them. Esc cancels it.",
+        F::FilterClass(F::Measure | F::PointSet), add_parameters, run};
+}
+
+}  // namespace pcm::host

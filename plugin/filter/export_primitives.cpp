@@ -1,0 +1,63 @@
+// Export Primitives: the project's list, or a list in a file, as drawings and tables.
+#include "pcm/system/error.h"
+#include "plugin/filter/filter.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/primitive_parameters.h"
+#include "plugin/host/primitive_book.h"
+
+#include <algorithm>
+
+namespace pcm::host {
+
+namespace {
+
+void add_parameters(RichParameterList& parameters)
+{
+    parameters.addParam(
+        RichString("ListFile", "", "List",
+                   "A list of primitives (.json) that is written in another format. Empty, the default: "
+                   "the list of the project."));
+    add_drawing_parameters(parameters, true);
+}
+
+// The unit that all clouds of the primitives state; empty where they differ or are not shown.
+std::string unit_of(const PrimitiveBook& book)
+{
+    std::vector<std::string> units;
+    for (std::size_t i = 0; i < book.list().size(); ++i) {
+        const MeshModel* layer = book.layer_of(book.list()[i]);
+        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        units.push_back(tree ? length_unit(*tree->cloud) : std::string());
+    }
+    const bool same = std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
+    return same && !units.empty() ? units.front() : std::string();
+}
+
+void run(const FilterRun& run)
+{
+    if (drawing_of(run.parameters).empty())
+        throw Error(ErrorCode::invalid_argument, {}, "no output file is given", "name the file to write");
+    check_drawing(run);
+    const PrimitiveBook& book = PrimitiveBook::of(run.document);
+    const QString list = run.parameters.getString("ListFile").trimmed();
+    if (!list.isEmpty()) return write_drawing(run, read_primitives(absolute_path(list)), {});
+    if (book.list().empty())
+        throw Error(ErrorCode::invalid_argument, {}, "the project has no primitives",
+                    "fit some, or name a list (.json)");
+    write_drawing(run, book.list().all(), unit_of(book));
+}
+
+}  // namespace
+
+Filter export_primitives()
+{
+    using F = MeshFilterInterface;
+    return {
+        "Export Primitives",
+        "Writes the primitives of the project's list, which the tool and filter <i>Fit Primitives</i> and the filter "
+        "<i>Detect Primitives</i> make, as DXF, as a script for AutoCAD (SCR), as CSV with standard deviations, or "
+        "as a list (JSON) that reads back; in source coordinates. Hidden ones are left out of drawings and tables.",
+        F::Measure, add_parameters, run};
+}
+
+}  // namespace pcm::host

@@ -1,0 +1,63 @@
+#include "pcm/cad/layer_names.h"
+
+#include "pcm/cad/colours.h"
+#include "pcm/cad/dxf_text.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+using Names = std::vector<std::string>;
+
+TEST(LayerNames, AreAllDifferentAndAllowed)
+{
+    EXPECT_EQ(
+        layer_names({"Wall", "wall", "WALL", "Wall (2)", "a<>/\\\":;?*|,=`b", "  x ", " ", "0", "defpoints"}),
+        (Names{"Wall", "wall (2)", "WALL (3)", "Wall (2) (2)", "a_____________b", "x", "_", "0 (2)", "defpoints (2)"}));
+    EXPECT_EQ(layer_names({"R\u00f6hre", "R\u00f6hre"}), (Names{"R\u00f6hre", "R\u00f6hre (2)"}));
+}
+
+TEST(LayerNames, AreNotTooLong)
+{
+    for (const std::string& letter : {std::string("a"), std::string("\u00e4"), std::string("\U0001f600")}) {
+        std::string name;
+        while (name.size() < 990) name += letter;
+        const Names names = layer_names({name, name, name});
+        for (const std::string& one : names) {
+            EXPECT_LE(dxf_layer_name(one).size(), 255u);
+            EXPECT_GT(dxf_layer_name(one).size(), 235u);
+            EXPECT_EQ(dxf_layer_name(one).find('?'), std::string::npos) << "a character was cut in two";
+        }
+        EXPECT_NE(names[0], names[1]);
+        EXPECT_NE(names[1], names[2]);
+    }
+}
+
+TEST(LayerNames, ManyOfOneName)
+{
+    const Names names = layer_names(Names(30000, "Cylinder"));
+    EXPECT_EQ(names.back(), "Cylinder (30000)");
+}
+
+TEST(LayerNames, ThatAreTypedHaveNoBlanks)
+{
+    EXPECT_EQ(plain_layer_names({"Cylinder 1", "cylinder_1", "R\u00f6hre \u2265 5", "\U0001f600", "a;b", "0"}),
+              (Names{"Cylinder_1", "cylinder_1_2", "R_hre___5", "_", "a_b", "0_2"}));
+}
+
+TEST(Colours, OfTheIndexAreTheirOwnNearest)
+{
+    EXPECT_EQ(indexed_colour(1), (Rgb{255, 0, 0}));
+    EXPECT_EQ(indexed_colour(30), (Rgb{255, 127, 0}));
+    EXPECT_EQ(indexed_colour(173), (Rgb{82, 82, 165}));
+    for (int i = 1; i <= 255; ++i)
+        EXPECT_EQ(indexed_colour(nearest_colour_index(indexed_colour(i))), indexed_colour(i));
+    EXPECT_EQ(nearest_colour_index({254, 1, 1}), 1);
+    EXPECT_EQ(nearest_colour_index({255, 200, 0}), 40);
+}
+
+}  // namespace
+}  // namespace pcm

@@ -1,0 +1,286 @@
+#include "pcm/cad/primitive_files.h"
+
+#include "pcm/cad/dxf_file.h"
+#include "pcm/fit/axis_frame.h"
+#include "pcm/system/error.h"
+#include "tests/support.h"
+
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+namespace pcm {
+namespace {
+
+std::string text_of_file(const std::filesystem::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+std::vector<std::string> lines_of(const std::filesystem::path& path)
+{
+    std::vector<std::string> lines;
+    std::istringstream text(text_of_file(path));
+    for (std::string line; std::getline(text, line);) {
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+Primitive made(const char* shape, const std::string& name)
+{
+    Primitive primitive;
+    primitive.name = name;
+    primitive.fit.shape = parse_shape(shape);
+    primitive.fit.verdict = FitVerdict::good;
+    return primitive;
+}
+
+Primitive pipe()
+{
+    Primitive primitive = made("cylinder 500000.25 4800000.5 100 0 0 1 0.3", "Pipe 1");
+    primitive.colour = {255, 200, 0};
+    primitive.bounds.from = -1;
+    primitive.bounds.to = 2;
+    primitive.fit.errors = {0.001, pi / 180, 0.0002, 0};
+    primitive.fit.rms = 0.0015;
+    primitive.fit.inliers = 1234;
+    primitive.points = 2000;
+    return primitive;
+}
+
+Primitive floor_of_room()
+{
+    Primitive primitive = made("plane 1 2 0 0 0 1", "Floor");
+    primitive.bounds.outline = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0, 3, 0}};
+    return primitive;
+}
+
+class PrimitiveFiles : public testing::Test {
+protected:
+    ErrorCode error_of(const char* name, const std::vector<Primitive>& primitives, const CadOptions& options = {})
+    {
+        try {
+            write_primitives(folder_ / name, primitives, options);
+        } catch (const Error& error) {
+            message_ = error.what();
+            EXPECT_FALSE(std::filesystem::exists(folder_ / name) && error.code() != ErrorCode::exists);
+            return error.code();
+        }
+        ADD_FAILURE() << "accepted";
+        return {};
+    }
+    test::TemporaryFolder folder_;
+    std::string message_;
+};
+
+TEST_F(PrimitiveFiles, ATableHasUnitsInItsHeader)
+{
+    CadOptions options;
+    options.unit = CadUnit::millimetres;
+    Primitive cone = made("cone 0 0 0 0 0 1 30", "a \"b\", c");
+    cone.fit.errors.radius = cone.fit.errors.position = std::numeric_limits<double>::infinity();
+    write_primitives(folder_ / "a.csv", {pipe(), cone}, options);
+    const auto lines = lines_of(folder_ / "a.csv");
+    ASSERT_EQ(lines.size(), 3u);
+    EXPECT_EQ(lines[0].rfind("name,kind,colour,x [mm],y [mm],z [mm],axis_x,axis_y,axis_z,radius [mm],tube_radius [mm],"
+                             "half_angle [deg],sigma_position [mm],sigma_axis [deg],sigma_radius [mm],",
+                             0),
+              0u)
+        << lines[0];
+    EXPECT_NE(lines[0].find(",arc [deg],area [mm^2],"), std::string::npos);
+    EXPECT_EQ(lines[1].rfind("Pipe 1,cylinder,#ffc800,500000.25,4800000.5,100,0,0,1,0.3,,,0.001,1,0.0002,,,0.0015,0,0,"
+                             "1234,2000,3,500000.25,4800000.5,99,500000.25,4800000.5,102,",
+                             0),
+              0u)
+        << lines[1];
+    EXPECT_EQ(lines[2].rfind("\"a \"\"b\"\", c\",cone,", 0), 0u) << lines[2];
+    EXPECT_NE(lines[2].find(",inf,0,,,0,"), std::string::npos) << lines[2];
+    write_primitives(folder_ / "b.csv", {floor_of_room()});
+    EXPECT_EQ(lines_of(folder_ / "b.csv")[0].find("[m"), std::string::npos);
+    EXPECT_NE(lines_of(folder_ / "b.csv")[1].find(",12,"), std::string::npos);  // its area
+}
+
+TEST_F(PrimitiveFiles, AScriptIsAsItWas)
+{
+    CadOptions options;
+    options.unit = CadUnit::metres;
+    write_primitives(folder_ / "a.scr", {pipe()}, options);
+    const std::vector<std::string> expected{
+        "; Primitives of a point cloud, in its own coordinates. Run it with the command SCRIPT.",
+        "; Lengths are in m.",
+        "; Angles are in degrees, as the drawing has them by default (AUNITS 0).",
+        "_.UNDO",
+        "_BE",
+        "; Pipe 1",
+        "_.-LAYER",
+        "_M",
+        "Pipe_1",
+        "_C",
+        "_T",
+        "255,200,0",
+        "Pipe_1",
+        "",
+        "_.UCS",
+        "_W",
+        "_.UCS",
+        "_3",
+        "_NON",
+        "500000.25,4800000.5,99",
+        "_NON",
+        "1000001.5,4800000.5,99",
+        "_NON",
+        "500000.25,9600002,99",
+        "_.UCS",
+        "_3",
+        "_NON",
+        "0,0,0",
+        "_NON",
+        "0,-1,0",
+        "_NON",
+        "1,0,0",
+        "_.CYLINDER",
+        "_NON",
+        "0,0,0",
+        "0.3",
+        "3",
+        "_.UCS",
+        "_W",
+        "_.-LAYER",
+        "_S",
+        "0",
+        "",
+        "_.ZOOM",
+        "_E",
+        "_.UNDO",
+        "_E"};
+    EXPECT_EQ(lines_of(folder_ / "a.scr"), expected);
+}
+
+TEST_F(PrimitiveFiles, NumbersOfScriptsHaveNoExponents)
+{
+    Primitive small = made("sphere 1e-7 -3e-20 1e22 2.5e-9", "a");
+    write_primitives(folder_ / "a.scr", {small});
+    const std::string text = text_of_file(folder_ / "a.scr");
+    EXPECT_NE(text.find("\r\n0.0000001,-0.00000000000000000003,10000000000000000000000\r\n"), std::string::npos)
+        << text;
+    EXPECT_NE(text.find("\r\n0.0000000025\r\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("-0,"), std::string::npos);
+}
+
+TEST_F(PrimitiveFiles, ControlCharactersDoNotEndAComment)
+{
+    Primitive one = pipe();
+    one.name = "a\n_.ERASE";  // a list refuses it; a program may not
+    write_primitives(folder_ / "a.scr", {one});
+    for (const std::string& line : lines_of(folder_ / "a.scr")) EXPECT_NE(line, "_.ERASE");
+}
+
+TEST_F(PrimitiveFiles, WhatIsLeftOutIsSaid)
+{
+    Primitive hidden = pipe(), no_length = pipe();
+    hidden.hidden = true;
+    no_length.bounds = {};
+    const Primitive no_outline = made("plane 0 0 0 0 0 1", "a");
+    const std::vector<Primitive> all{pipe(), hidden, no_length, no_outline, no_outline};
+    const CadReport report = write_primitives(folder_ / "a.scr", all);
+    EXPECT_EQ(report.written, 1u);
+    EXPECT_EQ(report.notes,
+              (std::vector<std::string>{"1 hidden primitive is left out", "2 planes have no outline and are left out",
+                                        "1 cylinder has no known length and is left out"}));
+    EXPECT_EQ(write_primitives(folder_ / "a.csv", all).written, 4u);
+    EXPECT_EQ(write_primitives(folder_ / "a.json", all).written, 5u);
+    EXPECT_EQ(read_primitives(folder_ / "a.json").size(), 5u);
+    EXPECT_EQ(error_of("b.scr", {no_outline, hidden}), ErrorCode::invalid_argument);
+    EXPECT_NE(message_.find("1 plane has no outline"), std::string::npos) << message_;
+}
+
+TEST_F(PrimitiveFiles, WhatIsRefusedWritesNothing)
+{
+    EXPECT_EQ(error_of("a.dwg", {pipe()}), ErrorCode::invalid_argument);
+    EXPECT_NE(message_.find(".dxf, .scr"), std::string::npos) << message_;
+    for (const char* name : {"a.json", "a.csv", "a.scr", "a.dxf"}) {
+        EXPECT_EQ(error_of(name, {}), ErrorCode::invalid_argument) << name;
+        Primitive broken = pipe();
+        broken.fit.shape.radius = std::nan("");
+        EXPECT_EQ(error_of(name, {broken}), ErrorCode::invalid_argument) << name;
+        broken = pipe();
+        broken.bounds.to = std::numeric_limits<double>::infinity();
+        EXPECT_EQ(error_of(name, {broken}), ErrorCode::invalid_argument) << name;
+        CadOptions options;
+        options.chord = std::nan("");
+        EXPECT_EQ(error_of(name, {pipe()}, options), ErrorCode::invalid_argument) << name;
+    }
+    std::ofstream(folder_ / "there.csv") << "mine";
+    EXPECT_EQ(error_of("there.csv", {pipe()}), ErrorCode::exists);
+    EXPECT_EQ(text_of_file(folder_ / "there.csv"), "mine");
+    CadOptions options;
+    options.overwrite = true;
+    write_primitives(folder_ / "there.csv", {pipe()}, options);
+    EXPECT_NE(text_of_file(folder_ / "there.csv"), "mine");
+}
+
+TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
+{
+    if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";
+    CadOptions options;
+    options.unit = CadUnit::feet;
+    Primitive other = pipe();
+    other.name = "pipe 1";
+    other.colour = {0, 0, 254};
+    write_primitives(folder_ / "a.dxf", {pipe(), other, floor_of_room()}, options);
+    const std::string text = text_of_file(folder_ / "a.dxf");
+    EXPECT_NE(text.find("$INSUNITS\n 70\n2\n"), std::string::npos);
+    EXPECT_NE(text.find("$MEASUREMENT\n 70\n0\n"), std::string::npos);
+    EXPECT_NE(text.find("  2\nPipe 1\n 70\n0\n 62\n40\n420\n16762880\n"), std::string::npos);
+    EXPECT_NE(text.find("  2\npipe 1 (2)\n 70\n0\n 62\n5\n420\n254\n"), std::string::npos);
+    EXPECT_NE(text.find("\n  8\npipe 1 (2)\n"), std::string::npos);
+    EXPECT_NE(text.find("$EXTMIN\n 10\n0\n 20\n0\n"), std::string::npos);
+    options.unit = CadUnit::none;
+    write_primitives(folder_ / "b.dxf", {pipe()}, options);
+    EXPECT_EQ(text_of_file(folder_ / "b.dxf").find("$MEASUREMENT"), std::string::npos);
+    // A finer chord, more faces; a part of the circle, fewer.
+    const auto faces = [&](const char* name, CadOptions with) {
+        with.overwrite = true;
+        Primitive half = pipe();
+        half.bounds.zero = {1, 0, 0};
+        half.bounds.end = pi;
+        write_primitives(folder_ / name, {half}, with);
+        std::size_t count = 0;
+        for (const std::string& line : lines_of(folder_ / name)) count += line == "3DFACE";
+        return count;
+    };
+    const std::size_t usual = faces("c.dxf", {});
+    options.chord = 1e-4;
+    EXPECT_GT(faces("c.dxf", options), 2 * usual);
+    options = {};
+    options.arcs = true;
+    EXPECT_LT(faces("c.dxf", options), usual / 2);
+}
+
+TEST_F(PrimitiveFiles, AnOutlineThatCrossesItselfIsALineAlone)
+{
+    if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";
+    Primitive plane = floor_of_room();
+    std::swap(plane.bounds.outline[1], plane.bounds.outline[2]);
+    const CadReport report = write_primitives(folder_ / "a.dxf", {plane});
+    ASSERT_EQ(report.notes.size(), 1u);
+    EXPECT_NE(report.notes[0].find("'Floor' has a line and no faces"), std::string::npos);
+    EXPECT_EQ(text_of_file(folder_ / "a.dxf").find("3DFACE"), std::string::npos);
+    EXPECT_NE(text_of_file(folder_ / "a.dxf").find("POLYLINE"), std::string::npos);
+}
+
+TEST(CadUnits, HaveNames)
+{
+    for (const CadUnit unit :
+         {CadUnit::none, CadUnit::metres, CadUnit::millimetres, CadUnit::centimetres, CadUnit::feet, CadUnit::inches})
+        EXPECT_EQ(cad_unit(name_of(unit)), unit);
+    EXPECT_FALSE(cad_unit("mile"));
+}
+
+}  // namespace
+}  // namespace pcm
