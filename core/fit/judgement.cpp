@@ -72,6 +72,47 @@ void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string&
     fit.message = message;
 }
 
+// Sizes in units of their errors. `flat`: how far the points are from lying in a plane; `other`: how certain other
+// sizes are.
+struct Significance {
+    double flat = infinite, other = infinite;
+};
+
+Significance significance_of(const Shape& shape, const ShapeErrors& errors)
+{
+    switch (shape.kind) {
+        case ShapeKind::plane:
+            return {};
+        case ShapeKind::cylinder:
+        case ShapeKind::sphere:
+            return {shape.radius / errors.radius, infinite};
+        case ShapeKind::cone:
+            return {(pi / 2 - shape.second) / errors.second, shape.second / errors.second};
+        case ShapeKind::torus:
+            break;
+    }
+    return {shape.second / errors.second, shape.radius / errors.radius};
+}
+
+void judge_size(const Shape& shape, ShapeFit& fit)
+{
+    const auto [flat, other] = significance_of(shape, fit.errors);
+    if (!(flat >= least_significance)) {
+        fit.errors.radius = shape.kind == ShapeKind::cone ? 0 : infinite;
+        fit.errors.position = infinite;
+        doubt(fit, FitVerdict::refused, FitIssue::coplanar,
+              "the points are a plane within their noise: fit a plane, or take points farther around the shape");
+    } else if (!(std::min(flat, other) >= good_significance)) {
+        doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
+              "the points cover too little of the shape for their noise, so its size is uncertain: take points "
+              "farther around it");
+        // To the flatter side, which is the farther one.
+        const double wider = flat / (flat - 1);
+        fit.errors.radius *= wider;
+        fit.errors.position *= wider;
+    }
+}
+
 }  // namespace
 
 ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
@@ -116,23 +157,7 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
             covariance(j, k) *= unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];
     fit.errors = errors_of(model, patch, covariance, middle, unit.data());
     fit.verdict = FitVerdict::good;
-    if (!traits_of(model.kind).radius) return fit;
-    const double radius = 1 / std::fabs(patch.curvature), significance = radius / fit.errors.radius;
-    // To the flatter side, which is the farther one.
-    if (significance < good_significance && significance > 1) {
-        const double wider = significance / (significance - 1);
-        fit.errors.radius *= wider;
-        if (traits_of(model.kind).axis == false || model.kind == ShapeKind::cylinder) fit.errors.position *= wider;
-    }
-    if (significance < least_significance) {
-        fit.errors.radius = fit.errors.position = infinite;
-        doubt(fit, FitVerdict::refused, FitIssue::coplanar,
-              "the points are a plane within their noise: fit a plane, or take points farther around the shape");
-    } else if (significance < good_significance) {
-        doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
-              "the points cover too little of the shape for their noise, so its radius is uncertain: take points "
-              "farther around it");
-    }
+    judge_size(model.shape_of(patch), fit);
     return fit;
 }
 

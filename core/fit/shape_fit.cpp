@@ -14,7 +14,8 @@
 namespace pcm {
 namespace {
 
-constexpr double exactly = 1e-10;  // steps of a hundred-thousandth of the errors are the last ones
+constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
+constexpr double exactly = 1e-10;       // steps of a hundred-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
 
@@ -187,7 +188,10 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const WorkingPoints working = working_points(points, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
-    search.threshold = std::max(threshold / working.unit, 1e-12);
+    search.threshold = threshold > 0 ? threshold / working.unit : unknown_noise;
+    // No smaller than what rounded coordinates distinguish.
+    const double smallest = std::max(1e-9, 8e-16 * largest_magnitude(working.middle) / working.unit);
+    search.threshold = std::max(search.threshold, smallest);
     search.fit.least_radius /= working.unit;
     search.fit.largest_radius /= working.unit;
     search.on = [&](double fraction) {
@@ -199,6 +203,14 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
     if (found.found)
         fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
+    // Points that are few for their outliers show more than their noise; the surface shows it.
+    for (int round = 0; !(options.threshold > 0) && fit.has_shape() && round < 4; ++round) {
+        const double better = std::max(3 * fit.noise / working.unit, smallest);
+        if (better > 0.7 * search.threshold) break;
+        search.threshold = better;
+        fit = finished(points, working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50,
+                       true);
+    }
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;
     fit.seconds = seconds_since(start);
