@@ -126,6 +126,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
         }
     if (!before.empty() && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
     support_.clear();
+    share_ = 1;
     if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return true;
     if (!(size_ > 0)) size_ = cell_size(points_, distances_, threshold, noise, inliers);
     SupportCells cells = filled(points_, distances_, threshold, size_, threshold);
@@ -135,6 +136,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
     const double part =
         block * block * std::min(block, 2 * threshold) / (large_block * large_block * (large_block - 2 * threshold));
     support_.assign(n, 0);
+    double supported = 0, belong = 0;
     for (std::size_t i = 0; i < n; ++i) {
         if (!(std::fabs(distances_[i]) <= threshold)) continue;
         const SupportCells::Place place = cells.place(points_.at(i));
@@ -145,8 +147,12 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
             const bool is_more = others > chance + 2 * std::sqrt(chance + 1);
             cell.support = is_more ? static_cast<float>((others - chance) / others) : 0;
         }
-        support_[i] = cell.support;
+        if (!(cell.support > 0)) continue;
+        support_[i] = 1;
+        supported += 1;
+        belong += cell.support;
     }
+    if (supported > 0) share_ = belong / supported;
     return true;
 }
 

@@ -79,6 +79,7 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         const bool changed = support.find(shape, band.threshold, polished.noise());
         if (round > 0 && !changed) break;
         band.support = support.of_points();
+        band.share = support.share();
         polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
     }
     return polish(model, polished.patch, working, band, most_steps, exactly);
