@@ -240,6 +240,11 @@ TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
     EXPECT_NE(text.find("  2\npipe 1 (2)\n 70\n0\n 62\n5\n420\n254\n"), std::string::npos);
     EXPECT_NE(text.find("\n  8\npipe 1 (2)\n"), std::string::npos);
     EXPECT_NE(text.find("$EXTMIN\n 10\n0\n 20\n0\n"), std::string::npos);
+    EXPECT_NE(text.find("$EXTMAX\n 10\n500000.55\n 20\n4800000.8\n 30\n102.3\n"), std::string::npos);
+    // The view shows all of it: its centre, its height, and width by height.
+    const std::string view = text.substr(text.find("AcDbViewportTableRecord"), 600);
+    EXPECT_NE(view.find("\n 12\n250000.275\n 22\n2400000.4\n"), std::string::npos) << view;
+    EXPECT_NE(view.find("\n 40\n5280000.88\n 41\n1.5\n"), std::string::npos) << view;
     options.unit = CadUnit::none;
     write_primitives(folder_ / "b.dxf", {pipe()}, options);
     EXPECT_EQ(text_of_file(folder_ / "b.dxf").find("$MEASUREMENT"), std::string::npos);
