@@ -36,6 +36,10 @@ def scenes():
             yield "outliers", f"{kind} {percent}", f"--kind {kind} --threshold 0.015 --outliers {percent / 100}", OWN + SOME[1:], 1
         yield ("budgets", kind, f"--kind {kind} --threshold 0.015 --outliers 0.6 --probability 0.9999999 --iterations 5 10 20 50 100 200 500 1000 2000",
                ["own-msac", "own-ransac", "pcl-ransac", "pcl-msac", "pcl-rmsac"], 0.5)
+        for milliseconds in (2, 5, 10, 20, 50):
+            yield ("seconds", f"{kind} {milliseconds}",
+                   f"--kind {kind} --threshold 0.015 --outliers 0.7 --probability 0.999999999999 --iterations 100000000 --seconds {milliseconds / 1000}",
+                   ["own-msac", "own-rmsac", "pcl-ransac", "pcl-msac", "pcl-rmsac", "pcl-rransac-default"], 0.3)
         for sigma in (0.0005, 0.001, 0.002, 0.005, 0.01, 0.02):
             yield "noise", f"{kind} {sigma}", f"--kind {kind} --sigma {sigma} --threshold {3 * sigma}", ["own-msac", "pcl-ransac", "cgal"], 1
         for place, offset in (("origin", "0 0 0"), ("map", MAP)):

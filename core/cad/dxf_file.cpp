@@ -101,7 +101,8 @@ struct DxfFile::State {
         writer.dxfString(100, "AcDbEntity");
         writer.dxfString(8, name);
     }
-    void put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius);
+    void begin_circle(const char* entity, const std::string& layer, const ObjectAxes& axes, const Vec3d& centre,
+                      double radius);
     void put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings);
     void put_settings(const DxfSettings& settings);
     void put_layers(const std::vector<DxfLayer>& given);
@@ -175,12 +176,14 @@ void DxfFile::State::put_settings(const DxfSettings& settings)
     writer.coord(10, extent.max[0], extent.max[1], extent.max[2]);
 }
 
-void DxfFile::State::put_circle(const ObjectAxes& axes, const Vec3d& centre, double radius)
+void DxfFile::State::begin_circle(const char* entity, const std::string& layer, const ObjectAxes& axes,
+                                  const Vec3d& centre, double radius)
 {
     check_finite(centre);
     check_finite(axes.x);
     if (!(radius > 0 && std::isfinite(radius)))
         throw Error(ErrorCode::invalid_argument, writer.file().path(), "the radius of a circle is not above 0");
+    begin(entity, layer);
     writer.dxfString(100, "AcDbCircle");
     writer.coord(10, exact_dot(centre, axes.x), exact_dot(centre, axes.y), exact_dot(centre, axes.z));
     writer.dxfReal(40, radius);
@@ -266,8 +269,7 @@ void DxfFile::face(const std::string& layer, const Vec3d& a, const Vec3d& b, con
 
 void DxfFile::circle(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius)
 {
-    state_->begin("CIRCLE", layer);
-    state_->put_circle(ObjectAxes(axis), centre, radius);
+    state_->begin_circle("CIRCLE", layer, ObjectAxes(axis), centre, radius);
 }
 
 void DxfFile::arc(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius, const Vec3d& from,
@@ -275,13 +277,15 @@ void DxfFile::arc(const std::string& layer, const Vec3d& centre, const Vec3d& ax
 {
     if (angle >= 2 * pi) return circle(layer, centre, axis, radius);
     const ObjectAxes axes(axis);
+    check_finite(from);
+    if (!std::isfinite(angle))
+        throw Error(ErrorCode::invalid_argument, state_->writer.file().path(), "the angle of an arc is not finite");
     const double begin = std::atan2(dot(from, axes.y), dot(from, axes.x));
     const auto degrees = [](double radians) {
         const double turn = std::fmod(radians * 180 / pi, 360);
         return turn < 0 ? turn + 360 : turn;
     };
-    state_->begin("ARC", layer);
-    state_->put_circle(axes, centre, radius);
+    state_->begin_circle("ARC", layer, axes, centre, radius);
     state_->writer.dxfString(100, "AcDbArc");
     state_->writer.dxfReal(50, degrees(begin));
     state_->writer.dxfReal(51, degrees(begin + angle));

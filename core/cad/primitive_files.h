@@ -47,6 +47,11 @@ CadReport write_primitives(const std::filesystem::path& file, const std::vector<
                            const CadOptions& options = {});
 inline constexpr const char* cad_extensions[] = {".dxf", ".scr", ".csv", ".json"};
 
+// {"format": "pcm primitives", "version": 1, "primitives": [...]}, angles in radians. A primitive has "name", "kind"
+// and what its kind needs of "point", "axis" (any length but 0), "radius", "half_angle" and "tube_radius". All else may
+// be left out: "colour" (red, green, blue), "hidden", "cloud", "bounds" ("outline" of a plane; "from" and "to"; "zero",
+// "begin" and "end"), "sigma" ("position", "angle", "radius", "second"; null: infinite), "rms", "noise", "threshold",
+// "condition", "inliers", "points", "label", "estimator", "verdict", "issue", "message", "iterations", "seconds".
 // Throws Error(invalid_argument) for what no list may have: numbers that are not finite, shapes and names that are
 // refused.
 std::string json_of(const std::vector<Primitive>& primitives);

@@ -1,70 +1,171 @@
 #include "pcm/primitives/detect.h"
 
+#include "pcm/cad/primitive_files.h"
 #include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
+#include "pcm/cli/primitive_output.h"
 #include "pcm/cli/region_options.h"
+#include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 namespace pcm::cli {
 namespace {
+
+constexpr double degree = pi / 180;
 
 struct Arguments {
     Common common;
     std::string tree;
     std::vector<std::string> shapes;
     RegionOptions region;
+    std::optional<double> normal_angle;
     DetectOptions options;
+    std::string out, label;
+    bool overwrite = false;
+    TargetOptions target;
 };
 
-Json json_of(const Primitive& p)
+void check(const Arguments& arguments)
+{
+    const bool has_target = !arguments.target.output.empty() || arguments.target.in_place;
+    if (!arguments.label.empty() && arguments.target.output.empty() == !arguments.target.in_place)
+        throw UsageError("--label needs either -o COPY, a tree to write, or --in-place");
+    if (arguments.label.empty() && has_target) throw UsageError("-o and --in-place are for --label");
+    if (arguments.overwrite && arguments.out.empty()) throw UsageError("--overwrite is for --out");
+    // Before the work, not after it.
+    std::error_code error;
+    if (!arguments.out.empty() && !arguments.overwrite && std::filesystem::exists(arguments.out, error))
+        throw Error(ErrorCode::exists, arguments.out, "the output exists already",
+                    "choose another name or --overwrite");
+}
+
+std::string row_of(const Primitive& p)
+{
+    const ShapeFit& fit = p.fit;
+    std::string text = text_of(fit.shape) + "  +- " + brief(fit.errors.position);
+    if (traits_of(fit.shape.kind).axis) text += ", " + brief(fit.errors.angle / degree) + " degrees";
+    if (traits_of(fit.shape.kind).radius) text += ", radius " + brief(fit.errors.radius);
+    if (fit.verdict != FitVerdict::good) text += "  (" + std::string(name_of(fit.verdict)) + ")";
+    return text;
+}
+
+void print_text(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
+                const std::vector<std::string>& notes)
+{
+    if (!found.primitives.empty()) std::printf("%5s  %12s  %9s  %s\n", "label", "points", "noise", "shape");
+    for (const Primitive& p : found.primitives)
+        std::printf("%5u  %12s  %9s  %s\n", p.label, grouped(p.points).c_str(), brief(p.fit.noise).c_str(),
+                    row_of(p).c_str());
+    for (const std::string& note : notes) std::printf("note: %s\n", note.c_str());
+    if (!arguments.out.empty() && !found.primitives.empty()) std::printf("%s: written\n", arguments.out.c_str());
+    if (!arguments.label.empty())
+        std::printf("%s: attribute %s written, %s values changed\n", labels.tree.string().c_str(),
+                    arguments.label.c_str(), grouped(labels.outcome.points_out).c_str());
+    std::printf("%s: %zu primitives with %s of %s points; threshold %s, cloud's noise %s, spacing %s\n",
+                arguments.tree.c_str(), found.primitives.size(), grouped(found.outcome.points_out).c_str(),
+                grouped(found.outcome.points_in).c_str(), brief(found.threshold).c_str(), brief(found.noise).c_str(),
+                brief(found.spacing).c_str());
+    std::printf("%.1f s, peak memory %s\n", found.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
+}
+
+void print_json(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
+                const std::vector<std::string>& notes)
 {
     Json json;
-    json["kind"] = traits_of(p.fit.shape.kind).name;
-    json["label"] = p.label;
-    json["points"] = p.points;
-    json["point"] = p.fit.shape.point;
-    json["axis"] = p.fit.shape.axis;
-    json["radius"] = p.fit.shape.radius;
-    json["rms"] = p.fit.rms;
-    json["errors"] = {
-        {"position", p.fit.errors.position}, {"angle", p.fit.errors.angle}, {"radius", p.fit.errors.radius}};
-    return json;
+    json["tree"] = arguments.tree;
+    put_outcome(json, found.outcome);
+    json["points_in"] = found.outcome.points_in;
+    json["threshold"] = found.threshold;
+    json["step"] = found.step;
+    json["noise"] = found.noise;
+    json["spacing"] = found.spacing;
+    json["sample_cell"] = found.sample;
+    json["primitives"] = Json::array();
+    for (const Primitive& p : found.primitives) json["primitives"].push_back(json_of(p));
+    json["list"] = arguments.out.empty() ? Json() : Json(arguments.out);
+    json["labelled_tree"] = arguments.label.empty() ? Json() : Json(labels.tree.string());
+    json["points_changed"] = labels.outcome.points_out;
+    json["notes"] = notes;
+    std::printf("%s\n", json.dump(2).c_str());
 }
 
 int run(Arguments& arguments)
 {
+    check(arguments);
     DetectOptions& options = arguments.options;
     options.limit = arguments.region.get();
     if (!arguments.shapes.empty()) options.kinds.clear();
     for (const std::string& name : arguments.shapes) options.kinds.push_back(*shape_kind(name));
+    if (arguments.normal_angle) options.normal_angle = *arguments.normal_angle * degree;
     options.progress = console_progress(arguments.common);
-    const DetectReport found = detect_primitives(Tree::open(arguments.tree), options);
-    end_progress(arguments.common);
-    if (arguments.common.json) {
-        Json json;
-        json["tree"] = arguments.tree;
-        put_outcome(json, found.outcome);
-        json["threshold"] = found.threshold;
-        json["noise"] = found.noise;
-        json["spacing"] = found.spacing;
-        json["sample"] = found.sample;
-        Json list = Json::array();
-        for (const Primitive& p : found.primitives) list.push_back(json_of(p));
-        json["primitives"] = std::move(list);
-        std::printf("%s\n", json.dump(1).c_str());
-        return finished(found.outcome);
+    const auto tree = Tree::open(arguments.tree);
+    DetectReport found = detect_primitives(tree, options);
+    std::vector<std::string> notes = found.notes;
+    LabelReport labels;
+    if (!arguments.label.empty()) {
+        LabelOptions label;
+        label.target = arguments.target.get();
+        label.attribute = arguments.label;
+        label.memory_bytes = options.memory_bytes;
+        label.threads = options.threads;
+        label.progress = console_progress(arguments.common);
+        labels = label_primitives(tree, found, label);
+        found.outcome.warnings.insert(found.outcome.warnings.end(), labels.outcome.warnings.begin(),
+                                      labels.outcome.warnings.end());
     }
-    for (const Primitive& p : found.primitives)
-        std::printf("%-14s %9s points  rms %-9s %s\n", p.name.c_str(), grouped(p.points).c_str(),
-                    brief(p.fit.rms).c_str(), text_of(p.fit.shape).c_str());
-    for (const std::string& note : found.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%zu primitives, %s of %s points in %.1f s; threshold %s, peak memory %s\n", found.primitives.size(),
-                grouped(found.outcome.points_out).c_str(), grouped(found.outcome.points_in).c_str(),
-                found.outcome.seconds, brief(found.threshold).c_str(), bytes_text(peak_memory_bytes()).c_str());
+    if (!arguments.out.empty()) {
+        if (found.primitives.empty()) {
+            notes.push_back("no primitive was found, so " + arguments.out + " was not written");
+        } else {
+            CadOptions cad;
+            cad.overwrite = arguments.overwrite;
+            const CadReport written = write_primitives(arguments.out, found.primitives, cad);
+            notes.insert(notes.end(), written.notes.begin(), written.notes.end());
+        }
+    }
+    end_progress(arguments.common);
+    if (arguments.common.json)
+        print_json(arguments, found, labels, notes);
+    else
+        print_text(arguments, found, labels, notes);
     return finished(found.outcome);
+}
+
+void add_search(Options& options, Arguments& arguments)
+{
+    DetectOptions& detect = arguments.options;
+    const char* const group = "What to find";
+    options.option("--shape", arguments.shapes, "A kind of shape (default: all three)")
+        .one_of({"plane", "cylinder", "sphere"})
+        .one_value_each()
+        .group(group);
+    options
+        .option("--threshold", detect.threshold,
+                "Largest distance of a point from its surface, source units (default: from the cloud's noise)")
+        .positive()
+        .group(group);
+    options.option("--min-points", detect.least_points, "Least number of points of a primitive (default 500)")
+        .group(group);
+    options
+        .option("--normal-angle", arguments.normal_angle,
+                "Largest angle between the normals of a point and of its surface, degrees (default 20)")
+        .between(0.1, 90.0)
+        .group(group);
+    options
+        .option("--step", detect.step,
+                "Points farther apart are not of one primitive, source units (default: as the spacing around each "
+                "point allows)")
+        .positive()
+        .group(group);
+    options
+        .flag("--pieces", detect.pieces,
+              "Keep pieces of surfaces that bend away from the shape, as doubtful ones: ground, uneven floors")
+        .group(group);
+    options.option("--seed", detect.seed, "Seed of the search (default 1)").group(group);
 }
 
 }  // namespace
@@ -74,17 +175,19 @@ Run add_detect(Options& options)
     auto arguments = std::make_shared<Arguments>();
     DetectOptions& detect = arguments->options;
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
-    options.option("--shape", arguments->shapes, "Kind of shape (default: plane, cylinder and sphere)")
-        .one_of({"plane", "cylinder", "sphere"})
-        .one_value_each();
-    options.option("--threshold", detect.threshold, "Largest distance of a point from its surface, source units")
-        .positive();
-    options.option("--min-points", detect.least_points, "Least number of points of a primitive (default 500)");
-    options.option("--normal-angle", detect.normal_angle,
-                   "Largest angle between the normals of point and surface, radians");
-    options.option("--step", detect.step, "Points farther apart are not of one primitive, source units").positive();
-    options.option("--seed", detect.seed, "Seed of the search (default 1)");
+    add_search(options, *arguments);
     arguments->region.add_to(options, "Points to look at");
+    const char* const group = "What to write";
+    options
+        .option("--out", arguments->out,
+                "List of the primitives (.json), table (.csv) or drawing (.dxf, .scr), by the extension")
+        .group(group);
+    options.flag("--overwrite", arguments->overwrite, "Replace the file of --out if it exists").group(group);
+    options
+        .option("--label", arguments->label,
+                "Write this attribute (u32): the label of each point's primitive, or 0; --where NAME=3 selects them")
+        .group(group);
+    arguments->target.add_to(options);
     options.option("-m,--memory", detect.memory_bytes, "Memory, e.g. 512M (default 256M)").bytes();
     options.option("-t,--threads", detect.threads, "Threads (default: one per processor)");
     add_common(options, arguments->common);

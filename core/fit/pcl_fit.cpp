@@ -124,9 +124,11 @@ PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, cons
 {
     if (!module().functions)
         throw Error(ErrorCode::unsupported, {}, "the backend PCL is not here: " + module().missing,
-                    "install libpcm_pcl.so (built where PCL's headers are) and PCL, or choose the backend own");
+                    "install libpcm_pcl.so (built where packaging/pcl-sdk has put PCL's headers) and PCL (Debian: "
+                    "libpcl-sample-consensus1.13), or choose the backend own");
     if (options.kind == ShapeKind::torus)
-        throw Error(ErrorCode::unsupported, {}, "the backend PCL has no torus", "choose the backend own");
+        throw Error(ErrorCode::unsupported, {}, "the backend PCL has no torus",
+                    "choose another shape, or the backend own");
     PclRequest request{};
     request.kind = options.kind;
     request.estimator = options.estimator;

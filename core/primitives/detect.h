@@ -25,6 +25,9 @@ struct DetectOptions {
     double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians
     double step =
         0;  // points farther apart are not of one primitive, source units; 0: as the spacing around each allows
+    // Whether pieces of surfaces that bend away from the shape, cut out by the threshold, are primitives too, doubtful
+    // ones: most of the ground, and floors and walls that are not even. Else a note says how many there were.
+    bool pieces = false;
     std::uint64_t seed = 1;
     Selection limit;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;

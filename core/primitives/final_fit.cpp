@@ -17,7 +17,8 @@ namespace {
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
 constexpr double piece_edge = 0.2;       // share of the edge where the surface of a piece continues
-constexpr double piece_outline = 1;      // of so many times the square root of its points, a part of its outline
+constexpr double piece_bend = 0.4;       // of the distances, what is left of them in a mean of 17; noise leaves 0.24
+constexpr double piece_outline = 1.5;    // of so many times the square root of its points, a part of its outline
 constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
 
 struct Candidate {
@@ -45,6 +46,7 @@ bool is_piece(const SurfacePart& part)
 {
     const auto continued = static_cast<double>(part.continued);
     return continued > piece_edge * static_cast<double>(part.edge) &&
+           part.smooth_squares > piece_bend * piece_bend * part.squares &&
            continued > piece_outline * std::sqrt(static_cast<double>(part.sampled));
 }
 
@@ -60,12 +62,10 @@ public:
         for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
             const SurfacePart& part = assigned.parts[p];
             if (part.points < options.least_points) continue;
-            if (is_piece(part)) {
-                ++result_.pieces;
-                result_.piece_points += part.points;
-            } else {
-                add(p, hypotheses);
-            }
+            const bool piece = is_piece(part);
+            result_.pieces += piece;
+            if (piece) result_.piece_points += part.points;
+            if (!piece || options.keep_pieces) add(p, hypotheses);
         }
         candidate_of_.assign(assigned.parts.size(), none);
         for (std::uint32_t c = 0; c < candidates_.size(); ++c) candidate_of_[candidates_[c].part] = c;
@@ -86,7 +86,7 @@ public:
         std::vector<std::uint32_t> label_of(candidates_.size(), 0);
         for (const std::uint32_t c : order) {
             if (sums[c].all.points() < options_.least_points) continue;
-            Primitive primitive = primitive_of(sums[c]);
+            Primitive primitive = primitive_of(candidates_[c], sums[c]);
             if (!primitive.fit.has_shape()) continue;
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
@@ -164,13 +164,21 @@ private:
         return sums;
     }
 
-    Primitive primitive_of(const Sums& sums) const
+    Primitive primitive_of(const Candidate& candidate, const Sums& sums) const
     {
         Primitive primitive;
         primitive.fit = sums.best().result(options_.threshold);
         primitive.points = sums.all.points();
         primitive.cloud = points_.tree().folder().string();
         primitive.estimator = "detect";
+        const SurfacePart& part = assigned_.parts[candidate.part];
+        if (primitive.fit.has_shape() && !part.some.empty())
+            primitive.bounds = bounds_of(primitive.fit.shape, part.some, {});
+        if (primitive.fit.verdict == FitVerdict::good && is_piece(part)) {
+            primitive.fit.verdict = FitVerdict::doubtful;
+            primitive.fit.message =
+                "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
+        }
         return primitive;
     }
 

@@ -13,6 +13,7 @@ namespace pcm {
 struct FinalFitOptions {
     double threshold = 0;
     std::uint64_t least_points = 0;
+    bool keep_pieces = false;  // as doubtful ones
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };
@@ -20,8 +21,8 @@ struct FinalFitOptions {
 struct FinalFit {
     std::vector<Primitive> primitives;  // by points, descending
     std::uint64_t points = 0;           // looked at
-    // Parts that are left out: pieces of surfaces that bend away from the shape (ground, say), cut out by the
-    // threshold.
+    // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
+    // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;
 };
 

@@ -31,6 +31,11 @@ void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_pla
     for (const Vec3d& p : not_places)
         if (std::find(places.begin(), places.end(), p) != places.end())
             refuse("the place " + exact(p) + " was given as one of the surface and as one beside it");
+    if (!(options.fit.threshold >= 0) || !std::isfinite(options.fit.threshold))
+        refuse("the threshold is " + exact(options.fit.threshold) + "; it is a positive number of source units");
+    if (!(options.radius >= 0) || !std::isfinite(options.radius))
+        refuse("the radius of the neighbourhood is " + exact(options.radius) +
+               "; it is a positive number of source units");
     if (!(options.step >= 0) || !std::isfinite(options.step))
         refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
 }
@@ -112,7 +117,7 @@ private:
         for (std::size_t i = 0; i < close.ids.size(); ++i)
             if (const Vec3d p = close.points.source(i); distance_to(local.shape, p) <= local.threshold)
                 positions.push_back(p);
-        result.step = options_.step > 0 ? options_.step : automatic_step(positions);
+        result.step = options_.step > 0 ? options_.step : step_for(local.shape, automatic_step(positions));
         if (!(result.step > 0) || !(local.threshold > 0)) return;
         GrowShapeOptions options;
         options.threshold = local.threshold;
@@ -125,6 +130,14 @@ private:
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.4, 0.9);
         take(grow_shape(local.shape, result.points, options), result);
+    }
+
+    // Where the place was picked, points may lie closer than elsewhere; and what stands before a pipe or a tank hides
+    // less than half of its width.
+    static double step_for(const Shape& shape, double step)
+    {
+        const double width = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
+        return std::max(step, std::min(4 * step, width / 2));
     }
 
     static void take(GrownShape grown, FittedPrimitive& result)
@@ -141,6 +154,11 @@ private:
                                    brief(grown.agreement) + " times those of independent points");
         result.points = std::move(grown.points);
         grown.fit.iterations = result.local.iterations;
+        if (result.local.issue == FitIssue::no_consensus) {
+            grown.fit.verdict = result.local.verdict;
+            grown.fit.issue = result.local.issue;
+            grown.fit.message = result.local.message;
+        }
         result.primitive.fit = std::move(grown.fit);
     }
 

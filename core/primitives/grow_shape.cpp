@@ -12,7 +12,7 @@
 namespace pcm {
 namespace {
 
-constexpr double noises = 3.3, most_raised = 4;  // of a raised threshold
+constexpr double noises = 3.3, most_raised = 2.5;  // of a raised threshold
 
 class ShapeGrowth {
 public:

@@ -12,8 +12,8 @@ namespace pcm {
 
 struct GrowShapeOptions {
     double threshold = 0;  // largest distance of a point from the surface, source units; above 0
-    // Each round may raise it to 3.3 times the noise of the points reached, four times what was given at most: noise
-    // differs along a surface.
+    // Each round may raise it to 3.3 times the noise of the points reached, two and a half times what was given at
+    // most: noise differs along a surface.
     bool raise_threshold = false;
     double step = 0;           // longest way from point to point, source units; above 0
     double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
 constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
-constexpr std::size_t core_points = 50;    // of a place, half of which the shape must pass through
+constexpr std::size_t core_points = 50;    // the nearest of a place
 constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
 
@@ -54,8 +54,11 @@ public:
         }
         if (best.near.found > best.close.found)
             best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
-        if (best.fit.has_shape() && !passes(best.fit))
-            best.notes.push_back("the shape does not pass through the points nearest to the place");
+        if (best.fit.has_shape() && !passes(best.fit, best.near)) {
+            best.fit.verdict = FitVerdict::doubtful;
+            best.fit.issue = FitIssue::no_consensus;
+            best.fit.message = "it does not pass through the points nearest to the place: take a smaller neighbourhood";
+        }
         return best;
     }
 
@@ -101,7 +104,9 @@ private:
             const NearPoints core = points_near(cloud_, place, options);
             std::vector<Vec3d> positions;
             for (std::size_t i = 0; i < core.ids.size(); ++i) positions.push_back(core.points.source(i));
-            if (!positions.empty()) {
+            if (positions.empty()) {
+                result.notes.push_back("there is no point to fit a shape to; " + extent_text(cloud_.info().bounds()));
+            } else {
                 const double distance = length(positions.front() - place);
                 if (distance > 10 * core.spacing)
                     result.notes.push_back("the place " + exact(place) + " lies " + brief(distance) +
@@ -122,21 +127,25 @@ private:
         return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
-    // Half of the points nearest to each place.
-    bool passes(const ShapeFit& fit) const
+    // By each place, and as many of the points around it as elsewhere in the neighbourhood, or half as many.
+    bool passes(const ShapeFit& fit, const NearPoints& near) const
     {
-        for (const std::vector<Vec3d>& core : cores_) {
-            std::size_t near = 0;
-            for (const Vec3d& p : core) near += distance_to(fit.shape, p) <= fit.threshold;
-            if (2 * near < core.size()) return false;
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            const std::vector<Vec3d>& core = cores_[k];
+            if (core.empty()) continue;
+            const double to_cloud = length(core.front() - places_[k]);
+            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * fit.threshold) return false;
+            double on_it = 0;
+            for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
+            if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
         }
         return true;
     }
 
     bool is_improvement(const ShapeFit& fit, const NearPoints& near, const LocalFit& best) const
     {
-        if (!fit.has_shape() || !passes(fit)) return false;
-        if (!best.fit.has_shape() || !passes(best.fit)) return true;
+        if (!fit.has_shape() || !passes(fit, near)) return false;
+        if (!best.fit.has_shape() || !passes(best.fit, best.near)) return true;
         if (!follows(fit, best) ||
             !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
             return false;

@@ -25,7 +25,7 @@ constexpr double degree = pi / 180;
 
 void add_shape_parameters(RichParameterList& parameters)
 {
-    QStringList shapes{"Any (plane, cylinder or sphere)"}, methods;
+    QStringList shapes{"Any"}, methods;
     for (const ShapeTraits& traits : shape_kinds()) shapes << traits.label;
     for (const EstimatorTraits& traits : estimators()) methods << traits.label;
     parameters.addParam(
@@ -36,10 +36,9 @@ void add_shape_parameters(RichParameterList& parameters)
         RichString("NotPlaces", "", "Other places",
                    "Places that do not belong to it, x y z of each, in source coordinates: points around "
                    "them take no part. Empty, the default: none."));
-    parameters.addParam(
-        RichEnum("Shape", 0, shapes, "Shape",
-                 "What is fitted. Any: whichever of a plane, a cylinder and a sphere explains the points "
-                 "best. Default Any."));
+    parameters.addParam(RichEnum("Shape", 0, shapes, "Shape",
+                                 "What is fitted. Any: each kind is fitted, and the one that the points are least "
+                                 "probably like by chance is kept. Default Any."));
     parameters.addParam(RichEnum("Estimator", static_cast<int>(Estimator::msac), methods, "Estimator",
                                  "How samples are drawn and compared. Default MSAC."));
     parameters.addParam(
@@ -108,7 +107,7 @@ FitAtOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
     FitAtOptions options;
     const int shape = in_range(p, "Shape", "Shape", 0, static_cast<int>(shape_kinds().size()));
     if (shape == 0)
-        options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+        for (const ShapeTraits& traits : shape_kinds()) options.kinds.push_back(traits.kind);
     else
         options.fit.kind = static_cast<ShapeKind>(shape - 1);
     options.fit.estimator =

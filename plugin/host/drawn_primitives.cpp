@@ -107,7 +107,9 @@ std::vector<Annotation> drawn_primitive(const Primitive& primitive, const std::o
     }
     if (drawn.empty()) return drawn;
     drawn.front().label = style.label;
-    drawn.front().label_at = box.max;
+    drawn.front().label_at = drawn.front().line.front();
+    for (const Vec3d& p : drawn.front().line)
+        if (length(p - box.max) < length(drawn.front().label_at - box.max)) drawn.front().label_at = p;
     return drawn;
 }
 
@@ -117,7 +119,7 @@ QString size_of(const Primitive& primitive, const std::string& unit)
     add_sizes(primitive, unit, lines);
     if (lines.empty()) return {};
     const auto& [name, value] = lines.front();
-    return name == "radius" ? "r " + value : value;
+    return (name == "radius" ? QString("r") : name) + " " + value;
 }
 
 std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, const std::string& unit)

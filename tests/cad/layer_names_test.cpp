@@ -52,6 +52,10 @@ TEST(Colours, OfTheIndexAreTheirOwnNearest)
 {
     EXPECT_EQ(indexed_colour(1), (Rgb{255, 0, 0}));
     EXPECT_EQ(indexed_colour(30), (Rgb{255, 127, 0}));
+    EXPECT_EQ(indexed_colour(12), (Rgb{165, 0, 0}));
+    EXPECT_EQ(indexed_colour(94), (Rgb{0, 127, 0}));
+    EXPECT_EQ(indexed_colour(176), (Rgb{0, 0, 76}));
+    EXPECT_EQ(indexed_colour(18), (Rgb{38, 0, 0}));
     EXPECT_EQ(indexed_colour(173), (Rgb{82, 82, 165}));
     for (int i = 1; i <= 255; ++i)
         EXPECT_EQ(indexed_colour(nearest_colour_index(indexed_colour(i))), indexed_colour(i));

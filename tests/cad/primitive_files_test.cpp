@@ -161,6 +161,39 @@ TEST_F(PrimitiveFiles, AScriptIsAsItWas)
     EXPECT_EQ(lines_of(folder_ / "a.scr"), expected);
 }
 
+TEST_F(PrimitiveFiles, ScriptsMakeEachKind)
+{
+    Primitive cone = made("cone 1 2 3 0 0 -1 45", "cone"), tip = cone, elbow = made("torus 1 2 3 0 0 1 5 1", "elbow");
+    cone.bounds.from = 0.5;
+    cone.bounds.to = tip.bounds.to = 2;
+    elbow.bounds.zero = {1, 0, 0};
+    elbow.bounds.end = pi / 2;
+    const Primitive ring = made("torus 1 2 3 0 0 1 5 1", "ring"), ball = made("sphere 1 2 3 4", "ball");
+    const auto script_of = [&](const Primitive& primitive) {
+        CadOptions options;
+        options.overwrite = true;
+        write_primitives(folder_ / "a.scr", {primitive}, options);
+        std::string text;
+        for (const std::string& line : lines_of(folder_ / "a.scr"))
+            if (!line.empty() && line != "_NON") text += line + " ";
+        const std::size_t begin = text.find("_.UCS _W _.UCS _3 ") + 18;
+        return text.substr(begin, text.find(" _.UCS _W _.-LAYER", begin) - begin);
+    };
+    EXPECT_EQ(script_of(floor_of_room()), "0,0,0 1,0,0 0,1,0 _.3DPOLY 0,0,0 4,0,0 4,3,0 0,3,0 _C");
+    EXPECT_EQ(script_of(ball), "1,2,3 3,2,3 1,5,3 _.SPHERE 0,0,0 4");
+    // From the wide end towards the apex, which is above.
+    EXPECT_EQ(script_of(cone).rfind("1,2,1 3,2,1 1,5,1 _.UCS _3 0,0,0 0,-1,0 1,0,0 _.CONE 0,0,0 1.99999999999999", 0),
+              0u)
+        << script_of(cone);
+    EXPECT_NE(script_of(cone).find(" _T 0.49999999999999"), std::string::npos);
+    EXPECT_EQ(script_of(tip).find(" _T "), std::string::npos);
+    EXPECT_EQ(script_of(tip).substr(script_of(tip).size() - 2), " 2");
+    EXPECT_EQ(script_of(ring), "1,2,3 3,2,3 1,5,3 _.UCS _3 0,0,0 0,-1,0 1,0,0 _.TORUS 0,0,0 5 1");
+    // The tube's circle revolved about y, which is the axis there.
+    EXPECT_EQ(script_of(elbow),
+              "1,2,3 3,2,3 1,5,3 _.UCS _3 0,0,0 1,0,0 0,0,1 _.CIRCLE 5,0,0 1 _.REVOLVE _L 0,0,0 0,1,0 90");
+}
+
 TEST_F(PrimitiveFiles, NumbersOfScriptsHaveNoExponents)
 {
     Primitive small = made("sphere 1e-7 -3e-20 1e22 2.5e-9", "a");
@@ -240,6 +273,11 @@ TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
     EXPECT_NE(text.find("  2\npipe 1 (2)\n 70\n0\n 62\n5\n420\n254\n"), std::string::npos);
     EXPECT_NE(text.find("\n  8\npipe 1 (2)\n"), std::string::npos);
     EXPECT_NE(text.find("$EXTMIN\n 10\n0\n 20\n0\n"), std::string::npos);
+    EXPECT_NE(text.find("$EXTMAX\n 10\n500000.55\n 20\n4800000.8\n 30\n102.3\n"), std::string::npos);
+    // The view shows all of it: its centre, its height, and width by height.
+    const std::string view = text.substr(text.find("AcDbViewportTableRecord"), 600);
+    EXPECT_NE(view.find("\n 12\n250000.275\n 22\n2400000.4\n"), std::string::npos) << view;
+    EXPECT_NE(view.find("\n 40\n5280000.88\n 41\n1.5\n"), std::string::npos) << view;
     options.unit = CadUnit::none;
     write_primitives(folder_ / "b.dxf", {pipe()}, options);
     EXPECT_EQ(text_of_file(folder_ / "b.dxf").find("$MEASUREMENT"), std::string::npos);

@@ -99,6 +99,16 @@ TEST(PrimitiveJson, TextKeepsEveryBit)
     EXPECT_TRUE(parse_primitives(json_of(std::vector<Primitive>{})).empty());
 }
 
+TEST(PrimitiveJson, ALengthMayBeginOrEndAtTheShapesPoint)
+{
+    for (const auto& [from, to] : {std::pair{0.0, 2.0}, {-2.0, 0.0}}) {
+        Primitive pipe = full_primitive(ShapeKind::cylinder, 1);
+        pipe.bounds.from = from;
+        pipe.bounds.to = to;
+        expect_equal(pipe, parse_primitives(json_of({pipe}))[0]);
+    }
+}
+
 TEST(PrimitiveJson, WhatIsNotNeededMayBeLeftOut)
 {
     const auto read = parse_primitives(R"({"format":"pcm primitives","version":1,"primitives":[

@@ -145,6 +145,9 @@ TEST(BoundsInBox, AnAxisIsCutBySlabs)
     const ShapeBounds beside = bounds_in_box(parse_shape("cylinder 0 -3 0 1 0 0 3.2"), box);
     EXPECT_DOUBLE_EQ(beside.from, 0);
     EXPECT_DOUBLE_EQ(beside.to, 100);
+    const ShapeBounds from_outside = bounds_in_box(parse_shape("cylinder 30 -3 0 -1 0 0 3.2"), box);
+    EXPECT_DOUBLE_EQ(from_outside.from, -70);
+    EXPECT_DOUBLE_EQ(from_outside.to, 30);
     // Along an edge of the box.
     EXPECT_DOUBLE_EQ(bounds_in_box(parse_shape("cylinder 0 0 0 -1 0 0 3.2"), box).from, -100);
 }
@@ -312,8 +315,13 @@ TEST(BoundsOfPoints, PointsOnALineHaveNoOutline)
     const OnPlane place(normalised({1, 2, 3}));
     std::vector<Vec3d> points;
     for (int i = 0; i < 50; ++i) points.push_back(place.at(i, 2 * i));
+    std::vector<Vec3d> along, across;
+    for (int i = 0; i < 50; ++i) along.push_back(place.at(i * i, 0));
+    for (int i = 0; i < 50; ++i) across.push_back(place.at(0, i * i));
     for (const OutlineKind kind : {OutlineKind::rectangle, OutlineKind::convex, OutlineKind::concave}) {
-        for (const auto& some : {points, std::vector<Vec3d>(7, points[3]), std::vector<Vec3d>(1, points[0])}) try {
+        for (const auto& some :
+             {points, along, across, std::vector<Vec3d>(7, points[3]), std::vector<Vec3d>(1, points[0])})
+            try {
                 bounds_of(place.plane, some, {kind, 0});
                 FAIL();
             } catch (const Error& error) {

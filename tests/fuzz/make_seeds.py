@@ -3,6 +3,7 @@
 
     make_seeds.py PCMLAB FOLDER     fills FOLDER/las, FOLDER/ply, ...: one folder per fuzz target
 """
+import json
 import pathlib
 import random
 import struct
@@ -129,6 +130,24 @@ def pcd_seeds():
     yield "compressed.pcd", header("0.7", "binary_compressed") + struct.pack("<II", len(packed), len(b"".join(fields))) + packed
 
 
+def primitives_seeds():
+    def listed(*primitives):
+        return json.dumps({"format": "pcm primitives", "version": 1, "primitives": primitives}).encode()
+
+    fit = {"colour": [1, 2, 255], "hidden": True, "cloud": "a.pct", "rms": 0.1, "noise": 0.2, "threshold": 0.3, "condition": None,
+           "sigma": {"position": 0.1, "angle": None, "radius": 1e-9, "second": 0}, "inliers": 5, "points": 6, "iterations": 7,
+           "seconds": 0.5, "label": 8, "estimator": "msac", "verdict": "doubtful", "issue": "thin arc", "message": "\u00e4 b"}
+    arc = {"zero": [1, 0, 0], "begin": 6, "end": 7.5}
+    axis = {"point": [5e5, 48e5, 0.1], "axis": [0, 0, 1]}
+    yield "plane.json", listed({"name": "a", "kind": "plane", **axis, **fit,
+                                "bounds": {"outline": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]}})
+    yield "round.json", listed({"name": "a", "kind": "cylinder", **axis, "radius": 0.5, "bounds": {"from": -1, "to": 2, **arc}},
+                               {"name": "b", "kind": "sphere", "point": [1, 2, 3], "radius": 0.5, **fit},
+                               {"name": "c", "kind": "cone", **axis, "half_angle": 0.5, "bounds": {"from": 0, "to": 2}},
+                               {"name": "d", "kind": "torus", **axis, "radius": 2, "tube_radius": 0.5, "bounds": arc})
+    yield "empty.json", listed()
+
+
 def write_e57(folder):
     """E57 files, if the tests' Python packages are installed: the project does not write E57."""
     try:
@@ -149,9 +168,11 @@ def write_e57(folder):
                                     translation=numpy.array([1.0, 2, 3]))
 
 
-BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_seeds, "ptx": ptx_seeds, "pcd": pcd_seeds}
+BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_seeds, "ptx": ptx_seeds, "pcd": pcd_seeds,
+           "primitives": primitives_seeds}
 # Every target of a format is named like its extension; pcmlab writes the seeds of those that it writes.
-CONVERTED = sorted({source.stem[len("fuzz_"):] for source in pathlib.Path(__file__).parent.glob("fuzz_*.cpp")} - {"index", "chunk"})
+CONVERTED = sorted({source.stem[len("fuzz_"):] for source in pathlib.Path(__file__).parent.glob("fuzz_*.cpp")} -
+                   {"index", "chunk", "primitives"})
 
 
 def write_trees(pcm, scene, folder):

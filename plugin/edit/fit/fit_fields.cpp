@@ -87,10 +87,9 @@ void FitFields::add_number(const FitNumber& row)
 
 void FitFields::add_choices()
 {
-    kind_ = add_choice(
-        "Shape", "Shape",
-        "What is fitted at the clicked place. Any: a plane, cylinder or sphere, whichever explains the points best; "
-        "cones and tori are to be asked for, as a small part of any surface is like one. Default Any.");
+    kind_ = add_choice("Shape", "Shape",
+                       "What is fitted at the clicked place. Any: each kind is fitted, and the one that the points are "
+                       "least probably like by chance is kept, a plane where that does. Default Any.");
     kind_->addItem("Any", any_kind);
     for (const ShapeTraits& traits : shape_kinds()) kind_->addItem(traits.label, traits.name);
     estimator_ = add_choice("Estimator", "Estimator",
@@ -102,10 +101,10 @@ void FitFields::add_choices()
     }
     for (const FitNumber& row : fit_numbers())
         if (row.is_basic) add_number(row);
-    grow_ = new QCheckBox("Follow through the cloud");
+    grow_ = new QCheckBox("through the cloud");
     grow_->setObjectName("PointCloudFitGrow");
     connect(grow_, &QCheckBox::toggled, this, &FitFields::report);
-    add("Points",
+    add("Follow",
         "On: all connected points of the whole cloud that lie on the surface belong to it, and it is fitted to them "
         "again. Off: only those around the clicked places. Default on.",
         grow_);

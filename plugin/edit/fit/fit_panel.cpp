@@ -117,6 +117,8 @@ void FitPanel::add_list(QVBoxLayout& column)
         const auto chosen = list_->selectedItems();
         emit selected(chosen.empty() ? -1 : list_->indexOfTopLevelItem(chosen.front()));
     });
+    list_->header()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
+    list_->header()->setSectionResizeMode(2, QHeaderView::ResizeToContents);
     column.addWidget(list_, 3);
     auto* buttons = new QGridLayout;
     buttons->setHorizontalSpacing(4);
