@@ -166,7 +166,7 @@ TEST_F(FitAt, MorePlacesRefineIt)
     const FittedPrimitive three =
         fit({pipe.point + 0.2 * pipe.axis + v, pipe.point + 1.5 * pipe.axis + u, pipe.point + 2.8 * pipe.axis + v},
             options);
-    ASSERT_TRUE(three.primitive.fit.has_shape());
+    ASSERT_TRUE(three.primitive.fit.has_shape()) << three.primitive.fit.message << " " << three.local.message << three.local.threshold;
     EXPECT_EQ(three.near.ids.size(), 180u);
     EXPECT_LT(three.primitive.fit.errors.radius, one.primitive.fit.errors.radius);
     // The same place twice is one.
