@@ -135,10 +135,10 @@ TEST_F(FitAt, WhatIsGivenIsTaken)
 TEST_F(FitAt, PlacesThatAreNotPartOfItAreLeftOut)
 {
     const Shape pipe = truth(ShapeKind::cylinder);
-    const auto along = [&](const Vec3d& p) { return dot(p - pipe.point, pipe.axis); };
     const auto [u, v] = across(pipe.axis);
     const Vec3d at = pipe.point + 0.5 * pipe.axis + v, not_at = pipe.point + 2.2 * pipe.axis + v;
     const FittedPrimitive whole = fit({at}, of(ShapeKind::cylinder));
+    EXPECT_NEAR(whole.step, 0.5, 0.001);  // half the radius: more than the gaps ask for
     FitAtOptions options = of(ShapeKind::cylinder);
     options.radius = 0.3;
     const FittedPrimitive part = fit({at}, options, {not_at});
@@ -149,9 +149,14 @@ TEST_F(FitAt, PlacesThatAreNotPartOfItAreLeftOut)
     EXPECT_EQ(inside, 0u);
     // Beside the place it reaches half the way at most.
     options.radius = 3;
-    const FittedPrimitive near = fit({at}, options, {at + 0.2 * pipe.axis});
+    const Vec3d beside = at + 0.2 * pipe.axis;
+    const FittedPrimitive near = fit({at}, options, {beside});
     EXPECT_GT(near.points.size(), 5000u);
-    EXPECT_LT(along(at), 0.6);
+    double nearest = HUGE_VAL;
+    for (std::size_t i = 0; i < near.near.ids.size(); ++i)
+        nearest = std::min(nearest, length(near.near.points.source(i) - beside));
+    EXPECT_GT(nearest, 0.0999);
+    EXPECT_LT(nearest, 0.15);
     EXPECT_THROW(fit({at}, options, {at}), Error);
 }
 
@@ -166,7 +171,8 @@ TEST_F(FitAt, MorePlacesRefineIt)
     const FittedPrimitive three =
         fit({pipe.point + 0.2 * pipe.axis + v, pipe.point + 1.5 * pipe.axis + u, pipe.point + 2.8 * pipe.axis + v},
             options);
-    ASSERT_TRUE(three.primitive.fit.has_shape());
+    ASSERT_TRUE(three.primitive.fit.has_shape())
+        << three.primitive.fit.message << " " << three.local.message << three.local.threshold;
     EXPECT_EQ(three.near.ids.size(), 180u);
     EXPECT_LT(three.primitive.fit.errors.radius, one.primitive.fit.errors.radius);
     // The same place twice is one.
