@@ -410,5 +410,42 @@ TEST(BoundsOfPoints, TheArcOfAnElbow)
     EXPECT_NEAR(first[1], std::sin(pi / 4), 1e-9);
 }
 
+TEST(BoundsOfPoints, SizesFromTinyToHuge)
+{
+    const Shape plane = parse_shape("plane 0 0 0 1 2 3");
+    const AxisFrame frame(plane.axis);
+    for (const double size : {1e-140, 1e-6, 1.0, 1e9, 1e100}) {
+        std::vector<Vec3d> points;
+        for (int i = 0; i <= 20; ++i)
+            for (int j = 0; j <= 10; ++j) points.push_back(size * (0.05 * i * frame.u + 0.1 * j * frame.v));
+        for (const OutlineKind kind : {OutlineKind::rectangle, OutlineKind::convex, OutlineKind::concave}) {
+            const ShapeBounds bounds = bounds_of(plane, points, {kind, 0});
+            EXPECT_NEAR(area_about(plane.axis, bounds.outline) / size / size, 1, 1e-6) << size << " " << name_of(kind);
+        }
+    }
+}
+
+TEST(BoundsOfPoints, NumbersThatOverflowAreRefusedOrNotKnown)
+{
+    const std::vector<Vec3d> far{
+        {1e300, 0, 0}, {0, 1e300, 0}, {-1.7e308, 0, 0}, {0, 0, 1.7e308}, {1.7e308, 1.7e308, 0}};
+    Box3d box;
+    for (const Vec3d& p : far) box.extend(p);
+    box.extend(Vec3d{-1.7e308, -1.7e308, -1.7e308});
+    for (const OutlineKind kind : {OutlineKind::rectangle, OutlineKind::convex, OutlineKind::concave})
+        EXPECT_THROW(bounds_of(parse_shape("plane 0 0 0 0 0 1"), far, {kind, 0}), Error);
+    for (const char* text :
+         {"plane 0 0 0 1 2 3", "cylinder 0 0 0 1 2 3 1", "cone 0 0 0 1 2 3 30", "torus 0 0 0 1 2 3 2 1"}) {
+        const Shape shape = parse_shape(text);
+        OutlineOptions options;
+        options.kind = OutlineKind::box;
+        for (const ShapeBounds& bounds : {bounds_in_box(shape, box), bounds_of(shape, far, options, box)}) {
+            for (const Vec3d& p : bounds.outline) EXPECT_TRUE(is_finite(p)) << text;
+            for (const double x : {bounds.from, bounds.to, bounds.begin, bounds.end})
+                EXPECT_TRUE(std::isfinite(x)) << text;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace pcm
