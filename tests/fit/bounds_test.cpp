@@ -395,6 +395,20 @@ TEST(BoundsOfPoints, TheLengthOfAConeIsThatOfItsSurface)
     EXPECT_NEAR(bounds.to, 1, 1e-12);
 }
 
+TEST(BoundsOfPoints, PointsNearAnApexDoNotCloseAnArc)
+{
+    const Shape cone = parse_shape("cone 0 0 0 0 0 1 45");
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 200; ++i) {
+        const double turn = i / 199.0, noise = i * 0.7;
+        points.push_back({std::cos(turn), std::sin(turn), 1});
+        points.push_back({1e-3 * std::cos(noise), 1e-3 * std::sin(noise), 1e-3});
+    }
+    const ShapeBounds bounds = bounds_of(cone, points, {});
+    EXPECT_NEAR(bounds.end - bounds.begin, 1, 1e-9);
+    EXPECT_NEAR(bounds.from, 1e-3, 1e-9);
+}
+
 TEST(BoundsOfPoints, TheArcOfAnElbow)
 {
     const Shape torus = parse_shape("torus 1 2 3 0 0 1 2 0.5");
