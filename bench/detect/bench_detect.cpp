@@ -105,50 +105,59 @@ struct Score {
     std::vector<double> worst;
 };
 
-Score compare(const std::vector<True>& truth, const DetectReport& report,
-              const std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>& pairs, std::uint64_t least,
+using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;
+
+// The true primitive that most points of a label come from, and how many they are.
+std::pair<std::uint32_t, std::uint64_t> largest_of(const Pairs& pairs, std::uint32_t label)
+{
+    std::pair<std::uint32_t, std::uint64_t> largest{0, 0};
+    for (auto at = pairs.lower_bound({label, 0}); at != pairs.end() && at->first.first == label; ++at)
+        if (at->second > largest.second) largest = {at->first.second, at->second};
+    return largest;
+}
+
+using Long = unsigned long long;
+
+// Adds a found primitive to the score; returns the true one that it is, 0 if it is none.
+std::uint32_t judge(const Primitive& p, const std::vector<True>& truth, const Pairs& pairs, bool list, Score& score)
+{
+    const auto [best, most] = largest_of(pairs, p.label);
+    const bool good = p.fit.verdict == FitVerdict::good;
+    const ShapeKind kind = p.fit.shape.kind;
+    if (best == 0) {
+        ++score.clutter;
+        score.good_clutter += good;
+        score.clutter_points += p.points;
+        if (list) std::printf("  in ground and trees: %s, %llu points\n", text_of(p.fit.shape).c_str(), Long(p.points));
+        return 0;
+    }
+    ++score.found[kind];
+    if (truth[best].shape.kind != kind) {
+        ++score.wrong[kind];
+        if (list)
+            std::printf("  false: %s, %llu points (%llu of true %s %u)\n", text_of(p.fit.shape).c_str(), Long(p.points),
+                        Long(most), traits_of(truth[best].shape.kind).name, best);
+        return 0;
+    }
+    const Errors e = errors_of(p.fit, truth[best].shape);
+    score.worst.push_back(e.worst());
+    ++score.good;
+    score.within += e.worst() <= 3;
+    if (list)
+        std::printf(
+            "  %s %u: %llu of %llu points, noise %.2f mm, position %.4f mm (%.1f s), angle %.1e (%.1f s), "
+            "radius %.4f mm (%.1f s)%s\n",
+            traits_of(kind).name, best, Long(p.points), Long(truth[best].points), p.fit.noise * 1e3, e.position * 1e3,
+            e.position_s, e.angle, e.angle_s, e.radius * 1e3, e.radius_s, good ? "" : " doubtful");
+    return best;
+}
+
+Score compare(const std::vector<True>& truth, const DetectReport& report, const Pairs& pairs, std::uint64_t least,
               bool list)
 {
     Score score;
     std::vector<std::vector<std::uint32_t>> found_by(truth.size());
-    for (const Primitive& p : report.primitives) {
-        std::uint32_t best = 0;
-        std::uint64_t most = 0;
-        for (auto at = pairs.lower_bound({p.label, 0}); at != pairs.end() && at->first.first == p.label; ++at)
-            if (at->second > most) most = at->second, best = at->first.second;
-        const bool good = p.fit.verdict == FitVerdict::good;
-        if (best == 0) {
-            ++score.clutter;
-            score.good_clutter += good;
-            if (list)
-                std::printf("  in ground and trees: %s, %llu points\n", text_of(p.fit.shape).c_str(),
-                            static_cast<unsigned long long>(p.points));
-            score.clutter_points += p.points;
-            continue;
-        }
-        ++score.found[p.fit.shape.kind];
-        if (truth[best].shape.kind != p.fit.shape.kind) {
-            ++score.wrong[p.fit.shape.kind];
-            if (list)
-                std::printf("  false: %s, %llu points (%llu of true %s %u)\n", text_of(p.fit.shape).c_str(),
-                            static_cast<unsigned long long>(p.points), static_cast<unsigned long long>(most),
-                            traits_of(truth[best].shape.kind).name, best);
-            continue;
-        }
-        found_by[best].push_back(p.label);
-        const Errors e = errors_of(p.fit, truth[best].shape);
-        score.worst.push_back(e.worst());
-        ++score.good;
-        score.within += e.worst() <= 3;
-        if (list)
-            std::printf(
-                "  %s %u: %llu of %llu points, noise %.2f mm, position %.4f mm (%.1f s), angle %.1e (%.1f s), radius "
-                "%.4f mm "
-                "(%.1f s)%s\n",
-                traits_of(p.fit.shape.kind).name, best, static_cast<unsigned long long>(p.points),
-                static_cast<unsigned long long>(truth[best].points), p.fit.noise * 1e3, e.position * 1e3, e.position_s,
-                e.angle, e.angle_s, e.radius * 1e3, e.radius_s, good ? "" : " doubtful");
-    }
+    for (const Primitive& p : report.primitives) found_by[judge(p, truth, pairs, list, score)].push_back(p.label);
     for (std::uint32_t t = 1; t < truth.size(); ++t) {
         if (truth[t].points <= least) continue;
         ++score.wanted[truth[t].shape.kind];
@@ -163,9 +172,8 @@ Score compare(const std::vector<True>& truth, const DetectReport& report,
         score.split += found_by[t].size() > 1;
         if (!recalled && list)
             std::printf("  missed: %s of true %s %u; %llu of %llu points in %zu primitives\n",
-                        text_of(truth[t].shape).c_str(), traits_of(truth[t].shape.kind).name, t,
-                        static_cast<unsigned long long>(has), static_cast<unsigned long long>(truth[t].points),
-                        found_by[t].size());
+                        text_of(truth[t].shape).c_str(), traits_of(truth[t].shape.kind).name, t, Long(has),
+                        Long(truth[t].points), found_by[t].size());
     }
     return score;
 }

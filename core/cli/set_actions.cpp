@@ -1,7 +1,6 @@
 #include "pcm/cli/set_actions.h"
 
 #include "pcm/select/set_changes.h"
-#include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
-#include "pcm/query/point_set.h"
+#include "pcm/select/set_points.h"
 
 #include <cstdint>
 #include <optional>

@@ -74,7 +74,7 @@ PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, cons
                         const PatchBand& band, unsigned most_steps, double enough, bool weighted)
 {
     constexpr double extent = 1;  // working units
-    PolishedPatch best{start, {}, NoiseMixture(band.threshold), false};
+    PolishedPatch best{start, {}, NoiseMixture(band.threshold, band.share), false};
     DistanceBins bins;
     best.sums = sums_of(model, start, points, band, best.mixture, &bins);
     double damping = 0;

@@ -25,7 +25,7 @@ public:
     struct Cell {
         std::uint64_t key = 0;  // 0: empty
         std::uint32_t in = 0, out = 0;
-        float support = -1;  // below 0: not computed
+        float support = -1;  // or what else is kept of it; below 0: not computed
     };
     using Place = std::array<std::int64_t, 3>;
 
@@ -72,6 +72,14 @@ std::pair<double, double> around(SupportCells& cells, const SupportCells::Place&
     return {in, out};
 }
 
+// Points beyond the threshold, counted once per cell.
+double beyond(SupportCells& cells, const SupportCells::Place& place)
+{
+    SupportCells::Cell& cell = cells.at(place);
+    if (cell.support < 0) cell.support = static_cast<float>(around(cells, place).second);
+    return cell.support;
+}
+
 // Of the points up to `farthest` from the surface.
 SupportCells filled(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double size,
                     double farthest)
@@ -104,7 +112,7 @@ double cell_size(const WorkingPoints& points, const std::vector<double>& distanc
         std::nth_element(counts.begin(), counts.begin() + counts.size() / 2, counts.end());
         const double scale = std::sqrt(wanted / counts[counts.size() / 2]);
         size = std::clamp(size * scale, least, 0.5);
-        if (scale > 0.7 && scale < 1.4) break;
+        if (scale > 0.6 && scale < 1.7) break;
     }
     return size;
 }
@@ -126,6 +134,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
         }
     if (!before.empty() && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
     support_.clear();
+    share_ = 1;
     if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return true;
     if (!(size_ > 0)) size_ = cell_size(points_, distances_, threshold, noise, inliers);
     SupportCells cells = filled(points_, distances_, threshold, size_, threshold);
@@ -135,18 +144,23 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
     const double part =
         block * block * std::min(block, 2 * threshold) / (large_block * large_block * (large_block - 2 * threshold));
     support_.assign(n, 0);
+    double supported = 0, belong = 0;
     for (std::size_t i = 0; i < n; ++i) {
         if (!(std::fabs(distances_[i]) <= threshold)) continue;
         const SupportCells::Place place = cells.place(points_.at(i));
         SupportCells::Cell& cell = cells.at(place);
         if (cell.support < 0) {
             const double others = around(cells, place).first - 1;
-            const double chance = part * around(large_cells, large_cells.place(points_.at(i))).second;
+            const double chance = part * beyond(large_cells, large_cells.place(points_.at(i)));
             const bool is_more = others > chance + 2 * std::sqrt(chance + 1);
             cell.support = is_more ? static_cast<float>((others - chance) / others) : 0;
         }
-        support_[i] = cell.support;
+        if (!(cell.support > 0)) continue;
+        support_[i] = 1;
+        supported += 1;
+        belong += cell.support;
     }
+    if (supported > 0) share_ = belong / supported;
     return true;
 }
 

@@ -8,9 +8,8 @@
 
 namespace pcm {
 
-// For each point within a threshold the part of such points around it that belong to the surface: 0 where they are no
-// more than the points around, beyond the threshold, let expect by chance. A few such points far from the others, on
-// the other side of a cylinder say, would weigh more in least squares than all others. One thread.
+// Which points within a threshold are more than those around, beyond the threshold, let expect by chance. A few others
+// far away, on the other side of a cylinder say, would weigh more in least squares than all of the surface. One thread.
 class LocalSupport {
 public:
     LocalSupport(const ShapeModel& model, const WorkingPoints& points) : model_(model), points_(points) {}
@@ -18,16 +17,15 @@ public:
     // `noise` is the standard deviation of the distances. False: these differ from those of the last shape by less than
     // half of it, and nothing changes.
     bool find(const Shape& shape, double threshold, double noise);
-    const double* of_points() const
-    {
-        return support_.empty() ? nullptr : support_.data();
-    }  // null: unknown, few points
+    // 1 or 0 for each point; null: all, or too few points to say.
+    const double* of_points() const { return support_.empty() ? nullptr : support_.data(); }
+    double share() const { return share_; }  // of the points with 1 that are not near by chance
 
 private:
     const ShapeModel& model_;
     const WorkingPoints& points_;
     std::vector<double> distances_, support_;
-    double size_ = 0;
+    double size_ = 0, share_ = 1;
 };
 
 }  // namespace pcm

@@ -56,12 +56,15 @@ double density_at_cut(double deviation, double threshold, double points)
     return points * 2 * reach * gauss(reach) / within(reach);
 }
 
-NoiseMixture::NoiseMixture(double threshold) : threshold_(threshold) { make_table(); }
+NoiseMixture::NoiseMixture(double threshold, double share) : threshold_(threshold), share_(std::clamp(share, 0.05, 1.0))
+{
+    make_table();
+}
 
 bool NoiseMixture::all_belong(double rms)
 {
-    const bool change = share_ < 1;
-    share_ = 1;
+    const bool change = !all_;
+    all_ = true;
     deviation_ = deviation_of_cut(rms, tapered_cut * threshold_);
     if (change) make_table();
     return change;
@@ -71,33 +74,28 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 {
     double points = 0;
     for (const double count : bins.counts) points += count;
-    if (!std::isfinite(threshold_) || points < least_points) return all_belong(rms);
-    double share = share_ < 1 ? share_ : 0.9, reach = deviation_ > 0 ? threshold_ / deviation_ : 3;
-    reach = std::clamp(reach, least_reach, most_reach);
+    if (!std::isfinite(threshold_) || points < least_points || share_ > 0.999) return all_belong(rms);
+    double reach = std::clamp(deviation_ > 0 ? threshold_ / deviation_ : 3, least_reach, most_reach);
     constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
-    for (int round = 0; round < 12; ++round) {
+    for (int round = 0; round < 20; ++round) {
         double belong = 0, square = 0;
-        const double top = 2 * reach * gauss(0) / within(reach);
+        const double top = share_ * 2 * reach * gauss(0) / within(reach);
         for (std::size_t i = 0; i < DistanceBins::size; ++i) {
             const double at = (static_cast<double>(i) + 0.5) * width, c = at * reach;
-            const double noise = share * top * std::exp(-c * c / 2);
-            const double part = bins.counts[i] * noise / (noise + 1 - share);
+            const double noise = top * std::exp(-c * c / 2);
+            const double part = bins.counts[i] * noise / (noise + 1 - share_);
             belong += part;
             square += part * (at * at + width * width / 12);
         }
         if (!(belong > 0)) return all_belong(rms);
-        const double next = belong / points, next_reach = reach_of(square / belong);
-        const bool done = std::fabs(next - share) < 1e-4 && std::fabs(next_reach - reach) < 1e-3 * reach;
-        share = next;
-        reach = next_reach;
+        const double next = reach_of(square / belong);
+        const bool done = std::fabs(next - reach) < 1e-3 * reach;
+        reach = next;
         if (done || reach < least_reach) break;
     }
-    if (reach < least_reach || share < 0.05) return all_belong(rms);
-    share = std::min(share, 1 - 1e-9);
-    if (deviation_ > 0 && std::fabs(share - share_) < 0.01 &&
-        std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_)
-        return false;
-    share_ = share;
+    if (reach < least_reach) return all_belong(rms);
+    if (!all_ && std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_) return false;
+    all_ = false;
     deviation_ = threshold_ / reach;
     make_table();
     return true;
@@ -107,11 +105,11 @@ void NoiseMixture::make_table()
 {
     if (!std::isfinite(threshold_)) return;
     table_step_ = threshold_ / static_cast<double>(table_size);
-    const double reach = share_ < 1 ? threshold_ / deviation_ : 1, top = share_ * 2 * reach * gauss(0) / within(reach);
+    const double reach = all_ ? 1 : threshold_ / deviation_, top = share_ * 2 * reach * gauss(0) / within(reach);
     for (std::size_t i = 0; i < weights_.size(); ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
         const double noise = top * std::exp(-c * c / 2);
-        weights_[i] = taper(part) * (share_ < 1 ? noise / (noise + 1 - share_) : 1);
+        weights_[i] = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
     }
     for (std::size_t i = 0; i < table_size; ++i) {
         const double from = static_cast<double>(i) * table_step_, grows = weights_[i + 1] - weights_[i];

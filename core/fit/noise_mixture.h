@@ -14,23 +14,20 @@ struct DistanceBins {
     std::array<double, size> counts{};
 };
 
-// Of the points within `threshold`: a `share` has Gaussian distances of standard deviation `deviation`, cut at the
-// threshold; the others are uniform. The weight of a point is the probability that it belongs to the first; towards the
-// threshold weights fall to 0, so that no point counts suddenly.
+// Of the points within `threshold` a `share`, which is known from points beyond it, has Gaussian distances of a
+// standard deviation that is learned, cut at the threshold; the others are uniform. The weight of a point is the
+// probability that it belongs to the first; towards the threshold weights fall to 0, so that no point counts suddenly.
 class NoiseMixture {
 public:
-    // All belong to the surface.
-    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity());
+    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1);
 
     // By expectation maximisation, from what is known before; nothing changes where that differs by less than can be
-    // seen. Few points, or a threshold within the noise, do not show what belongs to the surface: then all do. `rms`
-    // is that of weighted distances.
-    // Returns whether something changed.
+    // seen. Where points are few, or the threshold is within the noise, all count as if they belonged to the surface.
+    // `rms` is that of weighted distances. Returns whether something changed.
     bool learn(const DistanceBins& bins, double rms);
 
     double threshold() const { return threshold_; }
     double deviation() const { return deviation_; }
-    double share() const { return share_; }
     struct Weight {
         double weight = 1;
         double slope = 1;  // what weight times distance grows by with the distance
@@ -55,7 +52,8 @@ private:
     bool all_belong(double rms);
     void make_table();
 
-    double threshold_, deviation_ = 0, share_ = 1, table_step_ = 0;
+    double threshold_, share_, deviation_ = 0, table_step_ = 0;
+    bool all_ = true;  // belong to the surface
     std::array<double, table_size + 1> weights_{}, costs_{};
 };
 

@@ -16,6 +16,7 @@ struct PatchBand {
     double least_cosine = -1;  // of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
+    double share = 1;  // of the points within the threshold that belong to the surface
 };
 
 // Adds the sums of the points; `bins` counts the distances of those that take part.

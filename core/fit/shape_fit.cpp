@@ -79,6 +79,7 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         const bool changed = support.find(shape, band.threshold, polished.noise());
         if (round > 0 && !changed) break;
         band.support = support.of_points();
+        band.share = support.share();
         polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
     }
     return polish(model, polished.patch, working, band, most_steps, exactly);
@@ -135,6 +136,12 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
     fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
+}
+
+bool radius_in_range(const Shape& shape, const ShapeFitOptions& options)
+{
+    const double radius = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
+    return !traits_of(shape.kind).radius || (radius >= options.least_radius && radius <= options.largest_radius);
 }
 
 double cosine_of(double normal_angle) { return normal_angle < pi / 2 ? std::cos(normal_angle) : -1; }
@@ -210,6 +217,12 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
         search.threshold = better;
         fit = finished(points, working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50,
                        true);
+    }
+    if (fit.has_shape() && !radius_in_range(fit.shape, options)) {
+        fit.verdict = FitVerdict::refused;
+        fit.issue = FitIssue::out_of_range;
+        fit.message = "the " + std::string(traits_of(options.kind).name) +
+                      " of these points has a radius out of the range that was asked for: widen the range";
     }
     fit.threshold = search.threshold * working.unit;
     fit.iterations = found.samples;

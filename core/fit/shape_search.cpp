@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t improved_points = 4096;
 constexpr unsigned flat_samples = 60;
+// Of samples of the surface those whose estimated normals lead to its shape.
+constexpr double sound_normals = 0.25;
 
 // What the estimators are made of. In the order of the enumerators.
 struct EstimatorParts {
@@ -156,7 +158,8 @@ private:
     {
         const double of_all = static_cast<double>(best_.inliers) / static_cast<double>(points_.size());
         const double drawn = draw_.share(of_all, [this](std::size_t i) { return score_.is_near(result_.shape, i); });
-        const double good = std::pow(drawn, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1);
+        const double good = std::pow(drawn, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1) *
+                            (model_.needs_normals ? sound_normals : 1);
         if (good >= 1) return 1;
         return good > 0 ? std::log1p(-options_.fit.probability) / std::log1p(-good) : options_.fit.iterations;
     }

@@ -4,9 +4,12 @@
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -53,6 +56,7 @@ public:
     {
         choose();
         connect();
+        if (options_.sample.step > 0) connect_far();
         result_.first = next.fetch_add(static_cast<std::uint32_t>(result_.parts.size()));
         find_border();
         find_interior();
@@ -115,10 +119,40 @@ private:
         }
     }
 
+    // By steps that are longer than the sample's edges: parts of one surface are joined where points of theirs are no
+    // farther apart.
+    void connect_far()
+    {
+        const double step = options_.sample.step;
+        std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
+        const auto cell_of = [&](const Vec3d& p) {
+            std::array<std::int64_t, 3> cell{};
+            for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<std::int64_t>(std::floor(p[a] / step));
+            return cell;
+        };
+        for (std::uint32_t i = 0; i < sample_.size(); ++i)
+            if (part_[i] != none) cells[cell_of(sample_.at[i])].push_back(i);
+        std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
+        const auto join = [&](std::uint32_t i, std::uint32_t j) {
+            const auto parts = std::minmax(part_[i], part_[j]);
+            if (owner_[i] == owner_[j] && parts.first != parts.second && !joined.count(parts) &&
+                squared_distance(sample_.at[i], sample_.at[j]) <= step * step)
+                joined.insert(parts);
+        };
+        for (const auto& [cell, points] : cells)
+            for (int n = 0; n < 27; ++n) {
+                const auto other = cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+                if (other == cells.end() || other->first < cell) continue;
+                for (const std::uint32_t i : points)
+                    for (const std::uint32_t j : other->second) join(i, j);
+            }
+        joined_.insert(joined_.end(), joined.begin(), joined.end());
+    }
+
     void find_border()
     {
         const Box3d box = points_.source_box(box_);
-        const double zone = 1.5 * options_.sample.cell;
+        const double zone = std::max(1.5 * options_.sample.cell, options_.sample.step);
         for (const auto& [key, i] : sample_.by_cell) {
             if (part_[i] == none) continue;
             const Vec3d p = sample_.origin + sample_.at[i];

@@ -18,8 +18,8 @@ struct SurfacePart {
     std::uint64_t sampled = 0;    // of the sample's points
     std::uint64_t edge = 0;       // of these, those with a neighbour that is not of the part
     std::uint64_t continued = 0;  // of these, those beside which the surface continues smoothly, but not on the shape
-    // Sums over the sample's other points, inside: of squared distances from the shape, and of squared means of the distances of a
-    // point and its neighbours, which are what noise leaves over.
+    // Sums over the sample's other points, inside: of squared distances from the shape, and of squared means of the
+    // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
     Box3d box;
     std::vector<Vec3d> some;  // of the points, evenly; source coordinates

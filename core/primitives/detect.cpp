@@ -196,7 +196,7 @@ private:
         for (std::vector<Hypothesis>& some : found)
             for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
         MergeOptions merge;
-        merge.gap = reach_cells * resolution.sample.cell;
+        merge.gap = std::max(reach_cells * resolution.sample.cell, options_.step);
         merge.threshold = report_.threshold;
         merge.normal_angle = options_.normal_angle;
         hypotheses_ = merged(std::move(hypotheses_), merge);
@@ -259,7 +259,8 @@ private:
         const double share = sample_points(report_.sample) / static_cast<double>(tree_->info().points);
         const std::vector<Box3i> units = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) / share));
         AssignOptions assign;
-        assign.sample = {tree_->info().levels, report_.sample, margin_cells * report_.sample, options_.step};
+        assign.sample = {tree_->info().levels, report_.sample,
+                         std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step};
         assign.threshold = report_.threshold;
         assign.normal_angle = options_.normal_angle;
         assign.reach = reach_cells * report_.sample;

@@ -13,11 +13,11 @@ namespace pcm::host {
 namespace {
 
 // MeshLab's view spans 1.75 of the trackball's units above and below its centre (host/trackball_pose.h).
-constexpr double shown_radius = 1.75, filled = 0.35;
+constexpr double shown_radius = 1.75;
 
 }  // namespace
 
-void look_at(GLArea& view, const Box3d& box, double least_radius)
+void look_at(GLArea& view, const Box3d& box, double filled, double least_radius)
 {
     if (box.empty()) return;
     const double all = bounds_of_shown(view).diagonal();

@@ -7,8 +7,8 @@ class GLArea;
 
 namespace pcm::host {
 
-// The box fills about a third of the view, or a ball of `least_radius` about its middle does, where that is larger. The
-// direction of view stays. Nothing happens for an empty box.
-void look_at(GLArea& view, const Box3d& box, double least_radius = 0);
+// The box fills this part of the view's height, or a ball of `least_radius` about its middle does, where that is
+// larger. The direction of view stays. Nothing happens for an empty box.
+void look_at(GLArea& view, const Box3d& box, double filled, double least_radius = 0);
 
 }  // namespace pcm::host

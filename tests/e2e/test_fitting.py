@@ -278,12 +278,6 @@ class Fitting(MeshLabTest):
             print-camera before
             drag 0.5 0.5 0.6 0.6
             print-camera turned
-            trigger Fit Primitives
-            pause 200
-            trigger Fit Primitives
-            pause 200
-            print-field Shape
-            print-field Threshold
             quit
             """)
         self.assertDriven(run)
@@ -302,7 +296,14 @@ class Fitting(MeshLabTest):
         self.assertEqual(run.text.count("driver: escape taken"), 1)
         self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
-        self.assertEqual(run.fields()[-2:], ["Sphere", "0.008"], "the settings are kept")
+        run = self.gui(f"""
+            {self.start()}
+            print-field Shape
+            print-field Threshold
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual(run.fields(), ["Sphere", "0.008"], "the settings are kept")
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""
@@ -373,6 +374,49 @@ class Fitting(MeshLabTest):
         self.assertLess(len(points), 100000)
         for x, y, _ in points:
             self.assertTrue(abs(x) <= 0.15 + 1e-9 and abs(y) <= 0.15 + 1e-9)
+
+    def test_at_map_coordinates(self):
+        """The ground of an airborne scan, in feet: every point that belongs to it is one of the file, near the plane."""
+        self.tree = self.folder / "field.pct"
+        pcmlab("build", sample("las/autzen_trim.laz"), "-o", self.tree)
+        listed, drawing, part = self.folder / "f.json", self.folder / "f.dxf", self.folder / "part.las"
+        run = self.gui(f"""
+            {self.start()}
+            field PointCloudFitShape = Plane
+            field PointCloudFitThreshold = 1.5
+            field PointCloudFitNeighbourhoodKind = radius
+            field PointCloudFitNeighbourhood = 40
+            {self.click("0.5 0.55")}
+            print-label {FOUND}
+            key Return
+            wait-rows {LIST} 1
+            wait-status complete
+            screen {self.result("field.png")}
+            press Export
+            pick {listed}
+            wait-label {MESSAGE} f.json
+            press Export
+            pick {drawing}
+            wait-label {MESSAGE} f.dxf
+            trigger Its points to a file...
+            pick {part}
+            wait-label {MESSAGE} extracted
+            print-table {LIST}
+            quit
+            """)
+        self.assertDriven(run)
+        row = run.tables(LIST)[0][0]
+        self.assertRegex(row[1], r"^area [0-9.e+]+ ft²$")
+        plane = json.loads(listed.read_text())["primitives"][0]
+        points = self.points_of(part)
+        self.assertEqual(len(points), plane["points"])
+        self.assertGreater(len(points), 1000)
+        everything = set(self.points_of(self.tree))
+        self.assertLessEqual(set(points), everything)
+        for p in points:
+            distance = sum((a - b) * n for a, b, n in zip(p, plane["point"], plane["axis"]))
+            self.assertLessEqual(abs(distance), 1.5 * 1.25, "the plane was fitted once more to what it had reached")
+        self.assertIn("$INSUNITS\n 70\n2\n", drawing.read_text().replace("\r", "").replace("     2\n", "2\n"))
 
     def test_a_moved_layer(self):
         """Fitted in the cloud's own coordinates, drawn where the layer is."""

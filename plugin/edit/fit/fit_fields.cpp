@@ -101,10 +101,10 @@ void FitFields::add_choices()
     }
     for (const FitNumber& row : fit_numbers())
         if (row.is_basic) add_number(row);
-    grow_ = new QCheckBox("Follow through the cloud");
+    grow_ = new QCheckBox("through the cloud");
     grow_->setObjectName("PointCloudFitGrow");
     connect(grow_, &QCheckBox::toggled, this, &FitFields::report);
-    add("Points",
+    add("Follow",
         "On: all connected points of the whole cloud that lie on the surface belong to it, and it is fitted to them "
         "again. Off: only those around the clicked places. Default on.",
         grow_);

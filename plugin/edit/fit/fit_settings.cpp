@@ -26,7 +26,7 @@ const std::vector<FitNumber>& fit_numbers()
          "noise of the points around the place.",
          "automatic", 0, any_length, false, true,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.threshold = number; }},
-        {"Neighbourhood", "Around the place",
+        {"Neighbourhood", "Around",
          "How much around a clicked place is fitted: the number of nearest points, or the radius in source units. The "
          "points that belong to the surface are then found in the whole cloud. Default: empty, as many as the fit "
          "needs.",

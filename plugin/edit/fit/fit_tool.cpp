@@ -27,6 +27,7 @@ namespace {
 
 const char* const draft_owner = "fit draft";
 const QColor draft_colour(90, 220, 255);
+constexpr double filled_by_primitive = 0.7;  // of the view
 // Of accepted primitives, one after the other.
 constexpr std::array<std::array<std::uint8_t, 3>, 8> colours{{{255, 200, 0},
                                                               {80, 200, 255},
@@ -249,8 +250,13 @@ void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
                           QString::fromStdString(grouped(draft_->points->size()))));
     show_draft();
     const ShapeFit& fit = draft_->primitive.fit;
+    QStringList words;
     if (fit.verdict == FitVerdict::doubtful)
-        say(QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message)));
+        words << QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message));
+    for (const std::string& note : found.notes) words << QString::fromStdString(note);
+    if (found.rounds > 0 && !found.converged)
+        words << "the shape still changed when it was last fitted to the points that it had reached";
+    say(words.join("; "));
     publish("draft");
 }
 
@@ -357,7 +363,7 @@ void FitTool::press(FitPanel::Button button)
             cancel();
             return;
         case Button::look_at:
-            if (selected) look_at(*view_, box_in_scene(book(), book().list()[*selected]));
+            if (selected) look_at(*view_, box_in_scene(book(), book().list()[*selected]), filled_by_primitive);
             return;
         case Button::colour:
             if (selected) choose_colour(*selected);

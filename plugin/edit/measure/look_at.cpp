@@ -8,6 +8,7 @@ namespace pcm::host {
 
 namespace {
 
+constexpr double filled = 0.35;         // of the view
 constexpr double least_spacings = 100;  // the radius of a single point's surroundings
 
 }  // namespace
@@ -20,7 +21,7 @@ void look_at(GLArea& view, const std::vector<MeasuredPoint>& points)
         box.extend(point.position);
         spacing = std::max(spacing, point.spacing);
     }
-    look_at(view, box, least_spacings * spacing);
+    look_at(view, box, filled, least_spacings * spacing);
 }
 
 }  // namespace pcm::host

@@ -168,9 +168,11 @@ Done field_button(TestDriver& driver, const QString& argument)
 // print-field LABEL: the text of a field of the open dialog
 Done print_field(TestDriver& driver, const QString& argument)
 {
-    const auto* edit = qobject_cast<QLineEdit*>(field(argument));
-    if (!edit) driver.fail("no field '" + argument + "'");
-    say("field " + argument + ": " + edit->text());
+    QWidget* widget = field(argument);
+    const auto* edit = qobject_cast<QLineEdit*>(widget);
+    const auto* choice = qobject_cast<QComboBox*>(widget);
+    if (!edit && !choice) driver.fail("no field '" + argument + "'");
+    say("field " + argument + ": " + (edit ? edit->text() : choice->currentText()));
     return Done::yes;
 }
 
