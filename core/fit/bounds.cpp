@@ -148,7 +148,7 @@ std::optional<std::array<double, 2>> axis_in_box(const Shape& shape, const Box3d
 void set_length(ShapeBounds& bounds, const Shape& shape, double from, double to)
 {
     if (shape.kind == ShapeKind::cone) from = std::max(from, 0.0);  // from the apex onwards
-    if (from < to) {
+    if (from < to && std::isfinite(from) && std::isfinite(to)) {
         bounds.from = from;
         bounds.to = to;
     }
@@ -184,6 +184,14 @@ struct PlanePoints {
     std::vector<Vec2d> flat;
 };
 
+void check_extent(const std::vector<Vec2d>& points)
+{
+    constexpr double largest = 1e150;  // of which products are finite
+    for (const Vec2d& p : points)
+        if (!(std::fabs(p[0]) < largest && std::fabs(p[1]) < largest))
+            throw Error(ErrorCode::invalid_argument, {}, "the plane's points are too far apart to have an outline");
+}
+
 double shorter_side(const std::vector<Vec2d>& rectangle)
 {
     if (rectangle.size() < 4) return 0;
@@ -196,6 +204,7 @@ double shorter_side(const std::vector<Vec2d>& rectangle)
 std::vector<Vec3d> outline_of(const Shape& plane, const std::vector<Vec3d>& inliers, const OutlineOptions& options)
 {
     const PlanePoints in_plane(plane, inliers);
+    check_extent(in_plane.flat);
     const FlatPoints points(in_plane.flat);
     std::vector<Vec2d> outline;
     for (const std::uint32_t place : points.convex_hull()) outline.push_back(in_plane.flat[points[place].index]);
@@ -240,7 +249,8 @@ void bound_arc(ShapeBounds& bounds, const Shape& shape, const std::vector<Vec3d>
     // Near an axis directions are noise.
     const double least = *std::max_element(distances.begin(), distances.end()) / 10;
     for (std::size_t i = 0; i < inliers.size(); ++i)
-        if (distances[i] > least) angles.push_back(frame.angle_of(inliers[i] - shape.point));
+        if (const double angle = frame.angle_of(inliers[i] - shape.point); distances[i] > least && std::isfinite(angle))
+            angles.push_back(angle);
     bounds.zero = frame.u;
     bounds.begin = 0;
     bounds.end = 2 * pi;

@@ -395,6 +395,20 @@ TEST(BoundsOfPoints, TheLengthOfAConeIsThatOfItsSurface)
     EXPECT_NEAR(bounds.to, 1, 1e-12);
 }
 
+TEST(BoundsOfPoints, PointsNearAnApexDoNotCloseAnArc)
+{
+    const Shape cone = parse_shape("cone 0 0 0 0 0 1 45");
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 200; ++i) {
+        const double turn = i / 199.0, noise = i * 0.7;
+        points.push_back({std::cos(turn), std::sin(turn), 1});
+        points.push_back({1e-3 * std::cos(noise), 1e-3 * std::sin(noise), 1e-3});
+    }
+    const ShapeBounds bounds = bounds_of(cone, points, {});
+    EXPECT_NEAR(bounds.end - bounds.begin, 1, 1e-9);
+    EXPECT_NEAR(bounds.from, 1e-3, 1e-9);
+}
+
 TEST(BoundsOfPoints, TheArcOfAnElbow)
 {
     const Shape torus = parse_shape("torus 1 2 3 0 0 1 2 0.5");
@@ -408,6 +422,43 @@ TEST(BoundsOfPoints, TheArcOfAnElbow)
     const Vec3d first = std::cos(bounds.begin) * bounds.zero + std::sin(bounds.begin) * cross(torus.axis, bounds.zero);
     EXPECT_NEAR(first[0], std::cos(pi / 4), 1e-9);
     EXPECT_NEAR(first[1], std::sin(pi / 4), 1e-9);
+}
+
+TEST(BoundsOfPoints, SizesFromTinyToHuge)
+{
+    const Shape plane = parse_shape("plane 0 0 0 1 2 3");
+    const AxisFrame frame(plane.axis);
+    for (const double size : {1e-140, 1e-6, 1.0, 1e9, 1e100}) {
+        std::vector<Vec3d> points;
+        for (int i = 0; i <= 20; ++i)
+            for (int j = 0; j <= 10; ++j) points.push_back(size * (0.05 * i * frame.u + 0.1 * j * frame.v));
+        for (const OutlineKind kind : {OutlineKind::rectangle, OutlineKind::convex, OutlineKind::concave}) {
+            const ShapeBounds bounds = bounds_of(plane, points, {kind, 0});
+            EXPECT_NEAR(area_about(plane.axis, bounds.outline) / size / size, 1, 1e-6) << size << " " << name_of(kind);
+        }
+    }
+}
+
+TEST(BoundsOfPoints, NumbersThatOverflowAreRefusedOrNotKnown)
+{
+    const std::vector<Vec3d> far{
+        {1e300, 0, 0}, {0, 1e300, 0}, {-1.7e308, 0, 0}, {0, 0, 1.7e308}, {1.7e308, 1.7e308, 0}};
+    Box3d box;
+    for (const Vec3d& p : far) box.extend(p);
+    box.extend(Vec3d{-1.7e308, -1.7e308, -1.7e308});
+    for (const OutlineKind kind : {OutlineKind::rectangle, OutlineKind::convex, OutlineKind::concave})
+        EXPECT_THROW(bounds_of(parse_shape("plane 0 0 0 0 0 1"), far, {kind, 0}), Error);
+    for (const char* text :
+         {"plane 0 0 0 1 2 3", "cylinder 0 0 0 1 2 3 1", "cone 0 0 0 1 2 3 30", "torus 0 0 0 1 2 3 2 1"}) {
+        const Shape shape = parse_shape(text);
+        OutlineOptions options;
+        options.kind = OutlineKind::box;
+        for (const ShapeBounds& bounds : {bounds_in_box(shape, box), bounds_of(shape, far, options, box)}) {
+            for (const Vec3d& p : bounds.outline) EXPECT_TRUE(is_finite(p)) << text;
+            for (const double x : {bounds.from, bounds.to, bounds.begin, bounds.end})
+                EXPECT_TRUE(std::isfinite(x)) << text;
+        }
+    }
 }
 
 }  // namespace
