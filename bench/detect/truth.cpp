@@ -44,6 +44,14 @@ Errors errors_of(const ShapeFit& fit, const Shape& truth)
     return e;
 }
 
+// How far the found shape is from the true one at the middle of the true one.
+double offset_at(const Shape& shape, const Shape& truth)
+{
+    const Vec3d d = truth.point - shape.point;
+    if (shape.kind == ShapeKind::plane) return std::fabs(dot(d, shape.axis));
+    return shape.kind == ShapeKind::sphere ? length(d) : length(d - dot(d, shape.axis) * shape.axis);
+}
+
 // The true primitive that most points of a label come from, and how many they are.
 std::pair<std::uint32_t, std::uint64_t> largest_of(const Pairs& pairs, std::uint32_t label)
 {
@@ -78,7 +86,7 @@ std::uint32_t judge(const Primitive& p, const std::vector<True>& truth, const Pa
     }
     const Errors e = errors_of(p.fit, truth[best].shape);
     score.worst.push_back(e.worst());
-    score.positions.push_back(e.position);
+    score.positions.push_back(offset_at(p.fit.shape, truth[best].shape));
     ++score.good;
     score.within += e.worst() <= 3;
     if (list)
