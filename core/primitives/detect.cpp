@@ -12,6 +12,7 @@
 //    left out. Labels of points that are not within the threshold of the final shape are taken back.
 #include "pcm/primitives/detect.h"
 
+#include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/primitives/assign_points.h"
 #include "pcm/primitives/cloud_survey.h"
@@ -156,6 +157,76 @@ private:
         return std::clamp(points, 1.0, static_cast<double>(info.points));
     }
 
+    // About how many of them lie in a box. `level`: the finest whose points are no nearer than a cell.
+    double sample_points(const Box3i& box, double cell) const
+    {
+        const TreeInfo& info = tree_->info();
+        double growth = 0;
+        std::uint16_t level = 0;
+        for (std::uint16_t l = 0; l < info.levels; ++l)
+            if (info.spacings[l] >= cell) level = l, growth = info.spacings[l] * info.spacings[l] / (cell * cell);
+        double all = 0, coarse = 0;
+        std::vector<NodeId> open{0};
+        while (!open.empty()) {
+            const Node& node = tree_->node(open.back());
+            open.pop_back();
+            const double share = shared(node.box, box);
+            if (share <= 0) continue;
+            all += share * node.points;
+            for (std::size_t k = 0; k < node.level_points.size() && node.first_level + k <= level; ++k)
+                coarse += share * node.level_points[k];
+            for (const NodeId child : node.children)
+                if (child != no_node) open.push_back(child);
+        }
+        return growth > 0 ? std::min(all, coarse * growth) : all;
+    }
+
+    // The part of a box that lies in another, counted in grid positions.
+    static double shared(const Box3i& box, const Box3i& other)
+    {
+        if (box.empty()) return 0;
+        double share = 1;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double low = static_cast<double>(std::max(box.min[a], other.min[a]));
+            const double high = static_cast<double>(std::min(box.max[a], other.max[a]));
+            if (high < low) return 0;
+            share *= (high - low + 1) / (static_cast<double>(box.max[a]) - static_cast<double>(box.min[a]) + 1);
+        }
+        return share;
+    }
+
+    // Boxes with about unit_points of the sample, none with many more.
+    std::vector<Box3i> units_of(double cell) const
+    {
+        const double points = static_cast<double>(tree_->info().points);
+        std::vector<Box3i> open = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) * points /
+                                                                  sample_points(cell))),
+                           units;
+        std::reverse(open.begin(), open.end());
+        while (!open.empty()) {
+            const Box3i box = open.back();
+            open.pop_back();
+            std::size_t axis = 0;
+            for (std::size_t a = 1; a < 3; ++a)
+                if (extent(box, a) > extent(box, axis)) axis = a;
+            if (box.min[axis] == box.max[axis] || sample_points(box, cell) <= 1.3 * unit_points) {
+                units.push_back(box);
+                continue;
+            }
+            Box3i low = box, high = box;
+            low.max[axis] = box.min[axis] + static_cast<std::int64_t>(grid_steps(box.min[axis], box.max[axis]) / 2);
+            high.min[axis] = low.max[axis] + 1;
+            open.push_back(high);
+            open.push_back(low);
+        }
+        return units;
+    }
+
+    double extent(const Box3i& box, std::size_t axis) const
+    {
+        return static_cast<double>(grid_steps(box.min[axis], box.max[axis])) * tree_->info().grid.scale[axis];
+    }
+
     std::vector<Resolution> resolutions() const
     {
         std::vector<Resolution> all;
@@ -163,8 +234,7 @@ private:
         for (;; cell *= coarser) {
             Resolution resolution;
             resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step};
-            const double share = sample_points(cell) / static_cast<double>(tree_->info().points);
-            resolution.units = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) / share));
+            resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1) break;
         }
@@ -256,8 +326,7 @@ private:
     // Which points belong to which primitive, and what these are.
     void settle()
     {
-        const double share = sample_points(report_.sample) / static_cast<double>(tree_->info().points);
-        const std::vector<Box3i> units = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) / share));
+        const std::vector<Box3i> units = units_of(report_.sample);
         AssignOptions assign;
         assign.sample = {tree_->info().levels, report_.sample,
                          std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step};
