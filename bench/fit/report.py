@@ -147,7 +147,7 @@ def plot_curves(out, pyplot):
             if name == "oracle":
                 axes.axhline(1e3 * runs[0][1], color="black", linestyle=":", label="oracle")
                 continue
-            points = sorted((cpu, 1e3 * error) for cpu, error in runs if error)
+            points = [(cpu, 1e3 * error) for cpu, error in runs if error]
             if points:
                 axes.plot(*zip(*points), marker="o" if name.startswith("own") else "x", color=COLOURS.get(name), label=name)
         axes.set(xscale="log", yscale="log", xlabel="CPU, ms (limits of 5 to 2000 samples)", title=f"{case}, 60 % outliers", ylabel="median error of the surface, mm")
