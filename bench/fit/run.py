@@ -27,25 +27,26 @@ KINDS = ("plane", "cylinder", "sphere")
 def scenes():
     """Group, case, options of bench_fit, methods, share of the seeds."""
     for kind in KINDS:
-        yield "table", f"{kind} 30 %", f"--kind {kind} --threshold 0.015", OWN + PCL + ["pcl-ransac-raw", "pcl-rransac-default",
-                                                                                     "pcl-rmsac-default", "cgal"], 1
+        yield "table", f"{kind} 30 %", f"--kind {kind} --threshold 0.015", OWN + PCL + ["pcl-ransac-raw", "cgal"], 1
+        yield "endless", kind, f"--kind {kind} --threshold 0.015", ["pcl-rransac-default", "pcl-rmsac-default"], 0.1
         yield "table", f"{kind} 60 %", f"--kind {kind} --threshold 0.015 --outliers 0.6 --probability 0.9999", OWN + PCL + ["pcl-ransac-raw", "cgal"], 1
         yield "automatic", kind, f"--kind {kind}", ["own-msac"], 1
         yield "automatic", f"{kind}, normals not given", f"--kind {kind} --threshold 0.015 --without-normals", ["own-msac", "pcl-ransac"], 1
         for percent in range(20, 90, 10):
-            yield "outliers", f"{kind} {percent}", f"--kind {kind} --threshold 0.015 --outliers {percent / 100}", OWN + SOME[1:], 1
+            yield ("outliers", f"{kind} {percent}", f"--kind {kind} --threshold 0.015 --outliers {percent / 100}",
+                   ["own-msac", "own-prosac", "own-rmsac", "pcl-ransac", "pcl-rmsac", "cgal"], 1)
         yield ("budgets", kind, f"--kind {kind} --threshold 0.015 --outliers 0.6 --probability 0.9999999 --iterations 5 10 20 50 100 200 500 1000 2000",
-               ["own-msac", "own-ransac", "pcl-ransac", "pcl-msac", "pcl-rmsac"], 0.5)
+               ["own-msac", "own-rmsac", "pcl-ransac", "pcl-rmsac"], 0.3)
         for milliseconds in (2, 5, 10, 20, 50):
             yield ("seconds", f"{kind} {milliseconds}",
                    f"--kind {kind} --threshold 0.015 --outliers 0.7 --probability 0.999999999999 --iterations 100000000 --seconds {milliseconds / 1000}",
-                   ["own-msac", "own-rmsac", "pcl-ransac", "pcl-msac", "pcl-rmsac", "pcl-rransac-default"], 0.3)
+                   ["own-msac", "own-rmsac", "pcl-ransac", "pcl-rmsac", "pcl-rransac-default"], 0.2)
         for sigma in (0.0005, 0.001, 0.002, 0.005, 0.01, 0.02):
-            yield "noise", f"{kind} {sigma}", f"--kind {kind} --sigma {sigma} --threshold {3 * sigma}", ["own-msac", "pcl-ransac", "cgal"], 1
+            yield "noise", f"{kind} {sigma}", f"--kind {kind} --sigma {sigma} --threshold {3 * sigma}", ["own-msac", "pcl-ransac", "cgal"], 0.3
         for place, offset in (("origin", "0 0 0"), ("map", MAP)):
             yield "offsets", f"{kind} {place}", f"--kind {kind} --sigma 0.001 --threshold 0.003 --offset {offset}", ["own-msac", "pcl-ransac", "cgal"], 1
     yield "table", "cone 30 %", "--kind cone --radius 0.8 --size 2 --threshold 0.015", OWN + PCL + ["pcl-ransac-raw", "cgal"], 1
-    stiff = ["own-msac", "pcl-ransac", "pcl-ransac-raw", "pcl-msac", "cgal"]
+    stiff = ["own-msac", "pcl-ransac", "pcl-msac", "cgal"]
     for degrees, radius in ((60, 0.5), (40, 0.5), (20, 0.5), (2, 50)):
         yield ("stiff", f"cylinder {degrees}° R {radius}", f"--kind cylinder --arc {degrees} --radius {radius} --size 1 --sigma 0.001 --threshold 0.003",
                stiff, 1)
