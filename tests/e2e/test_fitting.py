@@ -259,6 +259,8 @@ class Fitting(MeshLabTest):
             click-place {pipe}
             wait-label {FOUND} Cylinder
             print-label {FOUND}
+            wait-status complete
+            print-boxes
             screen {self.result("pipe.png")}
             field PointCloudFitThreshold = -3
             wait-label {MESSAGE} is no number from 0
@@ -273,6 +275,8 @@ class Fitting(MeshLabTest):
             escape-in-view
             wait-label {MESSAGE} discarded
             print-label {FOUND}
+            wait-status complete
+            print-boxes
             escape-in-view
             print-table {LIST}
             print-camera before
@@ -293,6 +297,7 @@ class Fitting(MeshLabTest):
         self.assertEqual(found[3], found[4])
         self.assertIn("Click a point", found[5])
         self.assertEqual(run.tables(LIST), [[]])
+        self.assertEqual(["points selected" in box["text"] for box in run.boxes()], [True, False])
         self.assertEqual(run.text.count("driver: escape taken"), 1)
         self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
