@@ -418,9 +418,10 @@ class Fitting(MeshLabTest):
         self.assertGreater(len(points), 1000)
         everything = set(self.points_of(self.tree))
         self.assertLessEqual(set(points), everything)
-        for p in points:
-            distance = sum((a - b) * n for a, b, n in zip(p, plane["point"], plane["axis"]))
-            self.assertLessEqual(abs(distance), 1.5 * 1.25, "the plane was fitted once more to what it had reached")
+        # The field bends: the plane was fitted once more to what it had reached.
+        far = [abs(sum((a - b) * n for a, b, n in zip(p, plane["point"], plane["axis"]))) for p in points]
+        self.assertLess(sum(distance > 1.5 for distance in far), 0.1 * len(far))
+        self.assertLess(max(far), 2 * 1.5)
         self.assertIn("$INSUNITS\n 70\n2\n", drawing.read_text().replace("\r", "").replace("     2\n", "2\n"))
 
     def test_a_moved_layer(self):
