@@ -259,6 +259,8 @@ class Fitting(MeshLabTest):
             click-place {pipe}
             wait-label {FOUND} Cylinder
             print-label {FOUND}
+            wait-status complete
+            print-boxes
             screen {self.result("pipe.png")}
             field PointCloudFitThreshold = -3
             wait-label {MESSAGE} is no number from 0
@@ -273,6 +275,8 @@ class Fitting(MeshLabTest):
             escape-in-view
             wait-label {MESSAGE} discarded
             print-label {FOUND}
+            wait-status complete
+            print-boxes
             escape-in-view
             print-table {LIST}
             print-camera before
@@ -293,6 +297,7 @@ class Fitting(MeshLabTest):
         self.assertEqual(found[3], found[4])
         self.assertIn("Click a point", found[5])
         self.assertEqual(run.tables(LIST), [[]])
+        self.assertEqual(["points selected" in box["text"] for box in run.boxes()], [True, False])
         self.assertEqual(run.text.count("driver: escape taken"), 1)
         self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
@@ -413,9 +418,10 @@ class Fitting(MeshLabTest):
         self.assertGreater(len(points), 1000)
         everything = set(self.points_of(self.tree))
         self.assertLessEqual(set(points), everything)
-        for p in points:
-            distance = sum((a - b) * n for a, b, n in zip(p, plane["point"], plane["axis"]))
-            self.assertLessEqual(abs(distance), 1.5 * 1.25, "the plane was fitted once more to what it had reached")
+        # The field bends: the plane was fitted once more to what it had reached.
+        far = [abs(sum((a - b) * n for a, b, n in zip(p, plane["point"], plane["axis"]))) for p in points]
+        self.assertLess(sum(distance > 1.5 for distance in far), 0.1 * len(far))
+        self.assertLess(max(far), 2 * 1.5)
         self.assertIn("$INSUNITS\n 70\n2\n", drawing.read_text().replace("\r", "").replace("     2\n", "2\n"))
 
     def test_a_moved_layer(self):

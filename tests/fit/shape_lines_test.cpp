@@ -113,6 +113,27 @@ TEST(ShapeLines, WholeCirclesAreClosed)
     EXPECT_EQ(closed, 3u);
 }
 
+TEST(ShapeLines, EachLineIsDrawnOnce)
+{
+    // Three parallels and four meridians.
+    EXPECT_EQ(shape_lines(parse_shape("sphere 1 2 3 7"), {}).size(), 7u);
+    // No circle at the apex, and nothing beyond it: two circles, eight lines, the axis.
+    for (const double from : {0.0, -3.0}) {
+        const auto lines = shape_lines(parse_shape("cone 0 0 0 0 0 1 30"), length_of(from, 2));
+        EXPECT_EQ(lines.size(), 11u);
+        for (const ShapeLine& line : lines)
+            for (const Vec3d& p : line.points)
+                if (!line.is_axis) EXPECT_GE(p[2], 0);
+    }
+}
+
+TEST(ShapeLines, AnAxisIsSeenBeyondTheEnds)
+{
+    const ShapeLine axis = shape_lines(parse_shape("cylinder 0 0 0 0 0 1 1"), length_of(0, 10)).back();
+    EXPECT_TRUE(axis.is_axis);
+    EXPECT_EQ(axis.points, (std::vector<Vec3d>{{0, 0, -0.5}, {0, 0, 10.5}}));
+}
+
 TEST(ShapeLines, NothingIsDrawnOfWhatIsNotKnown)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();

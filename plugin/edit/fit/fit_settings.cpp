@@ -15,11 +15,9 @@ namespace {
 const char* const group = "PointCloudFit/";
 constexpr double any_length = 1e12, most_count = 1e6;
 
-}  // namespace
-
-const std::vector<FitNumber>& fit_numbers()
+std::vector<FitNumber> basic_numbers()
 {
-    static const std::vector<FitNumber> rows{
+    return {
         {"Threshold", "Threshold",
          "The largest distance of a point from the surface that counts as on it, source units. Default: empty, from "
          "the "
@@ -42,6 +40,13 @@ const std::vector<FitNumber>& fit_numbers()
          "of this length. Default: empty, a few times the spacing of the points.",
          "automatic", 0, any_length, false, true,
          [](FitAtOptions& options, double number, const FitSettings&) { options.step = number; }},
+    };
+}
+
+// Shown on request.
+std::vector<FitNumber> search_numbers()
+{
+    return {
         {"NormalAngle", "Normals within",
          "The largest angle between a point's normal and the surface's, degrees. Default: empty, normals are not "
          "compared.",
@@ -77,6 +82,17 @@ const std::vector<FitNumber>& fit_numbers()
              options.fit.seed = static_cast<std::uint64_t>(number);
          }},
     };
+}
+
+}  // namespace
+
+const std::vector<FitNumber>& fit_numbers()
+{
+    static const std::vector<FitNumber> rows = [] {
+        std::vector<FitNumber> all = basic_numbers(), more = search_numbers();
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }();
     return rows;
 }
 
