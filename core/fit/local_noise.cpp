@@ -90,7 +90,8 @@ double noise_of(const std::vector<Eigen::Vector3d>& offsets, Patch& patch)
         patch.sizes.assign(n, 0);
         for (std::size_t i = 0; i < n; ++i) patch.sizes[i] = std::fabs(patch.residuals[i]);
         std::nth_element(patch.sizes.begin(), patch.sizes.begin() + n / 2, patch.sizes.end());
-        const double limit = cut * 1.4826 * patch.sizes[n / 2] * std::sqrt(n / double(n - surface_numbers));
+        const double limit = cut * 1.4826 * patch.sizes[n / 2] *
+                             std::sqrt(static_cast<double>(n) / static_cast<double>(n - surface_numbers));
         for (std::size_t i = 0; i < n; ++i) patch.used[i] = std::fabs(patch.residuals[i]) <= limit;
     }
     return noise;
