@@ -26,7 +26,7 @@ void add_parameters(RichParameterList& parameters)
         RichEnum("Kind", 0,
                  {"Distance along points", "Height between two points", "Angle at the second of three points",
                   "Area of a polygon", "Distance of the first point to the plane through the others",
-                  "Distance to a plane, sphere or cylinder", "Coordinates of a point"},
+                  "Distance to a plane, cylinder, sphere, cone or torus", "Coordinates of a point"},
                  "What to measure", "What is measured at the points. Default 'Distance along points'."));
     parameters.addParam(RichString("Points", "", "Points",
                                    "The points, x y z of each, in source coordinates and units, separated by blanks. "
@@ -56,8 +56,9 @@ Measure measure_of(const FilterRun& run, PointCloud* cloud)
     measure.name = run.parameters.getString("Name").toStdString();
     if (const QString surface = run.parameters.getString("Surface").trimmed(); !surface.isEmpty()) {
         if (measure.kind != MeasureKind::surface)
-            throw Error(ErrorCode::invalid_argument, {}, "a surface is given, but nothing is measured to it",
-                        "choose 'Distance to a plane, sphere or cylinder', or empty the parameter Surface");
+            throw Error(
+                ErrorCode::invalid_argument, {}, "a surface is given, but nothing is measured to it",
+                "choose 'Distance to a plane, cylinder, sphere, cone or torus', or empty the parameter Surface");
         measure.surface = parse_shape(surface.toStdString());
     }
     for (const Vec3d& place : points_parameter(run.parameters, "Points", "Points", 3)) {

@@ -86,7 +86,7 @@ class ServerMeasures(MeshLabTest):
         for one, words in ((measure(""), "takes 2 or more points, not 0"),
                            (measure("1 2 3 4"), "3 for each point"),
                            (measure("1 2 3 4 5 6", output=self.folder / "x.csv"), "exists already"),
-                           (measure("1 2 3", kind=5, surface="cone 1"), "is no surface"),
+                           (measure("1 2 3", kind=5, surface="cube 1"), "is no shape"),
                            (profile(self.tree, "1 2"), "no length in plan"),
                            (profile(self.tree, "0 0 1 1", level=77), "Level"),
                            (volume(self.tree, reference=1), "no plane"),
