@@ -106,15 +106,17 @@ void NoiseMixture::make_table()
     if (!std::isfinite(threshold_)) return;
     table_step_ = threshold_ / static_cast<double>(table_size);
     const double reach = all_ ? 1 : threshold_ / deviation_, top = share_ * 2 * reach * gauss(0) / within(reach);
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
         const double noise = top * std::exp(-c * c / 2);
-        weights_[i] = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
+        table_[i].weight = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
     }
     for (std::size_t i = 0; i < table_size; ++i) {
-        const double from = static_cast<double>(i) * table_step_, grows = weights_[i + 1] - weights_[i];
-        costs_[i + 1] = costs_[i] + table_step_ * (2 * from * weights_[i] + from * grows +
-                                                   table_step_ * (weights_[i] + grows * (2.0 / 3)));
+        Row &row = table_[i], &next = table_[i + 1];
+        const double from = static_cast<double>(i) * table_step_, grows = next.weight - row.weight;
+        row.grows = grows / table_step_;
+        next.cost =
+            row.cost + table_step_ * (2 * from * row.weight + from * grows + table_step_ * (row.weight + grows * (2.0 / 3)));
     }
 }
 

@@ -19,9 +19,9 @@ struct PatchBand {
     double share = 1;  // of the points within the threshold that belong to the surface
 };
 
-// Adds the sums of the points; `bins` counts the distances of those that take part.
+// Without a mixture all points within the threshold weigh 1; `bins` counts the distances of those that take part.
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
-                  const PatchBand& band, const NoiseMixture& mixture, DistanceBins* bins = nullptr);
+                  const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins = nullptr);
 
 // What the points within the threshold show of chance and influence.
 struct BandFacts {

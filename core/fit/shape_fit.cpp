@@ -128,20 +128,25 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
     fit.threshold = band.threshold;
     to_source_units(fit, working.unit);
     fit.is_inlier.assign(points.size(), 0);
+    fit.inliers = 0;
     const double cosine = band.least_cosine;
     const Shape shape = model.shape_of(polished.patch);
-    double distance = 0, squares = 0;
-    for (std::size_t i = 0; i < working.size(); ++i) {
-        model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
-        bool in = std::fabs(distance) <= band.threshold;
-        if (in && cosine > 0 && working.has_normals()) {
-            const Vec3d normal = working.normal(i);
-            in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
+    double distances[patch_block], squares = 0;
+    for (std::size_t first = 0; first < working.size(); first += patch_block) {
+        const std::size_t count = std::min(patch_block, working.size() - first);
+        model.distances(shape, &working.x[first], &working.y[first], &working.z[first], count, distances);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t i = first + k;
+            bool in = std::fabs(distances[k]) <= band.threshold;
+            if (in && cosine > 0 && working.has_normals()) {
+                const Vec3d normal = working.normal(i);
+                in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
+            }
+            fit.is_inlier[working.index[i]] = in;
+            fit.inliers += in;
+            squares += in ? distances[k] * distances[k] : 0;
         }
-        fit.is_inlier[working.index[i]] = in;
-        if (in) squares += distance * distance;
     }
-    fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
     fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
     return fit;
 }
@@ -197,10 +202,11 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     check(options);
     const Clock::time_point start = Clock::now();
     const ShapeModel& model = model_of(options.kind);
-    const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
+    PointSpread spread;
+    const FitIssue issue = obvious_issue(points, options.kind, model.parameters, spread);
     if (issue != FitIssue::none) return refused(options.kind, issue);
     if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
-    const WorkingPoints working = working_points(points, options.seed);
+    const WorkingPoints working = working_points(points, spread, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
     search.threshold = threshold > 0 ? threshold / working.unit : unknown_noise;
@@ -243,9 +249,10 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
     check(start);
     if (!(options.threshold > 0)) refuse("the threshold is not above 0");
     const Clock::time_point begin = Clock::now();
-    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters);
+    PointSpread spread;
+    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters, spread);
     if (issue != FitIssue::none) return refused(start.kind, issue);
-    const WorkingPoints working = working_points(points, 1);
+    const WorkingPoints working = working_points(points, spread, 1);
     const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};
     ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps, false);
     fit.seconds = seconds_since(begin);

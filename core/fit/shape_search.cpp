@@ -11,7 +11,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t improved_points = 4096;
+constexpr std::size_t improved_points = 512;
 constexpr unsigned flat_samples = 60;
 // Of samples of the surface those whose estimated normals lead to its shape.
 constexpr double sound_normals = 0.25;
