@@ -19,7 +19,9 @@ struct DistanceBins {
 // probability that it belongs to the first; towards the threshold weights fall to 0, so that no point counts suddenly.
 class NoiseMixture {
 public:
-    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1);
+    // `deviation`: as a mixture of about these points learned it; 0: not known.
+    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1,
+                          double deviation = 0);
 
     // By expectation maximisation, from what is known before; nothing changes where that differs by less than can be
     // seen. Where points are few, or the threshold is within the noise, all count as if they belonged to the surface.

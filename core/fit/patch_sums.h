@@ -16,7 +16,8 @@ struct PatchBand {
     double least_cosine = -1;  // of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
-    double share = 1;  // of the points within the threshold that belong to the surface
+    double share = 1;      // of the points within the threshold that belong to the surface
+    double deviation = 0;  // of these, if it is about known
 };
 
 // Without a mixture all points within the threshold weigh 1; `bins` counts the distances of those that take part.

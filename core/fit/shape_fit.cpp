@@ -16,7 +16,7 @@ namespace {
 
 constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
 constexpr double harmless_chance = 0.06, harmless_influence = 8;
-constexpr double exactly = 1e-10;  // steps of a hundred-thousandth of the errors are the last ones
+constexpr double exactly = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
 
@@ -70,14 +70,15 @@ double widened(double threshold, double noise) { return std::clamp(4.5 * noise, 
 PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
                               unsigned most_steps)
 {
-    constexpr double roughly = 0.01;  // a tenth of the errors
+    constexpr double nearly = 1, roughly = 0.01;  // steps of one and a tenth of the errors
     const double threshold = band.threshold;
-    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, roughly);
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, nearly);
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
     if (facts.chance < harmless_chance && facts.influence < harmless_influence) {
         band.threshold = widened(threshold, polished.noise());
         band.share = 1 - facts.chance * band.threshold / threshold;
+        band.deviation = polished.noise();
         return polish(model, polished.patch, working, band, most_steps, exactly);
     }
     LocalSupport support(model, working);

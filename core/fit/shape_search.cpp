@@ -145,7 +145,7 @@ private:
     void improve(SurfacePatch patch, PatchBand band)
     {
         for (unsigned round = 0; round < 2; ++round) {
-            patch = improved(model_, patch, points_, band, 4, 0.01);
+            patch = improved(model_, patch, points_, band, 3, 0.1);
             band.threshold = options_.threshold;
             const Shape shape = model_.shape_of(patch);
             if (!in_range(shape)) return;
