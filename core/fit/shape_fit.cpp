@@ -16,6 +16,9 @@ namespace {
 
 constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
 constexpr double harmless_chance = 0.06, harmless_influence = 8;
+// Of the points near a shape those that points beside it let expect: 0.5 and more where it is no surface, and 0.3 for a
+// sphere among six times as many outliers.
+constexpr double most_chance = 0.42;
 constexpr double exactly = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
@@ -67,14 +70,16 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
 double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
 
 // From a sample's shape: by points within the threshold first, then without those that are near it by chance.
+// Sets `chance`, the share of those.
 PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
-                              unsigned most_steps)
+                              unsigned most_steps, double& chance)
 {
     constexpr double nearly = 1, roughly = 0.01;  // steps of one and a tenth of the errors
     const double threshold = band.threshold;
     PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, nearly);
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
+    chance = facts.chance;
     if (facts.chance < harmless_chance && facts.influence < harmless_influence) {
         band.threshold = widened(threshold, polished.noise());
         band.share = 1 - facts.chance * band.threshold / threshold;
@@ -91,7 +96,9 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         band.share = support.share();
         polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
     }
-    return polish(model, polished.patch, working, band, most_steps, exactly);
+    polished = polish(model, polished.patch, working, band, most_steps, exactly);
+    chance = band_facts(model, polished, working, threshold).chance;
+    return polished;
 }
 
 // Least squares of a cylinder that is almost a plane may end with its axis across: other directions are tried.
@@ -113,7 +120,8 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
                   unsigned most_steps, bool sample)
 {
     const ShapeModel& model = model_of(start.kind);
-    PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
+    double chance = 0;
+    PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps, chance)
                                     : polish(model, model.patch_at(start, {}), working, band, most_steps, exactly);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (sample && model.kind == ShapeKind::cylinder && fit.issue != FitIssue::none) {
@@ -124,6 +132,13 @@ ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const S
         fit.verdict = FitVerdict::doubtful;
         fit.issue = FitIssue::not_converged;
         fit.message = "least squares did not converge: the errors may be larger";
+    }
+    if (fit.verdict == FitVerdict::good && chance > most_chance) {
+        fit.verdict = FitVerdict::doubtful;
+        fit.issue = FitIssue::no_consensus;
+        fit.message = std::string("almost as many points are beside the ") + traits_of(model.kind).name +
+                      " as on it, so it may be there by chance: raise the number of iterations, or the threshold where "
+                      "the noise is larger";
     }
     fit.shape = working.to_source(model.shape_of(polished.patch));
     fit.threshold = band.threshold;
