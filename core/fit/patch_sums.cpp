@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace pcm {
 namespace {
@@ -81,6 +82,22 @@ struct BlockSums {
         }
     }
 
+    // Returns how many take part.
+    double weigh(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
+                 const NoiseMixture* mixture, std::size_t first, std::size_t count, const PatchBlock& block,
+                 double* bins)
+    {
+        for (std::size_t i = 0; i < count; ++i) within[i] = std::fabs(block.distance[i]) <= band.threshold ? 1 : 0;
+        if (band.least_cosine > 0 && points.has_normals())
+            take_away_other_normals(model, patch, points, band.least_cosine, first, count, within);
+        const double near = sum_of(within, count);
+        if (mixture && mixture->table_step() > 0)
+            weigh(block, count, *mixture, band.support ? band.support + first : nullptr, bins);
+        else
+            weigh_alike(block, count, std::isfinite(band.threshold) ? band.threshold * band.threshold : 0);
+        return near;
+    }
+
     void add(PatchSums& sums, PatchBlock& block, std::size_t count)
     {
         const double* distance = block.distance;
@@ -133,30 +150,63 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
     PatchSums sums;
     sums.parameters = model.parameters;
     const std::size_t n = std::min(points.size(), band.points);
-    const bool alike = !mixture || !(mixture->table_step() > 0);
-    const double beyond = std::isfinite(band.threshold) ? band.threshold * band.threshold : 0;
     double counts[DistanceBins::size + 1] = {};
     PatchBlock block;
     BlockSums block_sums;
     for (std::size_t first = 0; first < n; first += patch_block) {
         const std::size_t count = std::min(patch_block, n - first);
         model.differentiate(patch, &points.x[first], &points.y[first], &points.z[first], count, block);
-        double* within = block_sums.within;
-        for (std::size_t i = 0; i < count; ++i) within[i] = std::fabs(block.distance[i]) <= band.threshold ? 1 : 0;
-        if (band.least_cosine > 0 && points.has_normals())
-            take_away_other_normals(model, patch, points, band.least_cosine, first, count, within);
-        const double near = sum_of(within, count);
-        if (alike)
-            block_sums.weigh_alike(block, count, beyond);
-        else
-            block_sums.weigh(block, count, *mixture, band.support ? band.support + first : nullptr,
-                             bins ? counts : nullptr);
+        const double near =
+            block_sums.weigh(model, patch, points, band, mixture, first, count, block, bins ? counts : nullptr);
         sums.cost += sum_of(block_sums.cost, count);
         sums.inliers += static_cast<std::uint64_t>(near);
         if (near > 0) block_sums.add(sums, block, count);
     }
     for (std::size_t i = 0; bins && i < DistanceBins::size; ++i) bins->counts[i] += counts[i];
     return sums;
+}
+
+bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
+                const NoiseMixture& mixture, std::array<double, most_parameters * most_parameters>& scatter)
+{
+    constexpr std::size_t across = 8, least_blocks = 24;
+    PatchBlock block;
+    BlockSums block_sums;
+    Vec3d low{1, 1, 1}, high{-1, -1, -1};
+    std::vector<std::array<double, most_parameters>> pulls(across * across * across);
+    std::vector<bool> filled(pulls.size());
+    // First where they are.
+    for (const bool summed : {false, true})
+        for (std::size_t first = 0; first < points.size(); first += patch_block) {
+            const std::size_t count = std::min(patch_block, points.size() - first);
+            model.differentiate(patch, &points.x[first], &points.y[first], &points.z[first], count, block);
+            block_sums.weigh(model, patch, points, band, &mixture, first, count, block, nullptr);
+            const double extent = largest_magnitude(high - low);
+            for (std::size_t i = 0; i < count; ++i) {
+                if (!(block_sums.weight[i] > 0)) continue;
+                const Vec3d p = points.at(first + i);
+                std::size_t at = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (summed)
+                        at = across * at +
+                             std::min(across - 1, static_cast<std::size_t>((p[k] - low[k]) / extent * across));
+                    low[k] = std::min(low[k], p[k]);
+                    high[k] = std::max(high[k], p[k]);
+                }
+                if (!summed) continue;
+                filled[at] = true;
+                for (std::size_t j = 0; j < model.parameters; ++j)
+                    pulls[at][j] += block_sums.weight[i] * block.distance[i] * block.by[j][i];
+            }
+        }
+    const auto blocks = static_cast<double>(std::count(filled.begin(), filled.end(), true));
+    if (blocks < static_cast<double>(least_blocks)) return false;
+    scatter.fill(0);
+    for (const auto& pull : pulls)
+        for (std::size_t j = 0; j < model.parameters; ++j)
+            for (std::size_t k = 0; k < model.parameters; ++k)
+                scatter[j * most_parameters + k] += pull[j] * pull[k] * blocks / (blocks - 1);
+    return true;
 }
 
 BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,

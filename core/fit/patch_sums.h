@@ -24,6 +24,11 @@ struct PatchBand {
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
                   const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins = nullptr);
 
+// Sums of squares and products of what blocks of neighbouring points pull at the parameters, row by row with
+// most_parameters to a row: what errors are where those of neighbours are alike. False: too few blocks to say.
+bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
+                const NoiseMixture& mixture, std::array<double, most_parameters * most_parameters>& scatter);
+
 // What the points within the threshold show of chance and influence.
 struct BandFacts {
     double chance = 0;     // share of them that points from twice to four times the threshold let expect by chance
