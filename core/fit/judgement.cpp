@@ -14,6 +14,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_par
 constexpr double infinite = std::numeric_limits<double>::infinity();
 // Of a curvature in units of its own error.
 constexpr double least_significance = 5, good_significance = 10;
+// How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
+constexpr double least_bend = 0.25;
 
 // The numbers that people read, of which the errors are reported: place, axis, radius, second.
 struct Numbers {
@@ -110,7 +112,7 @@ Significance significance_of(const Shape& shape, const ShapeErrors& errors)
     return {shape.second / errors.second, shape.radius / errors.radius};
 }
 
-void judge_size(const Shape& shape, ShapeFit& fit)
+void judge_size(const Shape& shape, double used, ShapeFit& fit)
 {
     const auto [flat, other] = significance_of(shape, fit.errors);
     if (!(flat >= least_significance)) {
@@ -118,7 +120,7 @@ void judge_size(const Shape& shape, ShapeFit& fit)
         fit.errors.position = infinite;
         doubt(fit, FitVerdict::refused, FitIssue::coplanar,
               "the points are a plane within their noise: fit a plane, or take points farther around the shape");
-    } else if (!(std::min(flat, other) >= good_significance)) {
+    } else if (!(std::min(flat, other) >= good_significance) || !(flat >= least_bend * std::sqrt(used))) {
         doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
               "the points cover too little of the shape for their noise, so its size is uncertain: take points "
               "farther around it");
@@ -183,7 +185,7 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
         grow(fit.errors, errors_of(model, patch, pulled, middle, unit.data()));
     }
     fit.verdict = FitVerdict::good;
-    judge_size(model.shape_of(patch), fit);
+    judge_size(model.shape_of(patch), sums.used, fit);
     return fit;
 }
 

@@ -21,7 +21,7 @@ constexpr double harmless_chance = 0.06, harmless_influence = 8;
 // sphere among six times as many outliers.
 constexpr double most_chance = 0.42;
 // Of a threshold: more shows that it cuts the noise.
-constexpr double most_noise = 0.55;
+constexpr double most_noise = 0.55, most_flat_chance = 0.15;
 constexpr double exactly = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
@@ -135,13 +135,13 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
 
 // Errors grow where those of neighbours are alike.
 void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& working,
-                   const PatchBand& band, ShapeFit& fit)
+                   const UsedBand& used, ShapeFit& fit)
 {
     if (!is_nearly_flat(fit, model.shape_of(polished.patch), polished.sums)) return;
     std::array<double, most_parameters * most_parameters> scatter{};
-    if (scatter_of(model, polished.patch, working, band, polished.mixture, scatter))
+    if (scatter_of(model, polished.patch, working, used.band, polished.mixture, scatter))
         fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1, scatter.data());
-    if (polished.noise() > most_noise * band.threshold)
+    if (polished.noise() > most_noise * used.band.threshold || used.chance > most_flat_chance)
         doubt(
             fit, FitIssue::thin_arc,
             "the threshold is within the noise of points that are almost a plane, so the size is uncertain: raise the "
@@ -187,7 +187,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
         try_other_axes(model, working, used.band, most_steps, polished);
         fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     }
-    if (sample) judge_scatter(model, polished, working, used.band, fit);
+    if (sample) judge_scatter(model, polished, working, used, fit);
     if (!polished.converged)
         doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
     if (used.chance > most_chance)
