@@ -83,10 +83,10 @@ struct UsedBand {
 PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, UsedBand& used,
                               unsigned most_steps)
 {
-    constexpr double nearly = 1, roughly = 0.01;  // steps of one and a tenth of the errors
+    constexpr double roughly = 0.01;  // steps of a tenth of the errors
     PatchBand& band = used.band;
     const double threshold = band.threshold;
-    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, nearly);
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, roughly);
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
     used.chance = facts.chance;

@@ -53,7 +53,9 @@ public:
     {
         double enough = options_.fit.iterations;  // samples
         for (; static_cast<double>(result_.samples) < enough; ++result_.samples) {
-            if (result_.samples % 16 == 0 && !options_.on(static_cast<double>(result_.samples) / enough)) break;
+            // More samples may be needed than a better one lets expect: what was shown stays.
+            done_ = std::max(done_, static_cast<double>(result_.samples) / enough);
+            if (result_.samples % 16 == 0 && !options_.on(done_)) break;
             SampledPoint sample[most_sampled];
             if (!draw(sample)) continue;
             Shape solutions[most_solutions];
@@ -207,6 +209,7 @@ private:
     double least_cosine_;
     SampleScore score_;
     SampleScore::Value best_;
+    double done_ = 0;               // share of the samples, as shown
     std::size_t roughly_near_ = 0;  // of the sample with most of the first points
     SearchResult result_;
 };
