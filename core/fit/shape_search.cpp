@@ -67,6 +67,8 @@ public:
             }
             if (!better) continue;
             improve();
+            if (model_.needs_normals)
+                roughly_near_ = std::max(roughly_near_, score_.roughly_near(result_.shape, rough_normals));
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
         if (model_.kind == ShapeKind::cylinder || model_.kind == ShapeKind::sphere) try_flat();
@@ -210,7 +212,7 @@ private:
     SampleScore score_;
     SampleScore::Value best_;
     double done_ = 0;               // share of the samples, as shown
-    std::size_t roughly_near_ = 0;  // of the sample with most of the first points
+    std::size_t roughly_near_ = 0;  // of the sample or best shape with most of the first points
     SearchResult result_;
 };
 
