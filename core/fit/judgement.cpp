@@ -14,6 +14,8 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_par
 constexpr double infinite = std::numeric_limits<double>::infinity();
 // Of a curvature in units of its own error.
 constexpr double least_significance = 5, good_significance = 10;
+// How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
+constexpr double least_bend = 0.25;
 
 // The numbers that people read, of which the errors are reported: place, axis, radius, second.
 struct Numbers {
@@ -65,6 +67,22 @@ ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const 
     return errors;
 }
 
+// Chance alone makes the others differ by so much.
+constexpr double alike = 1.25;
+
+void grow(double& error, double other)
+{
+    if (other > alike * error) error = other;
+}
+
+void grow(ShapeErrors& errors, const ShapeErrors& other)
+{
+    grow(errors.position, other.position);
+    grow(errors.angle, other.angle);
+    grow(errors.radius, other.radius);
+    grow(errors.second, other.second);
+}
+
 void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string& message)
 {
     fit.verdict = verdict;
@@ -94,7 +112,7 @@ Significance significance_of(const Shape& shape, const ShapeErrors& errors)
     return {shape.second / errors.second, shape.radius / errors.radius};
 }
 
-void judge_size(const Shape& shape, ShapeFit& fit)
+void judge_size(const Shape& shape, double used, ShapeFit& fit)
 {
     const auto [flat, other] = significance_of(shape, fit.errors);
     if (!(flat >= least_significance)) {
@@ -102,7 +120,7 @@ void judge_size(const Shape& shape, ShapeFit& fit)
         fit.errors.position = infinite;
         doubt(fit, FitVerdict::refused, FitIssue::coplanar,
               "the points are a plane within their noise: fit a plane, or take points farther around the shape");
-    } else if (!(std::min(flat, other) >= good_significance)) {
+    } else if (!(std::min(flat, other) >= good_significance) || !(flat >= least_bend * std::sqrt(used))) {
         doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
               "the points cover too little of the shape for their noise, so its size is uncertain: take points "
               "farther around it");
@@ -116,7 +134,7 @@ void judge_size(const Shape& shape, ShapeFit& fit)
 }  // namespace
 
 ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
-                const Vec3d& middle, double extent)
+                const Vec3d& middle, double extent, const double* scatter)
 {
     ShapeFit fit;
     const auto p = static_cast<Eigen::Index>(model.parameters);
@@ -156,9 +174,26 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
         for (Eigen::Index k = 0; k < p; ++k)
             covariance(j, k) *= unit[static_cast<std::size_t>(j)] * unit[static_cast<std::size_t>(k)];
     fit.errors = errors_of(model, patch, covariance, middle, unit.data());
+    if (scatter) {
+        Matrix b(p, p);
+        for (Eigen::Index j = 0; j < p; ++j)
+            for (Eigen::Index k = 0; k < p; ++k)
+                b(j, k) = scatter[static_cast<std::size_t>(j) * most_parameters + static_cast<std::size_t>(k)];
+        // Both in the parameters' own units; `covariance` is the inverse of their products, scaled.
+        const Matrix pulled =
+            covariance * b * covariance * (sums.used / (slope * square) * (sums.used / (slope * square)));
+        grow(fit.errors, errors_of(model, patch, pulled, middle, unit.data()));
+    }
     fit.verdict = FitVerdict::good;
-    judge_size(model.shape_of(patch), fit);
+    judge_size(model.shape_of(patch), sums.used, fit);
     return fit;
+}
+
+bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
+{
+    constexpr double surely_curved = 6;  // by so much of the noise
+    const auto [flat, other] = significance_of(shape, fit.errors);
+    return fit.has_shape() && std::min(flat, other) < surely_curved * std::sqrt(sums.used);
 }
 
 void to_source_units(ShapeFit& fit, double unit)

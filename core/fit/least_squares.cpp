@@ -74,24 +74,29 @@ PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, cons
                         const PatchBand& band, unsigned most_steps, double enough, bool weighted)
 {
     constexpr double extent = 1;  // working units
-    PolishedPatch best{start, {}, NoiseMixture(band.threshold, band.share), false};
+    PolishedPatch best{start, {}, NoiseMixture(band.threshold, band.share, band.deviation), false};
     DistanceBins bins;
-    best.sums = sums_of(model, start, points, band, best.mixture, &bins);
+    const NoiseMixture* mixture = weighted ? &best.mixture : nullptr;
+    best.sums = sums_of(model, start, points, band, mixture, weighted ? &bins : nullptr);
     double damping = 0;
     unsigned learned = 0;
     for (unsigned done = 0; done < most_steps; ++done) {
         if (weighted && learned < most_learned && damping == 0 && std::isfinite(band.threshold)) {
             ++learned;
             if (best.mixture.learn(bins, std::sqrt(mean_square(best.sums))))
-                best.sums = sums_of(model, best.patch, points, band, best.mixture);
+                best.sums = sums_of(model, best.patch, points, band, mixture);
         }
         std::array<double, most_parameters> step{};
         if (best.sums.inliers < model.parameters || !step_of(model, best.sums, extent, damping, step)) return best;
+        const double gain = gain_of(best.sums, step);
+        // Weights fall with the distance, so that a step of full length goes about that much too short.
+        if (weighted && damping == 0)
+            for (double& by : step) by *= std::clamp(best.sums.used / best.sums.slope, 1.0, 2.0);
         const SurfacePatch next = model.moved(best.patch, step.data());
         DistanceBins next_bins;
-        const PatchSums sums = sums_of(model, next, points, band, best.mixture, &next_bins);
+        const PatchSums sums = sums_of(model, next, points, band, mixture, weighted ? &next_bins : nullptr);
         const double square = mean_square(best.sums);
-        const bool small = gain_of(best.sums, step) <= enough * square || size_of(step) < 1e-13;
+        const bool small = gain <= enough * square || size_of(step) < 1e-13;
         if (is_proper(model.shape_of(next)) && sums.cost <= best.sums.cost * (1 + 1e-12) + 1e-6 * square) {
             best.patch = next;
             best.sums = sums;

@@ -37,8 +37,11 @@ SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const 
 
 // Errors, condition, verdict, issue and message of a result in working units; the shape is not set. The rms is that of
 // weighted distances, and `noise` their deviation.
+// With `scatter` (see scatter_of()) errors grow to what it shows.
 ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
-                const Vec3d& middle, double extent);
+                const Vec3d& middle, double extent, const double* scatter = nullptr);
+// Whether the points' noise is not small beside what they show of the shape's size.
+bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums);
 // From working to source units.
 void to_source_units(ShapeFit& fit, double unit);
 

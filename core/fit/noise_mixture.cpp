@@ -11,6 +11,7 @@ namespace {
 constexpr double least_points = 60;
 // A threshold of fewer deviations does not separate noise from others.
 constexpr double least_reach = 1.7, most_reach = 300;
+constexpr double surely_all = 0.999;
 
 double gauss(double c) { return std::exp(-c * c / 2) / std::sqrt(2 * pi); }
 double within(double c) { return std::erf(c / std::sqrt(2.0)); }
@@ -56,8 +57,10 @@ double density_at_cut(double deviation, double threshold, double points)
     return points * 2 * reach * gauss(reach) / within(reach);
 }
 
-NoiseMixture::NoiseMixture(double threshold, double share) : threshold_(threshold), share_(std::clamp(share, 0.05, 1.0))
+NoiseMixture::NoiseMixture(double threshold, double share, double deviation)
+    : threshold_(threshold), share_(std::clamp(share, 0.05, 1.0)), deviation_(deviation)
 {
+    all_ = !(deviation > 0 && share_ <= surely_all && threshold / deviation >= least_reach);
     make_table();
 }
 
@@ -74,7 +77,7 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 {
     double points = 0;
     for (const double count : bins.counts) points += count;
-    if (!std::isfinite(threshold_) || points < least_points || share_ > 0.999) return all_belong(rms);
+    if (!std::isfinite(threshold_) || points < least_points || share_ > surely_all) return all_belong(rms);
     double reach = std::clamp(deviation_ > 0 ? threshold_ / deviation_ : 3, least_reach, most_reach);
     constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
     for (int round = 0; round < 20; ++round) {
@@ -106,15 +109,17 @@ void NoiseMixture::make_table()
     if (!std::isfinite(threshold_)) return;
     table_step_ = threshold_ / static_cast<double>(table_size);
     const double reach = all_ ? 1 : threshold_ / deviation_, top = share_ * 2 * reach * gauss(0) / within(reach);
-    for (std::size_t i = 0; i < weights_.size(); ++i) {
+    for (std::size_t i = 0; i < table_.size(); ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
         const double noise = top * std::exp(-c * c / 2);
-        weights_[i] = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
+        table_[i].weight = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
     }
     for (std::size_t i = 0; i < table_size; ++i) {
-        const double from = static_cast<double>(i) * table_step_, grows = weights_[i + 1] - weights_[i];
-        costs_[i + 1] = costs_[i] + table_step_ * (2 * from * weights_[i] + from * grows +
-                                                   table_step_ * (weights_[i] + grows * (2.0 / 3)));
+        Row &row = table_[i], &next = table_[i + 1];
+        const double from = static_cast<double>(i) * table_step_, grows = next.weight - row.weight;
+        row.grows = grows / table_step_;
+        next.cost = row.cost + table_step_ * (2 * from * row.weight + from * grows +
+                                              table_step_ * (row.weight + grows * (2.0 / 3)));
     }
 }
 

@@ -19,7 +19,9 @@ struct DistanceBins {
 // probability that it belongs to the first; towards the threshold weights fall to 0, so that no point counts suddenly.
 class NoiseMixture {
 public:
-    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1);
+    // `deviation`: as a mixture of about these points learned it; 0: not known.
+    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1,
+                          double deviation = 0);
 
     // By expectation maximisation, from what is known before; nothing changes where that differs by less than can be
     // seen. Where points are few, or the threshold is within the noise, all count as if they belonged to the surface.
@@ -28,33 +30,23 @@ public:
 
     double threshold() const { return threshold_; }
     double deviation() const { return deviation_; }
-    struct Weight {
-        double weight = 1;
-        double slope = 1;  // what weight times distance grows by with the distance
-        double cost = 0;   // twice the integral of weight times distance: the square, of weight 1
+    // Weights by distance, in a table whose steps are straight lines; the last row is for all from the threshold on.
+    static constexpr std::size_t table_size = 256;
+    struct Row {
+        double weight = 0, grows = 0;  // at the row's distance, and per distance
+        double cost = 0;               // twice the integral of weight times distance: the square, of weight 1
     };
-    // 0 <= distance <= threshold; by a table.
-    Weight weight(double distance) const
-    {
-        if (!(table_step_ > 0)) return {1, 1, distance * distance};
-        auto i = static_cast<std::size_t>(distance / table_step_);
-        i = i < table_size ? i : table_size - 1;
-        const double from = static_cast<double>(i) * table_step_, past = distance - from;
-        const double grows = (weights_[i + 1] - weights_[i]) / table_step_, weight = weights_[i] + past * grows;
-        return {weight, weight + distance * grows,
-                costs_[i] +
-                    past * (2 * from * weights_[i] + past * (from * grows + weights_[i] + past * grows * (2.0 / 3)))};
-    }
-    double cost_beyond() const { return costs_[table_size]; }  // of a point beyond the threshold
+    const std::array<Row, table_size + 1>& table() const { return table_; }
+    double table_step() const { return table_step_; }  // 0 without a threshold: all weights are 1
+    double cost_beyond() const { return table_[table_size].cost; }
 
 private:
-    static constexpr std::size_t table_size = 256;
     bool all_belong(double rms);
     void make_table();
 
     double threshold_, share_, deviation_ = 0, table_step_ = 0;
     bool all_ = true;  // belong to the surface
-    std::array<double, table_size + 1> weights_{}, costs_{};
+    std::array<Row, table_size + 1> table_{};
 };
 
 // Standard deviation of Gaussian distances whose root mean square up to a threshold is that.

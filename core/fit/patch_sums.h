@@ -16,12 +16,18 @@ struct PatchBand {
     double least_cosine = -1;  // of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
-    double share = 1;  // of the points within the threshold that belong to the surface
+    double share = 1;      // of the points within the threshold that belong to the surface
+    double deviation = 0;  // of these, if it is about known
 };
 
-// Adds the sums of the points; `bins` counts the distances of those that take part.
+// Without a mixture all points within the threshold weigh 1; `bins` counts the distances of those that take part.
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
-                  const PatchBand& band, const NoiseMixture& mixture, DistanceBins* bins = nullptr);
+                  const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins = nullptr);
+
+// Sums of squares and products of what blocks of neighbouring points pull at the parameters, row by row with
+// most_parameters to a row: what errors are where those of neighbours are alike. False: too few blocks to say.
+bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
+                const NoiseMixture& mixture, std::array<double, most_parameters * most_parameters>& scatter);
 
 // What the points within the threshold show of chance and influence.
 struct BandFacts {

@@ -34,11 +34,20 @@ bool SampleScore::fits_normal(const Shape& shape, std::size_t i) const
     return !(dot(normal, normal) > 0) || std::fabs(dot(normal, normal_at(shape, points_.at(i)))) >= least_cosine_;
 }
 
-bool SampleScore::is_near(const Shape& shape, std::size_t i) const
+bool SampleScore::is_near(const Shape& shape, std::size_t i, double thresholds) const
 {
     double distance = 0;
     model_.distances(shape, &points_.x[i], &points_.y[i], &points_.z[i], 1, &distance);
-    return std::fabs(distance) <= threshold_ && (least_cosine_ <= 0 || fits_normal(shape, i));
+    return std::fabs(distance) <= thresholds * threshold_ && (least_cosine_ <= 0 || fits_normal(shape, i));
+}
+
+std::size_t SampleScore::roughly_near(const Shape& shape, double thresholds)
+{
+    const std::size_t count = std::min(block, points_.size());
+    model_.distances(shape, points_.x.data(), points_.y.data(), points_.z.data(), count, distances_.data());
+    std::size_t near = 0;
+    for (std::size_t i = 0; i < count; ++i) near += std::fabs(distances_[i]) <= thresholds * threshold_;
+    return near;
 }
 
 // Of the block from there on; those whose normals do not fit are infinite.

@@ -32,7 +32,9 @@ public:
     };
     // Gives up, with a score of at least best.score, where the shape is surely worse.
     Value of(const Shape& shape, const Value& best);
-    bool is_near(const Shape& shape, std::size_t i) const;
+    // Of the first few points those within so many thresholds.
+    std::size_t roughly_near(const Shape& shape, double thresholds);
+    bool is_near(const Shape& shape, std::size_t i, double thresholds = 1) const;
 
 private:
     Value summed(const Shape& shape, const Value& best);

@@ -10,13 +10,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 namespace pcm {
 namespace {
 
 constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
 constexpr double harmless_chance = 0.06, harmless_influence = 8;
-constexpr double exactly = 1e-10;  // steps of a hundred-thousandth of the errors are the last ones
+// Of the points near a shape those that points beside it let expect: 0.5 and more where it is no surface, and 0.3 for a
+// sphere among six times as many outliers.
+constexpr double most_chance = 0.42;
+// Of a threshold: more shows that it cuts the noise.
+constexpr double most_noise = 0.55, most_flat_chance = 0.15;
+constexpr double exactly = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
 
@@ -66,21 +72,31 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
 // With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
 double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
 
+// Which points least squares took at last, and how many of those within the threshold are there by chance.
+struct UsedBand {
+    PatchBand band;
+    double chance = 0;
+    std::optional<LocalSupport> support;  // that the band points to
+};
+
 // From a sample's shape: by points within the threshold first, then without those that are near it by chance.
-PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, PatchBand band,
+PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, UsedBand& used,
                               unsigned most_steps)
 {
-    constexpr double roughly = 0.01;  // a tenth of the errors
+    constexpr double roughly = 0.01;  // steps of a tenth of the errors
+    PatchBand& band = used.band;
     const double threshold = band.threshold;
     PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, roughly);
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
+    used.chance = facts.chance;
     if (facts.chance < harmless_chance && facts.influence < harmless_influence) {
         band.threshold = widened(threshold, polished.noise());
         band.share = 1 - facts.chance * band.threshold / threshold;
+        band.deviation = polished.noise();
         return polish(model, polished.patch, working, band, most_steps, exactly);
     }
-    LocalSupport support(model, working);
+    LocalSupport& support = used.support.emplace(model, working);
     for (int round = 0; round < 2; ++round) {
         band.threshold = widened(threshold, polished.noise());
         const Shape shape = model.shape_of(polished.patch);
@@ -90,7 +106,9 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         band.share = support.share();
         polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
     }
-    return polish(model, polished.patch, working, band, most_steps, exactly);
+    polished = polish(model, polished.patch, working, band, most_steps, exactly);
+    used.chance = band_facts(model, polished, working, threshold).chance;
+    return polished;
 }
 
 // Least squares of a cylinder that is almost a plane may end with its axis across: other directions are tried.
@@ -107,42 +125,81 @@ void try_other_axes(const ShapeModel& model, const WorkingPoints& working, const
     }
 }
 
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
+{
+    if (fit.verdict != FitVerdict::good) return;
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = issue;
+    fit.message = message;
+}
+
+// Errors grow where those of neighbours are alike.
+void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& working,
+                   const UsedBand& used, ShapeFit& fit)
+{
+    if (!is_nearly_flat(fit, model.shape_of(polished.patch), polished.sums)) return;
+    std::array<double, most_parameters * most_parameters> scatter{};
+    if (scatter_of(model, polished.patch, working, used.band, polished.mixture, scatter))
+        fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1, scatter.data());
+    if (polished.noise() > most_noise * used.band.threshold || used.chance > most_flat_chance)
+        doubt(
+            fit, FitIssue::thin_arc,
+            "the threshold is within the noise of points that are almost a plane, so the size is uncertain: raise the "
+            "threshold, or take points farther around the shape");
+}
+
+// Which points are within the threshold, and their rms.
+void mark_inliers(const Shape& shape, const WorkingPoints& working, const PatchBand& band, ShapeFit& fit)
+{
+    const ShapeModel& model = model_of(shape.kind);
+    const double cosine = band.least_cosine;
+    fit.is_inlier.assign(working.size(), 0);
+    fit.inliers = 0;
+    double distances[patch_block], squares = 0;
+    for (std::size_t first = 0; first < working.size(); first += patch_block) {
+        const std::size_t count = std::min(patch_block, working.size() - first);
+        model.distances(shape, &working.x[first], &working.y[first], &working.z[first], count, distances);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t i = first + k;
+            bool in = std::fabs(distances[k]) <= band.threshold;
+            if (in && cosine > 0 && working.has_normals()) {
+                const Vec3d normal = working.normal(i);
+                in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
+            }
+            fit.is_inlier[working.index[i]] = in;
+            fit.inliers += in;
+            squares += in ? distances[k] * distances[k] : 0;
+        }
+    }
+    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
+}
+
 // Polished with all points, judged, in source units, with its inliers.
-ShapeFit finished(const FitPoints& points, const WorkingPoints& working, const Shape& start, const PatchBand& band,
-                  unsigned most_steps, bool sample)
+ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchBand& band, unsigned most_steps,
+                  bool sample)
 {
     const ShapeModel& model = model_of(start.kind);
-    PolishedPatch polished = sample ? polished_sample(model, start, working, band, most_steps)
+    UsedBand used{band, 0, {}};
+    PolishedPatch polished = sample ? polished_sample(model, start, working, used, most_steps)
                                     : polish(model, model.patch_at(start, {}), working, band, most_steps, exactly);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (sample && model.kind == ShapeKind::cylinder && fit.issue != FitIssue::none) {
-        try_other_axes(model, working, band, most_steps, polished);
+        try_other_axes(model, working, used.band, most_steps, polished);
         fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     }
-    if (fit.verdict == FitVerdict::good && !polished.converged) {
-        fit.verdict = FitVerdict::doubtful;
-        fit.issue = FitIssue::not_converged;
-        fit.message = "least squares did not converge: the errors may be larger";
-    }
-    fit.shape = working.to_source(model.shape_of(polished.patch));
+    if (sample) judge_scatter(model, polished, working, used, fit);
+    if (!polished.converged)
+        doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
+    if (used.chance > most_chance)
+        doubt(fit, FitIssue::no_consensus,
+              std::string("almost as many points are beside the ") + traits_of(model.kind).name +
+                  " as on it, so it may be there by chance: raise the number of iterations, or the threshold where the "
+                  "noise is larger");
+    const Shape shape = model.shape_of(polished.patch);
+    fit.shape = working.to_source(shape);
     fit.threshold = band.threshold;
     to_source_units(fit, working.unit);
-    fit.is_inlier.assign(points.size(), 0);
-    const double cosine = band.least_cosine;
-    const Shape shape = model.shape_of(polished.patch);
-    double distance = 0, squares = 0;
-    for (std::size_t i = 0; i < working.size(); ++i) {
-        model.distances(shape, &working.x[i], &working.y[i], &working.z[i], 1, &distance);
-        bool in = std::fabs(distance) <= band.threshold;
-        if (in && cosine > 0 && working.has_normals()) {
-            const Vec3d normal = working.normal(i);
-            in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
-        }
-        fit.is_inlier[working.index[i]] = in;
-        if (in) squares += distance * distance;
-    }
-    fit.inliers = static_cast<std::uint64_t>(std::count(fit.is_inlier.begin(), fit.is_inlier.end(), 1));
-    fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
+    mark_inliers(shape, working, band, fit);
     return fit;
 }
 
@@ -197,10 +254,11 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     check(options);
     const Clock::time_point start = Clock::now();
     const ShapeModel& model = model_of(options.kind);
-    const FitIssue issue = obvious_issue(points, options.kind, model.parameters);
+    PointSpread spread;
+    const FitIssue issue = obvious_issue(points, options.kind, model.parameters, spread);
     if (issue != FitIssue::none) return refused(options.kind, issue);
     if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
-    const WorkingPoints working = working_points(points, options.seed);
+    const WorkingPoints working = working_points(points, spread, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
     search.threshold = threshold > 0 ? threshold / working.unit : unknown_noise;
@@ -217,14 +275,13 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const SearchResult found = search_shape(working, search);
     ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
     if (found.found)
-        fit = finished(points, working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
+        fit = finished(working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
     // Points that are few for their outliers show more than their noise; the surface shows it.
     for (int round = 0; !(options.threshold > 0) && fit.has_shape() && round < 4; ++round) {
         const double better = std::max(3 * fit.noise / working.unit, smallest);
         if (better > 0.7 * search.threshold) break;
         search.threshold = better;
-        fit = finished(points, working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50,
-                       true);
+        fit = finished(working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50, true);
     }
     if (fit.has_shape() && !radius_in_range(fit.shape, options)) {
         fit.verdict = FitVerdict::refused;
@@ -243,11 +300,12 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
     check(start);
     if (!(options.threshold > 0)) refuse("the threshold is not above 0");
     const Clock::time_point begin = Clock::now();
-    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters);
+    PointSpread spread;
+    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters, spread);
     if (issue != FitIssue::none) return refused(start.kind, issue);
-    const WorkingPoints working = working_points(points, 1);
+    const WorkingPoints working = working_points(points, spread, 1);
     const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};
-    ShapeFit fit = finished(points, working, working.to_working(start), band, options.most_steps, false);
+    ShapeFit fit = finished(working, working.to_working(start), band, options.most_steps, false);
     fit.seconds = seconds_since(begin);
     return fit;
 }

@@ -11,10 +11,12 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t improved_points = 4096;
+constexpr std::size_t improved_points = 512;
 constexpr unsigned flat_samples = 60;
-// Of samples of the surface those whose estimated normals lead to its shape.
-constexpr double sound_normals = 0.25;
+// A sample leads to the surface if its normals are that near to the surface's, which so many of its points show.
+constexpr double sound_normal = 0.15;  // radians
+constexpr std::size_t most_asked = 100;
+constexpr double rough_normals = 3;  // thresholds
 
 // What the estimators are made of. In the order of the enumerators.
 struct EstimatorParts {
@@ -51,16 +53,22 @@ public:
     {
         double enough = options_.fit.iterations;  // samples
         for (; static_cast<double>(result_.samples) < enough; ++result_.samples) {
-            if (result_.samples % 16 == 0 && !options_.on(static_cast<double>(result_.samples) / enough)) break;
+            // More samples may be needed than a better one lets expect: what was shown stays.
+            done_ = std::max(done_, static_cast<double>(result_.samples) / enough);
+            if (result_.samples % 16 == 0 && !options_.on(done_)) break;
             SampledPoint sample[most_sampled];
             if (!draw(sample)) continue;
             Shape solutions[most_solutions];
             const std::size_t count = model_.solve(sample, solutions);
             bool better = false;
-            for (std::size_t i = 0; i < count; ++i)
-                better = (!parts_.pretest || passes(solutions[i])) && consider(solutions[i]) ? true : better;
+            for (std::size_t i = 0; i < count; ++i) {
+                if (parts_.pretest && !passes(solutions[i])) continue;
+                better = consider(solutions[i]) || (model_.needs_normals && consider_roughly(solutions[i])) || better;
+            }
             if (!better) continue;
             improve();
+            if (model_.needs_normals)
+                roughly_near_ = std::max(roughly_near_, score_.roughly_near(result_.shape, rough_normals));
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
         if (model_.kind == ShapeKind::cylinder || model_.kind == ShapeKind::sphere) try_flat();
@@ -123,7 +131,11 @@ private:
         return radius >= options_.fit.least_radius && radius <= options_.fit.largest_radius && shape.radius < 1e7;
     }
 
-    bool passes(const Shape& shape) { return score_.is_near(shape, random_.below(points_.size())); }
+    // Estimated normals lead to shapes that are near the surface, not within the threshold of most of it.
+    bool passes(const Shape& shape)
+    {
+        return score_.is_near(shape, random_.below(points_.size()), model_.needs_normals ? rough_normals : 1);
+    }
 
     bool consider(const Shape& shape)
     {
@@ -136,6 +148,18 @@ private:
         return true;
     }
 
+    // Most of the surface may be near a shape of rough normals and beyond the threshold of it: least squares decides.
+    bool consider_roughly(const Shape& shape)
+    {
+        if (!in_range(shape)) return false;
+        const std::size_t near = score_.roughly_near(shape, rough_normals);
+        if (near <= roughly_near_) return false;
+        roughly_near_ = near;
+        const double before = best_.score;
+        improve(model_.patch_at(shape, {}), {rough_normals * options_.threshold, least_cosine_, improved_points});
+        return best_.score < before;
+    }
+
     // Least squares of the points near the best sample.
     void improve()
     {
@@ -145,7 +169,7 @@ private:
     void improve(SurfacePatch patch, PatchBand band)
     {
         for (unsigned round = 0; round < 2; ++round) {
-            patch = improved(model_, patch, points_, band, 4, 0.01);
+            patch = improved(model_, patch, points_, band, 3, 0.1);
             band.threshold = options_.threshold;
             const Shape shape = model_.shape_of(patch);
             if (!in_range(shape)) return;
@@ -154,12 +178,25 @@ private:
         }
     }
 
-    double samples_needed() const
+    // Share of the points near the best shape whose normals are about its own.
+    double sound_normals()
+    {
+        std::size_t asked = 0, sound = 0;
+        for (std::size_t i = 0; i < points_.size() && asked < most_asked; ++i) {
+            if (!score_.is_near(result_.shape, i)) continue;
+            ++asked;
+            sound += std::fabs(dot(normals_.at(i), normal_at(result_.shape, points_.at(i)))) >= std::cos(sound_normal);
+        }
+        return asked > 0 ? std::max(1.0, static_cast<double>(sound)) / static_cast<double>(asked) : 1;
+    }
+
+    double samples_needed()
     {
         const double of_all = static_cast<double>(best_.inliers) / static_cast<double>(points_.size());
         const double drawn = draw_.share(of_all, [this](std::size_t i) { return score_.is_near(result_.shape, i); });
-        const double good = std::pow(drawn, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1) *
-                            (model_.needs_normals ? sound_normals : 1);
+        const double sound = model_.needs_normals ? sound_normals() : 1;
+        const double good =
+            std::pow(drawn * sound, static_cast<double>(model_.sampled)) * (parts_.pretest ? of_all : 1);
         if (good >= 1) return 1;
         return good > 0 ? std::log1p(-options_.fit.probability) / std::log1p(-good) : options_.fit.iterations;
     }
@@ -174,6 +211,8 @@ private:
     double least_cosine_;
     SampleScore score_;
     SampleScore::Value best_;
+    double done_ = 0;               // share of the samples, as shown
+    std::size_t roughly_near_ = 0;  // of the sample or best shape with most of the first points
     SearchResult result_;
 };
 

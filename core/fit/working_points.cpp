@@ -10,33 +10,70 @@
 namespace pcm {
 namespace {
 
-struct Spread {
-    Vec3d middle{};
-    double extent = 0;  // the largest coordinate relative to it
-    Vec3d across{};     // root mean squares along the main directions, ascending, of coordinates of extent 1
-};
-
-Spread spread_of(const FitPoints& points)
+// Per column, so that vectors add at once; always in this order.
+template <class Term>
+double sum_of(std::size_t count, const Term& term)
 {
-    Spread spread;
+    double sums[4] = {};
+    std::size_t i = 0;
+    for (; i + 4 <= count; i += 4)
+        for (std::size_t lane = 0; lane < 4; ++lane) sums[lane] += term(i + lane);
+    for (; i < count; ++i) sums[i % 4] += term(i);
+    return (sums[0] + sums[2]) + (sums[1] + sums[3]);
+}
+
+double largest_of(const std::vector<double>& column, double shift)
+{
+    double largest[4] = {};
+    std::size_t i = 0;
+    for (; i + 4 <= column.size(); i += 4)
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const double away = std::fabs(column[i + lane] - shift);
+            largest[lane] = away > largest[lane] ? away : largest[lane];
+        }
+    for (; i < column.size(); ++i) largest[0] = std::max(largest[0], std::fabs(column[i] - shift));
+    return std::max({largest[0], largest[1], largest[2], largest[3]});
+}
+
+PointSpread spread_of(const FitPoints& points)
+{
+    PointSpread spread;
     const auto n = static_cast<double>(points.size());
-    double largest = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) largest = std::max(largest, largest_magnitude(points.at(i)));
+    const std::array<const double*, 3> columns{points.x.data(), points.y.data(), points.z.data()};
+    const double largest = std::max({largest_of(points.x, 0), largest_of(points.y, 0), largest_of(points.z, 0)});
     if (!(largest > 0)) return spread;
-    for (std::size_t i = 0; i < points.size(); ++i) spread.middle = spread.middle + (1 / largest / n) * points.at(i);
-    spread.middle = largest * spread.middle;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        spread.extent = std::max(spread.extent, largest_magnitude(points.at(i) - spread.middle));
+    // Nothing overflows.
+    const double part = 1 / largest / n;
+    for (std::size_t k = 0; k < 3; ++k)
+        spread.middle[k] = largest * sum_of(points.size(), [&](std::size_t i) { return part * columns[k][i]; });
+    spread.extent = std::max({largest_of(points.x, spread.middle[0]), largest_of(points.y, spread.middle[1]),
+                              largest_of(points.z, spread.middle[2])});
     if (!(spread.extent > 0)) return spread;
-    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3d d = (points.at(i) - spread.middle) / spread.extent;
-        const Eigen::Vector3d v(d[0], d[1], d[2]);
-        products += v * v.transpose();
-    }
+    const double extent = spread.extent, inverse = 1 / extent;
+    Eigen::Matrix3d products;
+    for (int j = 0; j < 3; ++j)
+        for (int k = j; k < 3; ++k) {
+            const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k);
+            const double p = spread.middle[a], q = spread.middle[b];
+            const double* column = columns[a];
+            const double* other = columns[b];
+            // The least numbers have no inverse.
+            products(j, k) = products(k, j) =
+                std::isfinite(inverse)
+                    ? sum_of(points.size(),
+                             [&](std::size_t i) { return (column[i] - p) * inverse * ((other[i] - q) * inverse); })
+                    : sum_of(points.size(),
+                             [&](std::size_t i) { return (column[i] - p) / extent * ((other[i] - q) / extent); });
+        }
     const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(products / n).eigenvalues();
     for (int k = 0; k < 3; ++k) spread.across[k] = std::sqrt(std::max(0.0, values[k]));
     return spread;
+}
+
+bool all_finite(const std::vector<double>& column)
+{
+    // 0 times what is not finite is NaN.
+    return sum_of(column.size(), [&](std::size_t i) { return 0 * column[i]; }) == 0;
 }
 
 }  // namespace
@@ -57,13 +94,12 @@ Shape scaled(Shape shape, const Vec3d& middle, double unit)
     return shape;
 }
 
-FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t parameters)
+FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t parameters, PointSpread& spread)
 {
     if (!is_finite(points.origin)) return FitIssue::not_finite;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!is_finite(points.at(i))) return FitIssue::not_finite;
+    if (!all_finite(points.x) || !all_finite(points.y) || !all_finite(points.z)) return FitIssue::not_finite;
     if (points.size() < parameters) return FitIssue::too_few_points;
-    const Spread spread = spread_of(points);
+    spread = spread_of(points);
     // What coordinates of the source, rounded, can distinguish.
     const double digits = 8e-16 * (largest_magnitude(points.origin) + spread.extent);
     const auto none = [&](double across) { return across * spread.extent <= digits || across <= 1e-7; };
@@ -73,10 +109,10 @@ FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t para
     return FitIssue::none;
 }
 
-WorkingPoints working_points(const FitPoints& points, std::uint64_t seed)
+WorkingPoints working_points(const FitPoints& points, const PointSpread& spread, std::uint64_t seed)
 {
     WorkingPoints result;
-    const Spread spread = spread_of(points);
+    result.given = &points;
     result.unit = std::exp2(std::ceil(std::log2(spread.extent)));
     result.middle = points.origin + spread.middle;
     const Vec3d middle = result.middle - points.origin;  // what is left of it
@@ -85,18 +121,14 @@ WorkingPoints working_points(const FitPoints& points, std::uint64_t seed)
     std::iota(result.index.begin(), result.index.end(), 0u);
     SampleNumbers random(seed ^ 0x5f17);
     for (std::size_t i = n; i > 1; --i) std::swap(result.index[i - 1], result.index[random.below(i)]);
-    const auto coordinates = [&](const std::vector<double>& from, double shift, double unit, std::vector<double>& to) {
+    const double unit = result.unit;
+    const auto coordinates = [&](const std::vector<double>& from, double shift, std::vector<double>& to) {
         to.resize(n);
         for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) / unit;
     };
-    coordinates(points.x, middle[0], result.unit, result.x);
-    coordinates(points.y, middle[1], result.unit, result.y);
-    coordinates(points.z, middle[2], result.unit, result.z);
-    if (points.has_normals()) {
-        coordinates(points.nx, 0, 1, result.nx);
-        coordinates(points.ny, 0, 1, result.ny);
-        coordinates(points.nz, 0, 1, result.nz);
-    }
+    coordinates(points.x, middle[0], result.x);
+    coordinates(points.y, middle[1], result.y);
+    coordinates(points.z, middle[2], result.z);
     return result;
 }
 

@@ -16,21 +16,29 @@ Shape unscaled(Shape shape, const Vec3d& middle, double unit);
 struct WorkingPoints {
     Vec3d middle{};   // source coordinates
     double unit = 1;  // source units per working unit; a power of two, so that scaling costs no digits
-    std::vector<double> x, y, z, nx, ny, nz;
+    std::vector<double> x, y, z;
     std::vector<std::uint32_t> index;  // of the points that were given
+    const FitPoints* given = nullptr;
 
     std::size_t size() const { return x.size(); }
-    bool has_normals() const { return !nx.empty(); }
+    bool has_normals() const { return given && given->has_normals(); }
     Vec3d at(std::size_t i) const { return {x[i], y[i], z[i]}; }
-    Vec3d normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
+    Vec3d normal(std::size_t i) const { return given->normal(index[i]); }
     Shape to_source(const Shape& shape) const { return unscaled(shape, middle, unit); }
     Shape to_working(const Shape& shape) const { return scaled(shape, middle, unit); }
 };
 
-// Whether points can determine any shape of a kind. none: they may.
-FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t parameters);
+// Where points are.
+struct PointSpread {
+    Vec3d middle{};     // relative to the points' origin
+    double extent = 0;  // the largest coordinate relative to it
+    Vec3d across{};     // root mean squares along the main directions, ascending, of coordinates of extent 1
+};
 
-// Of points without an obvious issue.
-WorkingPoints working_points(const FitPoints& points, std::uint64_t seed);
+// Whether points can determine any shape of a kind. none: they may, and `spread` is set.
+FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t parameters, PointSpread& spread);
+
+// Of points without an obvious issue, which are kept.
+WorkingPoints working_points(const FitPoints& points, const PointSpread& spread, std::uint64_t seed);
 
 }  // namespace pcm

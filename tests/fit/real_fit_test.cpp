@@ -96,5 +96,34 @@ TEST(RealClouds, TangoSceneConeAndTorusAreSeen)
     EXPECT_GT(torus.inliers, 100u) << text_of(torus.shape);
 }
 
+// Flat patches of a table that a stereo camera saw: its noise is in waves. Away from the edges, where there are bumps.
+TEST(RealClouds, PatchesOfATableAreNoCurvedShapes)
+{
+    const std::string name = "primitives/table_scene_mug_stereo_textured.pcd";
+    PCM_REQUIRE_SAMPLE(name);
+    const std::vector<Vec3d> points = points_of(name);
+    const Vec3d normal = normalised(Vec3d{-0.0161854, 0.837724, 0.545855}), mug{0.0452105, 0.0924601, 0.790215};
+    const double height = 0.528787 / length(Vec3d{-0.0161854, 0.837724, 0.545855});
+    const Vec3d under = mug - (dot(normal, mug) - height) * normal;
+    const Vec3d u = normalised(cross(normal, Vec3d{0, 0, 1})), v = cross(normal, u);
+    unsigned fits = 0, good = 0;
+    for (int i = -4; i <= 4; i += 2)
+        for (int j = -3; j <= 3; j += 2)
+            for (const double radius : {0.03, 0.06, 0.12}) {
+                const FitPoints patch = within(points, under + (0.07 * i) * u + (0.07 * j) * v, radius);
+                if (patch.size() < 200) continue;
+                const ShapeFit plane = fit(patch, ShapeKind::plane, 0.003);
+                if (!plane.has_shape() || static_cast<double>(plane.inliers) < 0.99 * static_cast<double>(patch.size()))
+                    continue;  // the mug, its shadow and the edges
+                for (const ShapeKind kind : {ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone, ShapeKind::torus})
+                    for (const double threshold : {0.0, 0.005, 0.01}) {
+                        ++fits;
+                        good += fit(patch, kind, threshold).verdict == FitVerdict::good;
+                    }
+            }
+    EXPECT_GT(fits, 200u);
+    EXPECT_LE(100 * good, 2 * fits) << good << " of " << fits;
+}
+
 }  // namespace
 }  // namespace pcm
