@@ -18,6 +18,9 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
+// Of a surface whose noise differs from place to place; and beside the threshold, where the threshold decides what it
+// is.
+constexpr double most_noise_grown = 3, least_noise = 0.2;
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -158,6 +161,14 @@ private:
             grown.fit.verdict = result.local.verdict;
             grown.fit.issue = result.local.issue;
             grown.fit.message = result.local.message;
+        }
+        if (grown.fit.verdict == FitVerdict::good && grown.fit.noise > most_noise_grown * result.local.noise &&
+            grown.fit.noise > least_noise * grown.fit.threshold) {
+            grown.fit.verdict = FitVerdict::doubtful;
+            grown.fit.issue = FitIssue::no_consensus;
+            grown.fit.message = "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
+                                brief(result.local.noise) +
+                                ": there is another surface close to it; give a threshold, or a smaller step";
         }
         result.primitive.fit = std::move(grown.fit);
     }

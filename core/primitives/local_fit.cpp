@@ -18,6 +18,11 @@ constexpr std::size_t most_points = 4000;  // that take part in a fit of a chose
 constexpr std::size_t core_points = 50;    // the nearest of a place
 constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
+// When the threshold is doubled, the noise of one surface is doubled at most; noise beside the threshold, where the
+// threshold decides what it is.
+constexpr double most_noise_raised = 2.5, least_noise = 0.2;
+constexpr double noises = 3;  // an inlier's largest distance
+constexpr std::size_t fewest_points = 125;  // of a neighbourhood where 500 hold another surface
 
 class LocalSearch {
 public:
@@ -36,7 +41,8 @@ public:
             return best;
         }
         best.near = best.close;
-        best.fit = fitted(best.near, 0.1, 0.3);
+        best.fit = fitted(best.near, 0.1, 0.2);
+        if (!is_at_places(best)) look_closer(best);
         std::size_t count = first_count;
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= widening;
@@ -52,6 +58,8 @@ public:
             best.near = std::move(near);
             best.fit = std::move(fit);
         }
+        if (best.near.found < best.close.found)
+            best.notes.push_back("the neighbourhood was narrowed to " + grouped(best.near.found) + " points");
         if (best.near.found > best.close.found)
             best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
         if (best.fit.has_shape() && !passes(best.fit, best.near)) {
@@ -116,6 +124,19 @@ private:
         }
     }
 
+    bool is_at_places(const LocalFit& found) const { return found.fit.has_shape() && passes(found.fit, found.near); }
+
+    // Another surface has more points around the place.
+    void look_closer(LocalFit& best)
+    {
+        NearPoints near = neighbourhood(0, fewest_points, fewest_points, 0.2, 0.22);
+        if (near.found >= best.near.found) return;
+        ShapeFit fit = fitted(near, 0.22, 0.3);
+        if (fit.verdict != FitVerdict::good || !passes(fit, near)) return;
+        best.near = std::move(near);
+        best.fit = std::move(fit);
+    }
+
     static double share_of(const ShapeFit& fit, const NearPoints& near)
     {
         return static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(near.ids.size(), 1));
@@ -127,6 +148,11 @@ private:
         return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
+    static double width_of(const ShapeFit& fit)
+    {
+        return fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
+    }
+
     // By each place, and as many of the points around it as elsewhere in the neighbourhood, or half as many.
     bool passes(const ShapeFit& fit, const NearPoints& near) const
     {
@@ -134,7 +160,7 @@ private:
             const std::vector<Vec3d>& core = cores_[k];
             if (core.empty()) continue;
             const double to_cloud = length(core.front() - places_[k]);
-            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * fit.threshold) return false;
+            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * width_of(fit)) return false;
             double on_it = 0;
             for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
             if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
@@ -179,12 +205,19 @@ private:
         return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
     }
 
+    // Whether points of another surface are near the shape, with a threshold twice as large as before.
+    static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
+    {
+        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise &&
+               fit.noise > least_noise * fit.threshold;
+    }
+
     // With the threshold that is least probable by chance.
     ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
     {
         ShapeFitOptions options = options_.fit;
         options.kind = kind;
-        ShapeFit best;
+        ShapeFit best, before;
         double least = 0;
         for (int raised = 0; raised <= most_raised; ++raised) {
             const double share = (end - begin) / (most_raised + 1);
@@ -192,6 +225,8 @@ private:
             options.progress = part_of(options_.progress, begin + share * raised, begin + share * (raised + 1));
             if (raised > 0 && !(options.threshold < near.radius / 4)) break;
             ShapeFit fit = fit_shape(near.points, options);
+            if (takes_in_another(fit, before)) break;
+            if (fit.has_shape()) before = fit;
             const double chance = chance_of(fit, near.points, near.radius);
             const double gain = least_gain * static_cast<double>(fit.inliers);
             if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance + gain < least))) {
