@@ -31,8 +31,7 @@ public:
             const double end = 1 - std::pow(0.5, ++grown.rounds);
             const Shape before = grown.fit.shape;
             grown.points = reached(before, begin, (begin + end) / 2);
-            const RefittedShape fitted =
-                refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
+            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
             grown.fit = fitted.fit;
             grown.agreement = fitted.agreement;
             if (!grown.fit.has_shape()) break;

@@ -1,5 +1,6 @@
 #include "pcm/primitives/local_fit.h"
 
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/system/text.h"
@@ -21,8 +22,8 @@ constexpr int most_raised = 4;             // the threshold: doublings
 // When the threshold is doubled, the noise of one surface is doubled at most; noise beside the threshold, where the
 // threshold decides what it is.
 constexpr double most_noise_raised = 2.5, least_noise = 0.2;
-constexpr double noises = 3;  // an inlier's largest distance
-constexpr std::size_t fewest_points = 125;  // of a neighbourhood where 500 hold another surface
+constexpr double noises = 3;                        // an inlier's largest distance
+constexpr std::size_t closer_counts[] = {125, 60};  // where wider neighbourhoods hold more of another surface
 
 class LocalSearch {
 public:
@@ -34,6 +35,7 @@ public:
     LocalFit run()
     {
         LocalFit best;
+        choose_kinds(best);
         gather_close(best);
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
@@ -42,8 +44,7 @@ public:
         }
         best.near = best.close;
         best.fit = fitted(best.near, 0.1, 0.2);
-        if (!is_at_places(best)) look_closer(best);
-        std::size_t count = first_count;
+        std::size_t count = is_at_places(best) ? first_count : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= widening;
             const double begin = 0.3 + 0.7 * static_cast<double>(round - 1) / most_widenings,
@@ -101,6 +102,18 @@ private:
         return all;
     }
 
+    // One kind that the backend does not have is refused by it.
+    void choose_kinds(LocalFit& result)
+    {
+        for (const ShapeKind kind : options_.kinds)
+            if (options_.fit.backend == FitBackend::pcl && options_.kinds.size() > 1 && !pcl_has(kind))
+                result.notes.push_back("the backend PCL has no " + std::string(traits_of(kind).name) +
+                                       ": it is left out");
+            else
+                kinds_.push_back(kind);
+        if (kinds_.empty()) kinds_.push_back(options_.fit.kind);
+    }
+
     void gather_close(LocalFit& result)
     {
         result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
@@ -126,15 +139,20 @@ private:
 
     bool is_at_places(const LocalFit& found) const { return found.fit.has_shape() && passes(found.fit, found.near); }
 
-    // Another surface has more points around the place.
-    void look_closer(LocalFit& best)
+    // Where another surface has more points around the place; returns how many of the nearest points were taken.
+    std::size_t look_closer(LocalFit& best)
     {
-        NearPoints near = neighbourhood(0, fewest_points, fewest_points, 0.2, 0.22);
-        if (near.found >= best.near.found) return;
-        ShapeFit fit = fitted(near, 0.22, 0.3);
-        if (fit.verdict != FitVerdict::good || !passes(fit, near)) return;
-        best.near = std::move(near);
-        best.fit = std::move(fit);
+        double begin = 0.2;
+        for (const std::size_t count : closer_counts) {
+            NearPoints near = neighbourhood(0, count, count, begin, begin + 0.02);
+            ShapeFit fit = fitted(near, begin + 0.02, begin + 0.05);
+            begin += 0.05;
+            if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near)) continue;
+            best.near = std::move(near);
+            best.fit = std::move(fit);
+            return count;
+        }
+        return first_count;
     }
 
     static double share_of(const ShapeFit& fit, const NearPoints& near)
@@ -194,12 +212,10 @@ private:
     // Of the best kind.
     ShapeFit fitted(const NearPoints& near, double begin, double end) const
     {
-        std::vector<ShapeKind> kinds = options_.kinds;
-        if (kinds.empty()) kinds.push_back(options_.fit.kind);
         std::vector<ShapeFit> fits;
-        for (std::size_t k = 0; k < kinds.size(); ++k) {
-            const double share = (end - begin) / static_cast<double>(kinds.size());
-            fits.push_back(fitted(near, kinds[k], begin + share * static_cast<double>(k),
+        for (std::size_t k = 0; k < kinds_.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(kinds_.size());
+            fits.push_back(fitted(near, kinds_[k], begin + share * static_cast<double>(k),
                                   begin + share * static_cast<double>(k + 1)));
         }
         return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
@@ -235,12 +251,21 @@ private:
             }
             if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
         }
+        // Beyond the noise there is nothing of the surface.
+        const double enough = std::max(noise_, noises * 1.1 * best.noise);
+        if (options_.fit.threshold == 0 && best.has_shape() && enough < best.threshold) {
+            options.threshold = enough;
+            options.progress = part_of(options_.progress, end, end);
+            ShapeFit fit = fit_shape(near.points, options);
+            if (fit.has_shape() && fit.verdict <= best.verdict) best = std::move(fit);
+        }
         return best;
     }
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
     const LocalFitOptions& options_;
+    std::vector<ShapeKind> kinds_;           // of which the best is kept
     std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
     double noise_ = 0;                       // a threshold from it; 0: unknown
 };
