@@ -18,9 +18,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
-// Of a surface whose noise differs from place to place; and beside the threshold, where the threshold decides what it
-// is.
-constexpr double most_noise_grown = 3, least_noise = 0.2;
+constexpr double most_noise_grown = 3;  // of a surface whose noise differs from place to place
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -143,7 +141,7 @@ private:
         return std::max(step, std::min(4 * step, width / 2));
     }
 
-    static void take(GrownShape grown, FittedPrimitive& result)
+    void take(GrownShape grown, FittedPrimitive& result) const
     {
         result.rounds = grown.rounds;
         result.converged = grown.converged;
@@ -162,8 +160,8 @@ private:
             grown.fit.issue = result.local.issue;
             grown.fit.message = result.local.message;
         }
-        if (grown.fit.verdict == FitVerdict::good && grown.fit.noise > most_noise_grown * result.local.noise &&
-            grown.fit.noise > least_noise * grown.fit.threshold) {
+        if (options_.fit.threshold == 0 && grown.fit.verdict == FitVerdict::good &&
+            grown.fit.noise > most_noise_grown * result.local.noise) {
             grown.fit.verdict = FitVerdict::doubtful;
             grown.fit.issue = FitIssue::no_consensus;
             grown.fit.message = "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +

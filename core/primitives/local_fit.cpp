@@ -19,11 +19,9 @@ constexpr std::size_t most_points = 4000;  // that take part in a fit of a chose
 constexpr std::size_t core_points = 50;    // the nearest of a place
 constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
-// When the threshold is doubled, the noise of one surface is doubled at most; noise beside the threshold, where the
-// threshold decides what it is.
-constexpr double most_noise_raised = 2.5, least_noise = 0.2;
-constexpr double noises = 3;                        // an inlier's largest distance
-constexpr std::size_t closer_counts[] = {125, 60};  // where wider neighbourhoods hold more of another surface
+constexpr double most_noise_raised = 2.5;  // when the threshold is doubled; of one surface it is doubled at most
+constexpr double noises = 3;               // an inlier's largest distance
+constexpr std::size_t closer_count = 125;  // where wider neighbourhoods hold more of another surface
 
 class LocalSearch {
 public:
@@ -142,17 +140,12 @@ private:
     // Where another surface has more points around the place; returns how many of the nearest points were taken.
     std::size_t look_closer(LocalFit& best)
     {
-        double begin = 0.2;
-        for (const std::size_t count : closer_counts) {
-            NearPoints near = neighbourhood(0, count, count, begin, begin + 0.02);
-            ShapeFit fit = fitted(near, begin + 0.02, begin + 0.05);
-            begin += 0.05;
-            if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near)) continue;
-            best.near = std::move(near);
-            best.fit = std::move(fit);
-            return count;
-        }
-        return first_count;
+        NearPoints near = neighbourhood(0, closer_count, closer_count, 0.2, 0.22);
+        ShapeFit fit = fitted(near, 0.22, 0.3);
+        if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near)) return first_count;
+        best.near = std::move(near);
+        best.fit = std::move(fit);
+        return closer_count;
     }
 
     static double share_of(const ShapeFit& fit, const NearPoints& near)
@@ -166,11 +159,6 @@ private:
         return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
-    static double width_of(const ShapeFit& fit)
-    {
-        return fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
-    }
-
     // By each place, and as many of the points around it as elsewhere in the neighbourhood, or half as many.
     bool passes(const ShapeFit& fit, const NearPoints& near) const
     {
@@ -178,7 +166,7 @@ private:
             const std::vector<Vec3d>& core = cores_[k];
             if (core.empty()) continue;
             const double to_cloud = length(core.front() - places_[k]);
-            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * width_of(fit)) return false;
+            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * fit.threshold) return false;
             double on_it = 0;
             for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
             if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
@@ -224,8 +212,7 @@ private:
     // Whether points of another surface are near the shape, with a threshold twice as large as before.
     static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
     {
-        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise &&
-               fit.noise > least_noise * fit.threshold;
+        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise;
     }
 
     // With the threshold that is least probable by chance.

@@ -96,8 +96,8 @@ TEST_F(LocalFitTest, TheThresholdStaysAtTheNoise)
 // Two walls cross where the place is: the denser one is found, and ends; the other one is wider.
 TEST_F(LocalFitTest, AWiderNeighbourhoodFollowsTheFormerSurface)
 {
-    add(5000, {0, -0.5, -0.5}, {0, 1, 0}, {0, 0, 1});
-    add(36000, {-1.5, -1.5, 0}, {3, 0, 0}, {0, 3, 0});
+    add(1280, {0, -0.2, -0.2}, {0, 0.4, 0}, {0, 0, 0.4});
+    add(24000, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
     build();
     const LocalFit found = fit({0, 0, 0});
     ASSERT_EQ(found.fit.verdict, FitVerdict::good) << found.fit.message;
@@ -149,20 +149,14 @@ TEST(FitAtGrown, NoiseFarAboveThatOfThePlaceIsDoubtful)
     build_surface_tree(folder.path(), points);
     const auto cloud = PointCloud::open(folder / "surface.pct");
     FitAtOptions options;
-    for (const unsigned rounds : {2u, 8u}) {
-        options.rounds = rounds;
-        const FittedPrimitive found = fit_at(*cloud, {{0, 0, 30}}, {}, options);
-        const ShapeFit& result = found.primitive.fit;
-        ASSERT_TRUE(result.has_shape());
-        if (rounds == 8) EXPECT_EQ(result.verdict, FitVerdict::doubtful) << result.noise << " " << found.local.noise;
-        if (rounds == 8) EXPECT_NE(result.message.find("those around the place"), std::string::npos);
-        if (found.converged) continue;
-        for (const PlacedPoint& p : all_points(found.points.tree()))
-            if (found.points.contains(p.node, p.number))
-                ASSERT_LE(distance_to(result.shape, p.position), result.threshold);
-    }
+    const FittedPrimitive found = fit_at(*cloud, {{0, 0, 30}}, {}, options);
+    EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(found.primitive.fit.message.find("those around the place"), std::string::npos);
+    // Who gives a threshold has allowed for it.
+    options.fit.threshold = found.primitive.fit.threshold;
+    EXPECT_EQ(fit_at(*cloud, {{0, 0, 30}}, {}, options).primitive.fit.verdict, FitVerdict::good);
+    options.fit.threshold = 0;
     // Of the right kind it is good.
-    options.rounds = 8;
     options.fit.kind = ShapeKind::sphere;
     const FittedPrimitive right = fit_at(*cloud, {{0, 0, 30}}, {}, options);
     EXPECT_EQ(right.primitive.fit.verdict, FitVerdict::good);
