@@ -99,9 +99,11 @@ TEST_F(LocalFitTest, AWiderNeighbourhoodFollowsTheFormerSurface)
     add(1280, {0, -0.2, -0.2}, {0, 0.4, 0}, {0, 0, 0.4});
     add(24000, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
     build();
-    const LocalFit found = fit({0, 0, 0});
-    ASSERT_EQ(found.fit.verdict, FitVerdict::good) << found.fit.message;
-    EXPECT_GT(std::fabs(found.fit.shape.axis[0]), 0.99);
+    for (int i = -4; i <= 4; ++i) {
+        const LocalFit found = fit({0, 0.02 * i, 0});
+        ASSERT_EQ(found.fit.verdict, FitVerdict::good) << found.fit.message;
+        EXPECT_GT(std::fabs(found.fit.shape.axis[0]), 0.99) << i;
+    }
 }
 
 // The nearest surface does not pass through a point above it.
