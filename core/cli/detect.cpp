@@ -7,6 +7,7 @@
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/system/rounded_text.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -46,9 +47,14 @@ void check(const Arguments& arguments)
 std::string row_of(const Primitive& p)
 {
     const ShapeFit& fit = p.fit;
-    std::string text = text_of(fit.shape) + "  +- " + brief(fit.errors.position);
-    if (traits_of(fit.shape.kind).axis) text += ", " + brief(fit.errors.angle / degree) + " degrees";
-    if (traits_of(fit.shape.kind).radius) text += ", radius " + brief(fit.errors.radius);
+    const ShapeTraits& traits = traits_of(fit.shape.kind);
+    std::string text = std::string(traits.name) + " " + rounded_text(fit.shape.point, fit.errors.position) + " +- " +
+                       brief(fit.errors.position);
+    if (traits.axis)
+        text += (fit.shape.kind == ShapeKind::plane ? ", normal " : ", axis ") +
+                rounded_text(fit.shape.axis, fit.errors.angle) + " +- " + brief(fit.errors.angle / degree) + " degrees";
+    if (traits.radius)
+        text += ", radius " + rounded_text(fit.shape.radius, fit.errors.radius) + " +- " + brief(fit.errors.radius);
     if (fit.verdict != FitVerdict::good) text += "  (" + std::string(name_of(fit.verdict)) + ")";
     return text;
 }

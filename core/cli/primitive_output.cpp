@@ -3,6 +3,7 @@
 #include "pcm/cad/primitive_files.h"
 #include "pcm/primitives/primitive_list.h"
 #include "pcm/system/error.h"
+#include "pcm/system/rounded_text.h"
 
 #include <cstdio>
 
@@ -15,14 +16,15 @@ void line(const char* name, const std::string& value) { std::printf("  %-11s %s\
 
 std::string with_error(double value, double error, const char* unit = "")
 {
-    return exact(value) + " +- " + brief(error) + unit;
+    return rounded_text(value, error) + " +- " + brief(error) + unit;
 }
 
-void print_bounds(const Shape& shape, const ShapeBounds& bounds)
+// An end of a shape is known as well as its points are.
+void print_bounds(const Shape& shape, const ShapeBounds& bounds, double noise)
 {
     if (!bounds.known(shape.kind)) return;
     if (shape.kind == ShapeKind::plane) line("outline", std::to_string(bounds.outline.size()) + " corners");
-    if (bounds.from < bounds.to) line("length", exact(bounds.to - bounds.from));
+    if (bounds.from < bounds.to) line("length", rounded_text(bounds.to - bounds.from, noise));
     if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone || shape.kind == ShapeKind::torus)
         line("arc", brief((bounds.end - bounds.begin) / degree) + " degrees");
 }
@@ -40,15 +42,15 @@ void print_primitive(const Primitive& primitive)
     line(is_plane || fit.shape.kind == ShapeKind::cylinder ? "point"
          : fit.shape.kind == ShapeKind::cone               ? "apex"
                                                            : "centre",
-         exact(fit.shape.point) + " +- " + brief(fit.errors.position));
+         rounded_text(fit.shape.point, fit.errors.position) + " +- " + brief(fit.errors.position));
     if (traits.axis)
         line(is_plane ? "normal" : "axis",
-             exact(fit.shape.axis) + " +- " + brief(fit.errors.angle / degree) + " degrees");
+             rounded_text(fit.shape.axis, fit.errors.angle) + " +- " + brief(fit.errors.angle / degree) + " degrees");
     if (traits.radius) line("radius", with_error(fit.shape.radius, fit.errors.radius));
     if (fit.shape.kind == ShapeKind::cone)
         line("half angle", with_error(fit.shape.second / degree, fit.errors.second / degree, " degrees"));
     if (fit.shape.kind == ShapeKind::torus) line("tube", with_error(fit.shape.second, fit.errors.second));
-    print_bounds(fit.shape, primitive.bounds);
+    print_bounds(fit.shape, primitive.bounds, fit.noise);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +

@@ -120,14 +120,16 @@ Extent extent_of(const FitPoints& points)
 
 std::string why_no_pcl() { return module().functions ? std::string() : module().missing; }
 
+bool pcl_has(ShapeKind kind) { return kind != ShapeKind::torus; }
+
 PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, const PclOptions& pcl)
 {
     if (!module().functions)
         throw Error(ErrorCode::unsupported, {}, "the backend PCL is not here: " + module().missing,
                     "install libpcm_pcl.so (built where packaging/pcl-sdk has put PCL's headers) and PCL (Debian: "
                     "libpcl-sample-consensus1.13), or choose the backend own");
-    if (options.kind == ShapeKind::torus)
-        throw Error(ErrorCode::unsupported, {}, "the backend PCL has no torus",
+    if (!pcl_has(options.kind))
+        throw Error(ErrorCode::unsupported, {}, "the backend PCL has no " + std::string(traits_of(options.kind).name),
                     "choose another shape, or the backend own");
     PclRequest request{};
     request.kind = options.kind;

@@ -31,6 +31,7 @@ struct PclShape {
 PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, const PclOptions& pcl = {});
 
 // That, with inliers, errors and verdict.
+bool pcl_has(ShapeKind kind);  // all but the torus
 ShapeFit pcl_fit(const FitPoints& points, const ShapeFitOptions& options);
 
 }  // namespace pcm

@@ -18,6 +18,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
+constexpr double most_noise_grown = 3;  // of a surface whose noise differs from place to place
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -140,7 +141,7 @@ private:
         return std::max(step, std::min(4 * step, width / 2));
     }
 
-    static void take(GrownShape grown, FittedPrimitive& result)
+    void take(GrownShape grown, FittedPrimitive& result) const
     {
         result.rounds = grown.rounds;
         result.converged = grown.converged;
@@ -158,6 +159,14 @@ private:
             grown.fit.verdict = result.local.verdict;
             grown.fit.issue = result.local.issue;
             grown.fit.message = result.local.message;
+        }
+        if (options_.fit.threshold == 0 && grown.fit.verdict == FitVerdict::good &&
+            grown.fit.noise > most_noise_grown * result.local.noise) {
+            grown.fit.verdict = FitVerdict::doubtful;
+            grown.fit.issue = FitIssue::no_consensus;
+            grown.fit.message = "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
+                                brief(result.local.noise) +
+                                ": there is another surface close to it; give a threshold, or a smaller step";
         }
         result.primitive.fit = std::move(grown.fit);
     }

@@ -31,7 +31,7 @@ public:
             const double end = 1 - std::pow(0.5, ++grown.rounds);
             const Shape before = grown.fit.shape;
             grown.points = reached(before, begin, (begin + end) / 2);
-            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end);
+            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
             grown.fit = fitted.fit;
             grown.agreement = fitted.agreement;
             if (!grown.fit.has_shape()) break;
@@ -42,6 +42,7 @@ public:
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }
         }
+        if (!grown.converged && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
         if (options_.most_rounds == 0) grown.rounds = 0;
         return grown;
     }
@@ -59,11 +60,21 @@ private:
         return grow(seeds_, options_.step, grow_options);
     }
 
-    RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end) const
+    // The points of the last shape rather than of the one before it.
+    void settle(GrownShape& grown) const
+    {
+        const double begin = 1 - std::pow(0.5, grown.rounds);
+        grown.points = reached(grown.fit.shape, begin, (1 + begin) / 2);
+        const RefittedShape judged = refit(grown.points, grown.fit.shape, (1 + begin) / 2, 1, false);
+        grown.fit = judged.fit;
+        grown.agreement = judged.agreement;
+    }
+
+    RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end, bool moves) const
     {
         RefitOptions refit;
         refit.threshold = threshold_;
-        refit.most_steps = options_.most_rounds == 0 ? 0 : refit.most_steps;
+        if (!moves) refit.most_steps = 0;
         refit.threads = options_.threads;
         refit.progress = part_of(options_.progress, begin, end);
         return refit_shape(points, shape, refit);

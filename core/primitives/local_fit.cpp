@@ -1,5 +1,6 @@
 #include "pcm/primitives/local_fit.h"
 
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/system/text.h"
@@ -18,6 +19,9 @@ constexpr std::size_t most_points = 4000;  // that take part in a fit of a chose
 constexpr std::size_t core_points = 50;    // the nearest of a place
 constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
+constexpr double most_noise_raised = 2.5;  // when the threshold is doubled; of one surface it is doubled at most
+constexpr double noises = 3;               // an inlier's largest distance
+constexpr std::size_t closer_count = 125;  // where wider neighbourhoods hold more of another surface
 
 class LocalSearch {
 public:
@@ -29,6 +33,7 @@ public:
     LocalFit run()
     {
         LocalFit best;
+        choose_kinds(best);
         gather_close(best);
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
@@ -36,8 +41,8 @@ public:
             return best;
         }
         best.near = best.close;
-        best.fit = fitted(best.near, 0.1, 0.3);
-        std::size_t count = first_count;
+        best.fit = fitted(best.near, 0.1, 0.2);
+        std::size_t count = is_at_places(best) ? first_count : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= widening;
             const double begin = 0.3 + 0.7 * static_cast<double>(round - 1) / most_widenings,
@@ -52,6 +57,8 @@ public:
             best.near = std::move(near);
             best.fit = std::move(fit);
         }
+        if (best.near.found < best.close.found)
+            best.notes.push_back("the neighbourhood was narrowed to " + grouped(best.near.found) + " points");
         if (best.near.found > best.close.found)
             best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
         if (best.fit.has_shape() && !passes(best.fit, best.near)) {
@@ -93,6 +100,18 @@ private:
         return all;
     }
 
+    // One kind that the backend does not have is refused by it.
+    void choose_kinds(LocalFit& result)
+    {
+        for (const ShapeKind kind : options_.kinds)
+            if (options_.fit.backend == FitBackend::pcl && options_.kinds.size() > 1 && !pcl_has(kind))
+                result.notes.push_back("the backend PCL has no " + std::string(traits_of(kind).name) +
+                                       ": it is left out");
+            else
+                kinds_.push_back(kind);
+        if (kinds_.empty()) kinds_.push_back(options_.fit.kind);
+    }
+
     void gather_close(LocalFit& result)
     {
         result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
@@ -114,6 +133,19 @@ private:
             }
             cores_.push_back(std::move(positions));
         }
+    }
+
+    bool is_at_places(const LocalFit& found) const { return found.fit.has_shape() && passes(found.fit, found.near); }
+
+    // Where another surface has more points around the place; returns how many of the nearest points were taken.
+    std::size_t look_closer(LocalFit& best)
+    {
+        NearPoints near = neighbourhood(0, closer_count, closer_count, 0.2, 0.22);
+        ShapeFit fit = fitted(near, 0.22, 0.3);
+        if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near)) return first_count;
+        best.near = std::move(near);
+        best.fit = std::move(fit);
+        return closer_count;
     }
 
     static double share_of(const ShapeFit& fit, const NearPoints& near)
@@ -168,15 +200,19 @@ private:
     // Of the best kind.
     ShapeFit fitted(const NearPoints& near, double begin, double end) const
     {
-        std::vector<ShapeKind> kinds = options_.kinds;
-        if (kinds.empty()) kinds.push_back(options_.fit.kind);
         std::vector<ShapeFit> fits;
-        for (std::size_t k = 0; k < kinds.size(); ++k) {
-            const double share = (end - begin) / static_cast<double>(kinds.size());
-            fits.push_back(fitted(near, kinds[k], begin + share * static_cast<double>(k),
+        for (std::size_t k = 0; k < kinds_.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(kinds_.size());
+            fits.push_back(fitted(near, kinds_[k], begin + share * static_cast<double>(k),
                                   begin + share * static_cast<double>(k + 1)));
         }
         return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
+    }
+
+    // Whether points of another surface are near the shape, with a threshold twice as large as before.
+    static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
+    {
+        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise;
     }
 
     // With the threshold that is least probable by chance.
@@ -184,7 +220,7 @@ private:
     {
         ShapeFitOptions options = options_.fit;
         options.kind = kind;
-        ShapeFit best;
+        ShapeFit best, before;
         double least = 0;
         for (int raised = 0; raised <= most_raised; ++raised) {
             const double share = (end - begin) / (most_raised + 1);
@@ -192,6 +228,8 @@ private:
             options.progress = part_of(options_.progress, begin + share * raised, begin + share * (raised + 1));
             if (raised > 0 && !(options.threshold < near.radius / 4)) break;
             ShapeFit fit = fit_shape(near.points, options);
+            if (takes_in_another(fit, before)) break;
+            if (fit.has_shape()) before = fit;
             const double chance = chance_of(fit, near.points, near.radius);
             const double gain = least_gain * static_cast<double>(fit.inliers);
             if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance + gain < least))) {
@@ -200,12 +238,21 @@ private:
             }
             if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
         }
+        // Beyond the noise there is nothing of the surface.
+        const double enough = std::max(noise_, noises * 1.1 * best.noise);
+        if (options_.fit.threshold == 0 && best.has_shape() && enough < best.threshold) {
+            options.threshold = enough;
+            options.progress = part_of(options_.progress, end, end);
+            ShapeFit fit = fit_shape(near.points, options);
+            if (fit.has_shape() && fit.verdict <= best.verdict) best = std::move(fit);
+        }
         return best;
     }
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
     const LocalFitOptions& options_;
+    std::vector<ShapeKind> kinds_;           // of which the best is kept
     std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
     double noise_ = 0;                       // a threshold from it; 0: unknown
 };

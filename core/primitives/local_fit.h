@@ -5,10 +5,12 @@
 // not given,
 // - the neighbourhood is widened fourfold, three times at most, as long as the shape of the wider one still passes
 //   through the places and most of the former points, holds half as many points again, and is less probable by chance
-//   among the points there than the former shape;
+//   among the points there than the former shape. Where the shape of the first one does not pass through the place, a
+//   quarter of its points is tried: a narrow face beside wider ones;
 // - the threshold is the noise's own (automatic_threshold()) or 2, 4, 8 or 16 times that: the one at which it is
 //   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
-//   Stival 2004: an a contrario RANSAC).
+//   Stival 2004: an a contrario RANSAC). One at which the noise rises by more than the threshold has taken in another
+//   surface, and ends that; the threshold is then lowered to 3.3 times the noise found.
 #pragma once
 
 #include "pcm/fit/shape_fit.h"

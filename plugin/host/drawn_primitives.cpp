@@ -2,6 +2,7 @@
 
 #include "pcm/fit/shape_lines.h"
 #include "pcm/measure/measure.h"
+#include "pcm/system/rounded_text.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
@@ -22,17 +23,6 @@ QString text_with(double value, double uncertainty, const char* dimension, const
     if (!(known > 0)) value = QString::number(value, 'g', 4).toDouble();
     const std::string text = text_of(MeasureValue{{}, value, known, dimension}, unit);
     return QString::fromStdString(text) + (std::isinf(uncertainty) ? " (not determined)" : "");
-}
-
-// With a digit more than the uncertainty leaves; all digits where that is not known.
-QString coordinates_text(const Vec3d& p, double uncertainty)
-{
-    constexpr int most_decimals = 15;
-    if (!(uncertainty > 0) || !std::isfinite(uncertainty)) return QString::fromStdString(exact(p));
-    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, most_decimals);
-    QStringList texts;
-    for (const double value : p) texts << QString::number(value, 'f', decimals);
-    return texts.join(' ');
 }
 
 // Of the outline, which lies in one plane.
@@ -71,11 +61,12 @@ void add_place(const Primitive& primitive, const std::string& unit, Lines& lines
                        : shape.kind == ShapeKind::cone     ? "apex"
                        : shape.kind == ShapeKind::cylinder ? "point of the axis"
                                                            : "point",
-                       coordinates_text(shape.point, errors.position));
+                       QString::fromStdString(rounded_text(shape.point, errors.position)));
     lines.emplace_back("σ of the place", text_with(errors.position, 0, "", unit));
     if (!traits_of(shape.kind).axis) return;
     const double tilt = std::acos(std::clamp(std::fabs(shape.axis[2]), 0.0, 1.0)) * degrees;
-    lines.emplace_back(shape.kind == ShapeKind::plane ? "normal" : "axis", coordinates_text(shape.axis, errors.angle));
+    lines.emplace_back(shape.kind == ShapeKind::plane ? "normal" : "axis",
+                       QString::fromStdString(rounded_text(shape.axis, errors.angle)));
     lines.emplace_back(shape.kind == ShapeKind::plane ? "slope" : "from the vertical",
                        text_with(tilt, errors.angle * degrees, "deg", unit));
 }

@@ -3,6 +3,7 @@
 #include "tests/cli/command.h"
 
 #include <filesystem>
+#include <regex>
 
 namespace {
 
@@ -44,6 +45,11 @@ TEST_F(DetectCommand, FindsListsAndLabels)
     EXPECT_EQ(Json::parse(selected.out)["points"], primitives[0]["points"]);
     EXPECT_EQ(Json::parse(pcmlab("primitives --json " + path("list.json")).out)["primitives"].size(),
               primitives.size());
+
+    // Numbers for people have the digits that are known.
+    const Result text = pcmlab("detect " + path("in.pct") + " --min-points 1000");
+    EXPECT_NE(text.out.find("  plane 5000"), std::string::npos) << text.out;
+    EXPECT_FALSE(std::regex_search(text.out, std::regex("\\.[0-9]{9}"))) << text.out;
 
     // The list is there already: nothing is overwritten unasked, and nothing is searched for first.
     refused("--out " + path("list.json"), 1, "exists already");

@@ -5,6 +5,7 @@
 #include "tests/primitives/shape_cloud.h"
 
 #include <fstream>
+#include <regex>
 
 namespace {
 
@@ -70,6 +71,18 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
     EXPECT_EQ(text.code, 0) << text.err;
     for (const char* part : {"Cylinder: good", "radius", " +- ", "length", "noise", "points belong to it", " s, peak"})
         EXPECT_NE(text.out.find(part), std::string::npos) << part << text.out;
+    EXPECT_FALSE(std::regex_search(text.out, std::regex("\\.[0-9]{9}"))) << text.out;
+}
+
+// Of all kinds those that PCL has are fitted.
+TEST_F(FitCommand, TheBackendPclLeavesOutWhatItHasNot)
+{
+    const Result result = pcmlab("fit " + path("surface.pct") + " " + at_ + " --shape any --backend pcl");
+    if (result.err.find("PCL is not here") != std::string::npos) GTEST_SKIP() << result.err;
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("Cylinder: good"), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find("note: the backend PCL has no torus: it is left out"), std::string::npos) << result.out;
+    refused(at_ + "--shape torus --backend pcl", 1, "the backend PCL has no torus");
 }
 
 TEST_F(FitCommand, PlacesMayBeWrittenInSeveralWays)

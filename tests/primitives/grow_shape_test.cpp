@@ -115,6 +115,20 @@ TEST_F(GrowShapeTest, WithoutRoundsTheShapeStays)
     EXPECT_TRUE(points_on_shape(tree_, shape, options_.threshold, pi, {}).size() >= grown.points.size());
 }
 
+// After one round the shape is another one than that by which points were reached.
+TEST_F(GrowShapeTest, WithoutConvergenceThePointsAreThoseOfTheShape)
+{
+    options_.most_rounds = 1;
+    const GrownShape grown = grow_shape(start(), *seeds_, options_);
+    EXPECT_FALSE(grown.converged);
+    EXPECT_EQ(grown.rounds, 1u);
+    ASSERT_GT(grown.points.size(), 20000u);
+    EXPECT_EQ(grown.fit.inliers, grown.points.size());
+    for (const PlacedPoint& p : all_points(*tree_))
+        if (grown.points.contains(p.node, p.number))
+            ASSERT_LE(distance_to(grown.fit.shape, p.position), options_.threshold);
+}
+
 // Where noise is larger than at the place that the threshold came from.
 TEST_F(GrowShapeTest, RaisesTheThresholdToTheNoise)
 {
