@@ -154,6 +154,10 @@ TEST(FitAtGrown, NoiseFarAboveThatOfThePlaceIsDoubtful)
     const FittedPrimitive found = fit_at(*cloud, {{0, 0, 30}}, {}, options);
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_NE(found.primitive.fit.message.find("those around the place"), std::string::npos);
+    EXPECT_TRUE(found.converged);
+    for (const PlacedPoint& p : all_points(found.points.tree()))
+        if (found.points.contains(p.node, p.number))
+            ASSERT_LE(distance_to(found.primitive.fit.shape, p.position), found.primitive.fit.threshold);
     // Who gives a threshold has allowed for it.
     options.fit.threshold = 0.03;
     options.count = 500;
