@@ -42,7 +42,9 @@ public:
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }
         }
-        if (!grown.converged && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
+        // Errors that neighbours make large allow the last step to be long.
+        const bool is_settled = grown.converged && !(grown.agreement > 1);
+        if (!is_settled && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
         if (options_.most_rounds == 0) grown.rounds = 0;
         return grown;
     }

@@ -28,7 +28,7 @@ struct GrownShape {
     ShapeFit
         fit;  // to all points reached; without is_inlier; errors as of refit.h, and the threshold of the last round
     double agreement = 1;    // RefittedShape::agreement
-    PointSet points;         // reached: near `fit.shape`, or, when converged, near the shape before the last step
+    PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };

@@ -154,10 +154,18 @@ TEST(FitAtGrown, NoiseFarAboveThatOfThePlaceIsDoubtful)
     const FittedPrimitive found = fit_at(*cloud, {{0, 0, 30}}, {}, options);
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_NE(found.primitive.fit.message.find("those around the place"), std::string::npos);
+    EXPECT_TRUE(found.converged);
+    for (const PlacedPoint& p : all_points(found.points.tree()))
+        if (found.points.contains(p.node, p.number))
+            ASSERT_LE(distance_to(found.primitive.fit.shape, p.position), found.primitive.fit.threshold);
     // Who gives a threshold has allowed for it.
-    options.fit.threshold = found.primitive.fit.threshold;
-    EXPECT_EQ(fit_at(*cloud, {{0, 0, 30}}, {}, options).primitive.fit.verdict, FitVerdict::good);
+    options.fit.threshold = 0.03;
+    options.count = 500;
+    const FittedPrimitive wide = fit_at(*cloud, {{0, 0, 30}}, {}, options);
+    EXPECT_GT(wide.primitive.fit.noise, 3 * wide.local.noise);
+    EXPECT_EQ(wide.primitive.fit.verdict, FitVerdict::good) << wide.primitive.fit.message;
     options.fit.threshold = 0;
+    options.count = 0;
     // Of the right kind it is good.
     options.fit.kind = ShapeKind::sphere;
     const FittedPrimitive right = fit_at(*cloud, {{0, 0, 30}}, {}, options);
