@@ -77,8 +77,8 @@ enum class FitIssue : std::uint8_t {
     coincident,    // all points at one place
     collinear,     // all points on one line
     coplanar,      // all points in one plane, where a curved surface was asked for
-    thin_arc,      // the points cover too little of the surface for their noise: its size is not determined
-    no_consensus,  // no sample has enough inliers
+    thin_arc,      // the points cover too little of the surface for their noise, or for errors that neighbours share
+    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it
     out_of_range,  // of the asked radii
     not_converged,
 };
@@ -86,7 +86,8 @@ const char* name_of(FitIssue issue);      // "thin arc"
 const char* name_of(FitVerdict verdict);  // "good"
 
 // Standard deviations, to first order in independent errors of the inliers along the normal; infinite where the points
-// do not determine it, 0 where the shape has no such number.
+// do not determine it, 0 where the shape has no such number. Of shapes that are almost planes errors are larger where
+// those of neighbouring points are alike.
 struct ShapeErrors {
     double position = 0;  // of the plane along its normal and of an axis across it, at the inliers' middle; of the
                           // centre of sphere and torus and of the cone's apex; in the direction where it is largest;

@@ -53,15 +53,14 @@ TEST(ChanceFits, ACylinderAmongFourTimesAsManyOutliersIsFound)
 
 TEST(ChanceFits, ThePretestKeepsSamplesOfRoughNormals)
 {
-    for (const Estimator estimator : {Estimator::rransac, Estimator::rmsac}) {
-        unsigned right = 0;
+    unsigned right = 0;
+    for (const Estimator estimator : {Estimator::rransac, Estimator::rmsac})
         for (std::uint64_t seed = 1; seed <= 30; ++seed) {
             const ShapeFit fit = fit_of(scene_of_cylinder(seed, 0.8), estimator, seed, 10000);
             EXPECT_TRUE(is_right(fit) || fit.verdict != FitVerdict::good) << text_of(fit.shape);
             right += is_right(fit) && fit.verdict == FitVerdict::good;
         }
-        EXPECT_GE(right, 27u) << traits_of(estimator).name;
-    }
+    EXPECT_GE(right, 57u);
 }
 
 TEST(ChanceFits, WhatTooFewSamplesFindIsDoubted)
@@ -79,16 +78,35 @@ TEST(ChanceFits, WhatTooFewSamplesFindIsDoubted)
         if (fit.verdict == FitVerdict::doubtful) EXPECT_NE(fit.issue, FitIssue::none) << fit.message;
     }
     EXPECT_GT(wrong, 15u);  // or nothing is tested
-    EXPECT_GT(right, 3u);
+    EXPECT_GT(right, 3u) << right;
 }
 
 // Estimated normals of few outliers are good, and few samples are enough; of many they are not.
 TEST(ChanceFits, SamplesAreAsManyAsTheNormalsAskFor)
 {
-    const ShapeFit few = fit_of(scene_of_cylinder(1, 0.3), Estimator::msac, 1, 10000),
-                   many = fit_of(scene_of_cylinder(1, 0.8), Estimator::msac, 1, 10000);
-    EXPECT_LT(few.iterations, 40u);
-    EXPECT_GT(many.iterations, 600u);
+    std::uint64_t few = 0, many = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        few += fit_of(scene_of_cylinder(seed, 0.3), Estimator::msac, seed, 10000).iterations;
+        many += fit_of(scene_of_cylinder(seed, 0.8), Estimator::msac, seed, 10000).iterations;
+    }
+    EXPECT_LT(few, 20 * 25u);
+    EXPECT_GT(many, 20 * 1600u);
+    EXPECT_LT(many, 20 * 2600u);  // least squares brings rough samples to the surface
+}
+
+// A bend of a seventh of the noise is certain by the number of points alone.
+TEST(ChanceFits, ABendFarWithinTheNoiseIsDoubted)
+{
+    SceneOptions options;
+    options.points = 20000;
+    options.outliers = 0;
+    options.noise = 0.001;
+    options.arc = 2 * std::asin(0.5 / 240);
+    const Scene scene = scene_of({ShapeKind::sphere, {0, 0, 0}, {0, 0, 1}, 240, 0}, options);
+    const ShapeFit fit = fit_of(scene, Estimator::msac, 1, 1000);
+    EXPECT_EQ(fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(fit.issue, FitIssue::thin_arc) << fit.message;
+    EXPECT_GT(fit.shape.radius, 11 * fit.errors.radius);
 }
 
 // Errors that neighbours share: waves as high as the noise bend a plane more than chance does.
