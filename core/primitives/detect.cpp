@@ -349,6 +349,9 @@ private:
                                     " pieces of surfaces that continue smoothly beyond the threshold (ground, or what "
                                     "the threshold is too small for); "
                                     "they were left out");
+        if (result.unbounded > 0)
+            report_.notes.push_back(grouped(result.unbounded) +
+                                    " primitives have no outline: their points are all on one line");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
         report_.outcome.points_in = result.points;
