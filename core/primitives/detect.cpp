@@ -12,7 +12,6 @@
 //    left out. Labels of points that are not within the threshold of the final shape are taken back.
 #include "pcm/primitives/detect.h"
 
-#include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/primitives/assign_points.h"
 #include "pcm/primitives/cloud_survey.h"
@@ -35,7 +34,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t unit_points = 200000;                  // of a sample
+constexpr std::uint64_t unit_points = 200000;  // of a sample, as far as numbers of points of nodes say
+constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread needs for them
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
@@ -206,25 +206,13 @@ private:
         while (!open.empty()) {
             const Box3i box = open.back();
             open.pop_back();
-            std::size_t axis = 0;
-            for (std::size_t a = 1; a < 3; ++a)
-                if (extent(box, a) > extent(box, axis)) axis = a;
-            if (box.min[axis] == box.max[axis] || sample_points(box, cell) <= 1.3 * unit_points) {
+            const std::vector<Box3i> halves = halves_of(box, tree_->info().grid.scale);
+            if (halves.empty() || sample_points(box, cell) <= unit_points)
                 units.push_back(box);
-                continue;
-            }
-            Box3i low = box, high = box;
-            low.max[axis] = box.min[axis] + static_cast<std::int64_t>(grid_steps(box.min[axis], box.max[axis]) / 2);
-            high.min[axis] = low.max[axis] + 1;
-            open.push_back(high);
-            open.push_back(low);
+            else
+                open.insert(open.end(), halves.rbegin(), halves.rend());
         }
         return units;
-    }
-
-    double extent(const Box3i& box, std::size_t axis) const
-    {
-        return static_cast<double>(grid_steps(box.min[axis], box.max[axis])) * tree_->info().grid.scale[axis];
     }
 
     std::vector<Resolution> resolutions() const
@@ -233,7 +221,8 @@ private:
         double cell = report_.sample;
         for (;; cell *= coarser) {
             Resolution resolution;
-            resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step};
+            resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step,
+                                 most_unit_points};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1) break;
@@ -274,7 +263,14 @@ private:
 
     std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
     {
-        const SurfaceSample sample = sample_surface(points_, box, resolution.sample);
+        std::vector<Hypothesis> found;
+        for_each_sample(points_, box, resolution.sample,
+                        [&](const Box3i&, const SurfaceSample& sample) { search_sample(resolution, sample, found); });
+        return found;
+    }
+
+    void search_sample(const Resolution& resolution, const SurfaceSample& sample, std::vector<Hypothesis>& found) const
+    {
         std::vector<std::uint8_t> taken(sample.size(), 0);
         mark_explained(sample, resolution.sample.cell, taken);
         ShapeSearchOptions search;
@@ -288,7 +284,6 @@ private:
         search.check = [this] {
             if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
         };
-        std::vector<Hypothesis> found;
         for (const FoundShape& shape : search_shapes(sample, search, taken)) {
             Hypothesis one;
             one.shape = shape.shape;
@@ -302,7 +297,6 @@ private:
                 one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
             found.push_back(std::move(one));
         }
-        return found;
     }
 
     void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
@@ -329,10 +323,12 @@ private:
         const std::vector<Box3i> units = units_of(report_.sample);
         AssignOptions assign;
         assign.sample = {tree_->info().levels, report_.sample,
-                         std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step};
+                         std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step,
+                         most_unit_points};
         assign.threshold = report_.threshold;
         assign.normal_angle = options_.normal_angle;
         assign.reach = reach_cells * report_.sample;
+        assign.least_points = options_.least_points;
         assign.threads = threads_;
         assign.progress = [&](double fraction) { watch_.report("Assigning points", 0.6 + 0.25 * fraction); };
         auto labels = std::make_shared<PointLabels>(*tree_);

@@ -109,14 +109,14 @@ public:
 
     FinalFit run()
     {
-        {
-            std::vector<Sums> sums = pass(0, 0.4, false);
+        for (const double begin : {0.0, 0.25}) {
+            std::vector<Sums> sums = pass(begin, begin + 0.25, false);
             for (std::size_t c = 0; c < candidates_.size(); ++c) {
                 candidates_[c].interior = sums[c].use_interior = sums[c].enough_interior_points();
                 if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
             }
         }
-        const std::vector<Sums> sums = pass(0.4, 0.8, true);
+        const std::vector<Sums> sums = pass(0.5, 0.8, true);
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -145,10 +145,6 @@ private:
         candidate.middle = from.box.centre();
         candidate.corner = from.box.min;
         candidate.extent = std::max(from.box.diagonal(), options_.threshold);
-        RefineOptions refine;
-        refine.threshold = options_.threshold;
-        const ShapeFit fit = refine_shape(FitPoints::of(from.some), candidate.shape, refine);
-        if (fit.has_shape() && from.some.size() >= 50) candidate.shape = fit.shape;
         candidates_.push_back(candidate);
     }
 
@@ -173,7 +169,9 @@ private:
 
     std::uint32_t candidate(std::uint32_t label) const
     {
-        return label == 0 ? none : candidate_of_[assigned_.part_of[(label & ~interior_label) - 1]];
+        if (label == 0) return none;
+        const std::uint32_t part = assigned_.part_of[(label & ~interior_label) - 1];
+        return part == AssignedPoints::no_part ? none : candidate_of_[part];
     }
 
     // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
