@@ -16,6 +16,12 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::size_t some_points = 256, most_some_points = 4096;
+constexpr double piece_edge = 0.2;     // share of the edge where the surface of a piece continues
+constexpr double piece_bend = 0.4;     // of the distances, what is left of them in a mean of 17; noise leaves 0.24
+constexpr double piece_outline = 1.5;  // of so many times the square root of its points, a part of its outline
+// Distances that are small beside the threshold are no bend that it cuts, unless much of the outline is.
+constexpr double flat_rms = 0.2, flat_outline = 4;
 constexpr std::size_t border_cells = std::size_t(1) << 20;  // in memory at once
 // A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
 constexpr std::size_t enough_beyond = 3;
@@ -45,7 +51,7 @@ public:
     }
 
     // `next`: the first label, less 1, that no unit has taken.
-    void run(PointLabels& labels, std::atomic<std::uint32_t>& next, BorderCells& border, UnitResult& result)
+    void run(PointLabels* labels, std::atomic<std::uint32_t>& next, BorderCells& border, UnitResult& result)
     {
         choose();
         connect();
@@ -54,7 +60,7 @@ public:
         find_border(border);
         find_interior();
         find_continued();
-        give_labels(labels);
+        if (labels) give_labels(*labels);
         for (std::uint32_t k = 0; k < parts_.size(); ++k)
             if (parts_[k].points >= options_.least_points || at_border_[k])
                 result.parts.push_back({first_ + k, parts_[k]});
@@ -76,10 +82,11 @@ private:
                 box.max[a] += reach - sample_.origin[a];
             }
             const Shape shape = shape_here(h);
+            const double threshold = hypotheses_[h].threshold;
             for (std::uint32_t i = 0; i < sample_.size(); ++i) {
                 if (!box.contains(sample_.at[i])) continue;
-                const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]));
-                if (!(distance < best[i]) || !fits(sample_, i, shape, options_.threshold, cos_angle)) continue;
+                const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) continue;
                 best[i] = distance;
                 owner_[i] = h;
             }
@@ -209,18 +216,26 @@ private:
             }
             if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
             const double distance = std::fabs(mean_distance(j, shape));
-            beyond += distance > least_beyond * options_.threshold && distance < most_beyond * options_.threshold;
+            const double threshold = hypotheses_[owner_[i]].threshold;
+            beyond += distance > least_beyond * threshold && distance < most_beyond * threshold;
         }
         return beyond >= enough_beyond;
     }
 
     void find_continued()
     {
+        std::vector<std::size_t> some_of(parts_.size(), 0);  // one of how many points is kept
+        for (const std::uint32_t part : part_)
+            if (part != none) ++some_of[part];
+        for (std::size_t& count : some_of) count = 1 + count / some_points;
         const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
             if (part_[i] == none || !sample_.inside[i]) continue;
             SurfacePart& part = parts_[part_[i]];
+            if (options_.keep_some && part.some.size() < some_points && i % some_of[part_[i]] == 0)
+                part.some.push_back(sample_.origin + sample_.at[i]);
             ++part.sampled;
+            part.box.extend(sample_.origin + sample_.at[i]);
             const Shape shape = shape_here(owner_[i]);
             if (interior_[i]) {
                 const double distance = signed_distance(shape, sample_.at[i]), mean = mean_distance(i, shape);
@@ -237,10 +252,11 @@ private:
     std::uint32_t label_of(const Vec3d& at, std::uint32_t i) const
     {
         std::uint32_t best = none;
-        double nearest = options_.threshold;
+        double nearest = 1;
         const auto consider = [&](std::uint32_t j) {
             if (part_[j] == none || part_[j] == best) return;
-            const double distance = distance_to(hypotheses_[owner_[j]].shape, at);
+            const Hypothesis& surface = hypotheses_[owner_[j]];
+            const double distance = distance_to(surface.shape, at) / surface.threshold;
             if (distance > nearest || (best != none && distance == nearest)) return;
             nearest = distance;
             best = part_[j];
@@ -295,13 +311,29 @@ void add_to(SurfacePart& whole, const SurfacePart& part)
     whole.smooth_squares += part.smooth_squares;
     whole.continued += part.continued;
     whole.box.extend(part.box);
+    whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
+    if (whole.some.size() <= most_some_points) return;
+    std::vector<Vec3d> half;
+    for (std::size_t i = 0; i < whole.some.size(); i += 2) half.push_back(whole.some[i]);
+    whole.some = std::move(half);
 }
 
 }  // namespace
 
+bool is_piece(const SurfacePart& part, double threshold)
+{
+    const auto continued = static_cast<double>(part.continued),
+               interior = static_cast<double>(part.sampled - part.edge);
+    const double outline = std::sqrt(static_cast<double>(part.sampled));
+    const bool flat = part.squares < flat_rms * flat_rms * threshold * threshold * interior;
+    return continued > piece_edge * static_cast<double>(part.edge) &&
+           part.smooth_squares > piece_bend * piece_bend * part.squares &&
+           continued > (flat ? flat_outline : piece_outline) * outline;
+}
+
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
-                             PointLabels& labels)
+                             PointLabels* labels)
 {
     std::vector<UnitResult> results(units.size());
     std::atomic<std::uint32_t> next{0};

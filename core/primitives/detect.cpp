@@ -20,6 +20,7 @@
 #include "pcm/primitives/point_labels.h"
 #include "pcm/primitives/shape_search.h"
 #include "pcm/primitives/surface_sample.h"
+#include "pcm/primitives/wider_shapes.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
@@ -41,7 +42,8 @@ constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
 constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
-constexpr double coarser = 4;  // cells of one resolution, in cells of the next
+constexpr double widen_cells = 3;  // of the sample, in cells of the one in which larger thresholds are tried
+constexpr double coarser = 4;      // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
 // How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
 // which the samples have no normals, and in cells of the present one.
@@ -91,10 +93,13 @@ public:
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
+            if (!(options_.threshold > 0)) widen();
             settle();
         }
         report_.outcome.seconds = watch_.seconds();
         report_.outcome.error = report_.threshold;
+        for (const Primitive& one : report_.primitives)
+            report_.outcome.error = std::max(report_.outcome.error, one.fit.threshold);
         report_.outcome.error_meaning = "largest distance of a point from its primitive, source units";
         watch_.finish("Done");
         return std::move(report_);
@@ -254,11 +259,40 @@ private:
         progress_ = std::min(0.6, end);
         for (std::vector<Hypothesis>& some : found)
             for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
+        hypotheses_ = merged(std::move(hypotheses_), merge_options(resolution.sample.cell));
+    }
+
+    MergeOptions merge_options(double cell) const
+    {
         MergeOptions merge;
-        merge.gap = std::max(reach_cells * resolution.sample.cell, options_.step);
-        merge.threshold = report_.threshold;
+        merge.gap = std::max(reach_cells * cell, options_.step);
         merge.normal_angle = options_.normal_angle;
-        hypotheses_ = merged(std::move(hypotheses_), merge);
+        return merge;
+    }
+
+    AssignOptions assign_options(double cell, double begin, double end)
+    {
+        AssignOptions assign;
+        assign.sample = {level_of(cell > report_.sample ? cell : 0), cell,
+                         std::max(margin_cells * cell, 1.01 * options_.step), options_.step, most_unit_points};
+        assign.normal_angle = options_.normal_angle;
+        assign.reach = reach_cells * cell;
+        assign.least_points = options_.least_points;
+        assign.threads = threads_;
+        assign.progress = [this, begin, end](double fraction) {
+            watch_.report("Assigning points", begin + (end - begin) * fraction);
+        };
+        return assign;
+    }
+
+    void widen()
+    {
+        const double cell = widen_cells * report_.sample;
+        WidenOptions widen;
+        widen.assign = assign_options(cell, 0.6, 0.65);
+        widen.assign.least_points = 0;
+        widen.merge = merge_options(cell);
+        hypotheses_ = with_wider_shapes(points_, units_of(cell), std::move(hypotheses_), widen);
     }
 
     std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
@@ -290,6 +324,7 @@ private:
             one.shape.point = one.shape.point + sample.origin;
             one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
             one.rms = shape.rms;
+            one.threshold = report_.threshold;
             one.reach = edge_cells * resolution.sample.cell;
             for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
             const std::size_t some = std::min(hypothesis_points, shape.points.size());
@@ -321,20 +356,10 @@ private:
     void settle()
     {
         const std::vector<Box3i> units = units_of(report_.sample);
-        AssignOptions assign;
-        assign.sample = {tree_->info().levels, report_.sample,
-                         std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step,
-                         most_unit_points};
-        assign.threshold = report_.threshold;
-        assign.normal_angle = options_.normal_angle;
-        assign.reach = reach_cells * report_.sample;
-        assign.least_points = options_.least_points;
-        assign.threads = threads_;
-        assign.progress = [&](double fraction) { watch_.report("Assigning points", 0.6 + 0.25 * fraction); };
         auto labels = std::make_shared<PointLabels>(*tree_);
-        AssignedPoints assigned = assign_points(points_, units, hypotheses_, assign, *labels);
+        AssignedPoints assigned =
+            assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
         FinalFitOptions fit;
-        fit.threshold = report_.threshold;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;
         fit.threads = threads_;

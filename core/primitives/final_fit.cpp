@@ -20,9 +20,6 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
-constexpr double piece_edge = 0.2;       // share of the edge where the surface of a piece continues
-constexpr double piece_bend = 0.4;       // of the distances, what is left of them in a mean of 17; noise leaves 0.24
-constexpr double piece_outline = 1.5;    // of so many times the square root of its points, a part of its outline
 constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
 constexpr double cubes_per_extent = 16;  // in which errors are compared with their neighbours'
 
@@ -31,6 +28,7 @@ struct Candidate {
     Vec3d middle{};
     double extent = 0;
     Vec3d corner{};
+    double threshold = 0;
     std::uint32_t part = 0;
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
@@ -76,16 +74,6 @@ struct Sums {
     std::optional<PartFacts> facts;
 };
 
-// Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
-// continues.
-bool is_piece(const SurfacePart& part)
-{
-    const auto continued = static_cast<double>(part.continued);
-    return continued > piece_edge * static_cast<double>(part.edge) &&
-           part.smooth_squares > piece_bend * piece_bend * part.squares &&
-           continued > piece_outline * std::sqrt(static_cast<double>(part.sampled));
-}
-
 // By candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
 
@@ -98,7 +86,7 @@ public:
         for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
             const SurfacePart& part = assigned.parts[p];
             if (part.points < options.least_points) continue;
-            const bool piece = is_piece(part);
+            const bool piece = is_piece(part, hypotheses[part.hypothesis].threshold);
             result_.pieces += piece;
             if (piece) result_.piece_points += part.points;
             if (!piece || options.keep_pieces) add(p, hypotheses);
@@ -141,10 +129,11 @@ private:
         const SurfacePart& from = assigned_.parts[part];
         Candidate candidate;
         candidate.part = part;
+        candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();
         candidate.corner = from.box.min;
-        candidate.extent = std::max(from.box.diagonal(), options_.threshold);
+        candidate.extent = std::max(from.box.diagonal(), candidate.threshold);
         candidates_.push_back(candidate);
     }
 
@@ -204,7 +193,7 @@ private:
         const std::vector<Vec3d> at = points_.positions(node);
         for (std::size_t i = 0; i < labels.size(); ++i) {
             const std::uint32_t c = candidate(labels[i]);
-            if (c == none || distance_to(candidates_[c].shape, at[i]) > options_.threshold) continue;
+            if (c == none || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
             if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], facts_too)).first;
             found->second.add(at[i], (labels[i] & interior_label) != 0, candidates_[c].shape);
@@ -214,7 +203,7 @@ private:
     Primitive primitive_of(const Candidate& candidate, const Sums& sums)
     {
         Primitive primitive;
-        primitive.fit = sums.best().result(options_.threshold);
+        primitive.fit = sums.best().result(candidate.threshold);
         primitive.points = sums.all.points();
         primitive.cloud = points_.tree().folder().string();
         primitive.estimator = "detect";
@@ -222,7 +211,7 @@ private:
         if (!primitive.fit.has_shape()) return primitive;
         enlarge(primitive.fit.errors, sums.facts->alike.factor());
         bound(primitive, sums.facts->ends.points());
-        if (primitive.fit.verdict == FitVerdict::good && is_piece(part)) {
+        if (primitive.fit.verdict == FitVerdict::good && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
@@ -253,7 +242,7 @@ private:
                 const std::vector<Vec3d> at = points_.positions(node);
                 for (std::size_t i = 0; i < labels.size(); ++i) {
                     const std::uint32_t c = candidate(labels[i]);
-                    const bool near = c != none && distance_to(candidates_[c].shape, at[i]) <= options_.threshold;
+                    const bool near = c != none && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
                     labels[i] = near ? label_of[c] : 0;
                 }
                 labels_.set_all(node, labels);

@@ -11,7 +11,6 @@
 namespace pcm {
 
 struct FinalFitOptions {
-    double threshold = 0;
     std::uint64_t least_points = 0;
     bool keep_pieces = false;  // as doubtful ones
     unsigned threads = 1;

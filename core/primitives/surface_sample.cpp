@@ -186,7 +186,7 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
     sample.origin = points.source_box(box).centre();
     std::vector<Vec3i> grid;
     std::size_t inside = 0;
-    const auto too_many = [&] { return inside > most || (grid.size() > 2 * most && inside > most / 8); };
+    const auto too_many = [&] { return inside > most || (grid.size() > most + most / 3 && inside > most / 8); };
     const Box3i around = box_around(box, settings.margin, tree.info());
     points.visit(around, settings.level, [&](const ChosenPoints::Some& some) {
         if (too_many()) return;

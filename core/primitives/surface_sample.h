@@ -91,7 +91,7 @@ SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const
 // The two halves of a box across its longest side; none of a box of one grid position.
 std::vector<Box3i> halves_of(const Box3i& box, const Vec3d& scale);
 
-// Calls use() with the sample of the box; where that has more than settings.most points in the box, or twice as many
+// Calls use() with the sample of the box; where that has more than settings.most points in the box, or a third more
 // with the margin, with those of its halves, in turn, and so on. Throws what reading and `use` throw.
 void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
                      const std::function<void(const Box3i&, SurfaceSample)>& use);

@@ -70,7 +70,7 @@ protected:
             const std::uint32_t label = labels[p.number];
             if (label == 0) continue;
             ASSERT_LE(label, report.primitives.size());
-            ASSERT_LE(distance_to(report.primitives[label - 1].fit.shape, p.position), report.threshold * (1 + 1e-6));
+            ASSERT_LE(distance_to(report.primitives[label - 1].fit.shape, p.position), report.primitives[label - 1].fit.threshold * (1 + 1e-6));
             ++counts[label];
             ++labelled;
         }
