@@ -39,7 +39,7 @@ struct DetectReport {
     Outcome outcome;                    // in: points looked at; out: points that belong to a primitive
     std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
     // That were used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
-    // (Primitive::fit.threshold), up to four times, where its surface is rougher than the cloud's noise.
+    // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
     double threshold = 0, step = 0;
     double spacing = 0, noise = 0;  // of the cloud, source units, as far as a few places say
     double sample = 0;              // shapes are searched in one point for each cell of this size, source units

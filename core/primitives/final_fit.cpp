@@ -29,6 +29,7 @@ struct Candidate {
     double extent = 0;
     Vec3d corner{};
     double threshold = 0;
+    bool whole = false;
     std::uint32_t part = 0;
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
@@ -86,7 +87,8 @@ public:
         for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
             const SurfacePart& part = assigned.parts[p];
             if (part.points < options.least_points) continue;
-            const bool piece = is_piece(part, hypotheses[part.hypothesis].threshold);
+            const Hypothesis& from = hypotheses[part.hypothesis];
+            const bool piece = !from.whole && is_piece(part, from.threshold);
             result_.pieces += piece;
             if (piece) result_.piece_points += part.points;
             if (!piece || options.keep_pieces) add(p, hypotheses);
@@ -129,6 +131,7 @@ private:
         const SurfacePart& from = assigned_.parts[part];
         Candidate candidate;
         candidate.part = part;
+        candidate.whole = hypotheses[from.hypothesis].whole;
         candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();
@@ -211,7 +214,7 @@ private:
         if (!primitive.fit.has_shape()) return primitive;
         enlarge(primitive.fit.errors, sums.facts->alike.factor());
         bound(primitive, sums.facts->ends.points());
-        if (primitive.fit.verdict == FitVerdict::good && is_piece(part, candidate.threshold)) {
+        if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";

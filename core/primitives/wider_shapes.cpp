@@ -8,8 +8,9 @@
 namespace pcm {
 namespace {
 
-constexpr int doublings = 2;
+constexpr int doublings = 3;
 constexpr double joined_share = 0.9;        // of the points of two layers that a shape for both has
+constexpr double widest_rms = 0.2;          // of a whole surface, in thresholds
 constexpr std::size_t least_sampled = 100;  // of a part that is looked at
 
 // A hypothesis' points in a trial.
@@ -17,6 +18,13 @@ struct Trial {
     double pieces = 0, whole = 0;  // points of the sample in parts that are pieces, and in others
     const SurfacePart* largest = nullptr;
 };
+
+// What a threshold cuts out of ground has points at all distances up to the threshold.
+bool fills_threshold(const SurfacePart& part, double threshold)
+{
+    const auto interior = static_cast<double>(part.sampled - part.edge);
+    return !(part.squares < widest_rms * widest_rms * threshold * threshold * interior);
+}
 
 class Widening {
 public:
@@ -38,12 +46,14 @@ public:
             bent = merged(joined(std::move(bent)), options_.merge);
             std::vector<Hypothesis> wide = bent;
             bent = take_bent(wide);
+            for (Hypothesis& one : wide) one.whole = true;
             found.insert(found.end(), wide.begin(), wide.end());
             settled_.insert(settled_.end(), wide.begin(), wide.end());
         }
-        settled_.insert(settled_.end(), before.begin(), before.end());
-        if (found.empty()) return std::move(settled_);
-        return merged(std::move(settled_), options_.merge);
+        settled_.resize(settled_.size() - found.size());
+        found.insert(found.end(), before.begin(), before.end());
+        for (Hypothesis& one : merged(std::move(found), options_.merge)) settled_.push_back(std::move(one));
+        return std::move(settled_);
     }
 
 private:
@@ -73,7 +83,8 @@ private:
         std::vector<Hypothesis> bent, kept;
         for (std::size_t h = 0; h < from.size(); ++h) {
             const Trial& one = trials[first + h];
-            const bool piece = own ? one.pieces > one.whole : one.pieces >= one.whole;
+            const bool piece = own ? one.pieces > one.whole
+                                   : one.pieces >= one.whole || fills_threshold(*one.largest, from[h].threshold);
             (piece ? bent : kept).push_back(from[h]);
         }
         from = std::move(kept);

@@ -17,6 +17,7 @@ Hypothesis hypothesis(const pcm::Shape& shape, const std::vector<Vec3d>& points,
     one.shape = shape;
     one.some = points;
     one.area = area;
+    one.threshold = threshold;
     double squares = 0;
     for (const Vec3d& p : points) {
         one.box.extend(p);
