@@ -11,6 +11,7 @@ namespace {
 constexpr int doublings = 3;
 constexpr double joined_share = 0.9;        // of the points of two layers that a shape for both has
 constexpr double widest_rms = 0.2;          // of a whole surface, in thresholds
+constexpr double most_continued = 0.1;      // share of its edge where it may seem to continue
 constexpr std::size_t least_sampled = 100;  // of a part that is looked at
 
 // A hypothesis' points in a trial.
@@ -19,10 +20,11 @@ struct Trial {
     const SurfacePart* largest = nullptr;
 };
 
-// What a threshold cuts out of ground has points at all distances up to the threshold.
-bool fills_threshold(const SurfacePart& part, double threshold)
+// What a threshold cuts out of ground has points at all distances up to the threshold, or continues somewhere.
+bool is_cut_out(const SurfacePart& part, double threshold)
 {
     const auto interior = static_cast<double>(part.sampled - part.edge);
+    if (static_cast<double>(part.continued) > most_continued * static_cast<double>(part.edge)) return true;
     return !(part.squares < widest_rms * widest_rms * threshold * threshold * interior);
 }
 
@@ -83,8 +85,8 @@ private:
         std::vector<Hypothesis> bent, kept;
         for (std::size_t h = 0; h < from.size(); ++h) {
             const Trial& one = trials[first + h];
-            const bool piece = own ? one.pieces > one.whole
-                                   : one.pieces >= one.whole || fills_threshold(*one.largest, from[h].threshold);
+            const bool piece =
+                own ? one.pieces > one.whole : one.pieces >= one.whole || is_cut_out(*one.largest, from[h].threshold);
             (piece ? bent : kept).push_back(from[h]);
         }
         from = std::move(kept);
