@@ -6,6 +6,7 @@
 //    which are searched by all threads (shape_search.h), without points that coarser shapes explain. So a large shape
 //    is found in one piece, and a small one at the density that shows it. Shapes of different boxes that are one
 //    surface are brought together (hypotheses.h).
+//    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
