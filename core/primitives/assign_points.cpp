@@ -1,5 +1,6 @@
 #include "pcm/primitives/assign_points.h"
 
+#include "pcm/primitives/border_cells.h"
 #include "pcm/primitives/shape_search.h"
 #include "pcm/threads/for_each_index.h"
 
@@ -8,61 +9,62 @@
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
-#include <tuple>
 #include <utility>
 
 namespace pcm {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr std::size_t part_points = 512;  // in SurfacePart::some
+constexpr std::size_t some_points = 256, most_some_points = 4096;
+constexpr double piece_edge = 0.2;     // share of the edge where the surface of a piece continues
+constexpr double piece_bend = 0.4;     // of the distances, what is left of them in a mean of 17; noise leaves 0.24
+constexpr double piece_outline = 1.5;  // of so many times the square root of its points, a part of its outline
+// Distances that are small beside the threshold are no bend that it cuts, unless much of the outline is.
+constexpr double flat_rms = 0.2, flat_outline = 4;
+constexpr std::size_t border_cells = std::size_t(1) << 20;  // in memory at once
 // A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
 constexpr std::size_t enough_beyond = 3;
 constexpr double least_beyond = 0.7, most_beyond = 4;
 
-// A cell of the sample at the border of units, where parts of neighbouring units meet.
-struct BorderCell {
-    std::uint64_t key = 0;
-    std::uint32_t hypothesis = 0, part = 0;
-    bool operator<(const BorderCell& o) const
-    {
-        return std::tie(key, hypothesis, part) < std::tie(o.key, o.hypothesis, o.part);
-    }
+struct UnitPart {
+    std::uint32_t label = 0;  // less 1
+    SurfacePart part;
 };
 
 struct UnitResult {
-    std::uint32_t first = 0;  // the label of the first part, less 1
-    std::vector<SurfacePart> parts;
-    std::vector<BorderCell> border;
+    std::vector<UnitPart> parts;                                  // of interest
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;  // labels, less 1, of parts that are one
 };
 
 class UnitAssignment {
 public:
-    UnitAssignment(const ChosenPoints& points, const Box3i& box, const std::vector<Hypothesis>& hypotheses,
-                   const AssignOptions& options)
+    UnitAssignment(const ChosenPoints& points, const Box3i& box, SurfaceSample sample,
+                   const std::vector<Hypothesis>& hypotheses, const AssignOptions& options)
         : points_(points),
           box_(box),
           hypotheses_(hypotheses),
           options_(options),
           lattice_(points.tree(), options.sample.cell),
-          sample_(sample_surface(points, box, options.sample))
+          sample_(std::move(sample))
     {
     }
 
     // `next`: the first label, less 1, that no unit has taken.
-    UnitResult run(PointLabels& labels, std::atomic<std::uint32_t>& next)
+    void run(PointLabels* labels, std::atomic<std::uint32_t>& next, BorderCells& border, UnitResult& result)
     {
         choose();
         connect();
         if (options_.sample.step > 0) connect_far();
-        result_.first = next.fetch_add(static_cast<std::uint32_t>(result_.parts.size()));
-        find_border();
+        first_ = next.fetch_add(static_cast<std::uint32_t>(parts_.size()));
+        find_border(border);
         find_interior();
         find_continued();
-        give_labels(labels);
-        return std::move(result_);
+        if (labels) give_labels(*labels);
+        for (std::uint32_t k = 0; k < parts_.size(); ++k)
+            if (parts_[k].points >= options_.least_points || at_border_[k])
+                result.parts.push_back({first_ + k, parts_[k]});
+        for (const auto& [a, b] : joined_) result.joined.push_back({first_ + a, first_ + b});
     }
 
 private:
@@ -80,10 +82,11 @@ private:
                 box.max[a] += reach - sample_.origin[a];
             }
             const Shape shape = shape_here(h);
+            const double threshold = hypotheses_[h].threshold;
             for (std::uint32_t i = 0; i < sample_.size(); ++i) {
                 if (!box.contains(sample_.at[i])) continue;
-                const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]));
-                if (!(distance < best[i]) || !fits(sample_, i, shape, options_.threshold, cos_angle)) continue;
+                const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) continue;
                 best[i] = distance;
                 owner_[i] = h;
             }
@@ -96,9 +99,9 @@ private:
         std::vector<std::uint32_t> open;
         for (std::uint32_t seed = 0; seed < sample_.size(); ++seed) {
             if (owner_[seed] == none || part_[seed] != none) continue;
-            const auto part = static_cast<std::uint32_t>(result_.parts.size());
-            result_.parts.emplace_back();
-            result_.parts.back().hypothesis = owner_[seed];
+            const auto part = static_cast<std::uint32_t>(parts_.size());
+            parts_.emplace_back();
+            parts_.back().hypothesis = owner_[seed];
             part_[seed] = part;
             open.assign(1, seed);
             while (!open.empty()) {
@@ -149,24 +152,26 @@ private:
         joined_.insert(joined_.end(), joined.begin(), joined.end());
     }
 
-    void find_border()
+    void find_border(BorderCells& border)
     {
         const Box3d box = points_.source_box(box_);
         const double zone = std::max(1.5 * options_.sample.cell, options_.sample.step);
+        const Box3i& all = points_.tree().info().box;  // beyond which there is no unit
+        std::vector<BorderCell> cells;
+        at_border_.assign(parts_.size(), false);
         for (const auto& [key, i] : sample_.by_cell) {
             if (part_[i] == none) continue;
             const Vec3d p = sample_.origin + sample_.at[i];
             bool near = false;
             for (std::size_t a = 0; a < 3; ++a)
-                near = near || std::fabs(p[a] - box.min[a]) <= zone || std::fabs(p[a] - box.max[a]) <= zone;
-            if (near) result_.border.push_back({key, owner_[i], part_[i]});
+                near = near || (box_.min[a] > all.min[a] && std::fabs(p[a] - box.min[a]) <= zone) ||
+                       (box_.max[a] < all.max[a] && std::fabs(p[a] - box.max[a]) <= zone);
+            if (!near) continue;
+            cells.push_back({key, owner_[i], first_ + part_[i]});
+            at_border_[part_[i]] = true;
         }
-        // Parts that are one by an edge of one direction share a cell that no point has.
-        std::uint64_t key = std::uint64_t(1) << 63;
-        for (const auto& [a, b] : joined_) {
-            result_.border.push_back({key, result_.parts[a].hypothesis, a});
-            result_.border.push_back({key++, result_.parts[a].hypothesis, b});
-        }
+        border.add(cells);
+        for (const auto& [a, b] : joined_) at_border_[a] = at_border_[b] = true;
     }
 
     void find_interior()
@@ -211,18 +216,26 @@ private:
             }
             if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
             const double distance = std::fabs(mean_distance(j, shape));
-            beyond += distance > least_beyond * options_.threshold && distance < most_beyond * options_.threshold;
+            const double threshold = hypotheses_[owner_[i]].threshold;
+            beyond += distance > least_beyond * threshold && distance < most_beyond * threshold;
         }
         return beyond >= enough_beyond;
     }
 
     void find_continued()
     {
+        std::vector<std::size_t> some_of(parts_.size(), 0);  // one of how many points is kept
+        for (const std::uint32_t part : part_)
+            if (part != none) ++some_of[part];
+        for (std::size_t& count : some_of) count = 1 + count / some_points;
         const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
             if (part_[i] == none || !sample_.inside[i]) continue;
-            SurfacePart& part = result_.parts[part_[i]];
+            SurfacePart& part = parts_[part_[i]];
+            if (options_.keep_some && part.some.size() < some_points && i % some_of[part_[i]] == 0)
+                part.some.push_back(sample_.origin + sample_.at[i]);
             ++part.sampled;
+            part.box.extend(sample_.origin + sample_.at[i]);
             const Shape shape = shape_here(owner_[i]);
             if (interior_[i]) {
                 const double distance = signed_distance(shape, sample_.at[i]), mean = mean_distance(i, shape);
@@ -239,10 +252,11 @@ private:
     std::uint32_t label_of(const Vec3d& at, std::uint32_t i) const
     {
         std::uint32_t best = none;
-        double nearest = options_.threshold;
+        double nearest = 1;
         const auto consider = [&](std::uint32_t j) {
             if (part_[j] == none || part_[j] == best) return;
-            const double distance = distance_to(hypotheses_[owner_[j]].shape, at);
+            const Hypothesis& surface = hypotheses_[owner_[j]];
+            const double distance = distance_to(surface.shape, at) / surface.threshold;
             if (distance > nearest || (best != none && distance == nearest)) return;
             nearest = distance;
             best = part_[j];
@@ -251,12 +265,11 @@ private:
         const std::uint32_t* const near = sample_.neighbours(i);
         for (std::size_t k = 0; k < 6; ++k) consider(near[k]);
         if (best == none) return 0;
-        return (result_.first + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
+        return (first_ + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
     }
 
     void give_labels(PointLabels& labels)
     {
-        std::vector<std::uint64_t> seen(result_.parts.size(), 0);
         points_.visit(box_, options_.sample.level, [&](const ChosenPoints::Some& some) {
             std::vector<std::uint32_t> numbers, given;
             for (std::size_t i = 0; i < some.number.size(); ++i) {
@@ -266,19 +279,12 @@ private:
                 if (label == 0) continue;
                 numbers.push_back(some.number[i]);
                 given.push_back(label);
-                SurfacePart& part = result_.parts[(label & ~interior_label) - 1 - result_.first];
+                SurfacePart& part = parts_[(label & ~interior_label) - 1 - first_];
                 ++part.points;
                 part.box.extend(some.at[i]);
             }
             labels.set(some.node, numbers, given.data());
         });
-        for (std::uint32_t i = 0; i < sample_.size(); ++i) {
-            if (part_[i] == none || !sample_.inside[i]) continue;
-            SurfacePart& part = result_.parts[part_[i]];
-            const std::uint64_t every = 1 + part.points / (2 * part_points);
-            if (seen[part_[i]]++ % every == 0 && part.some.size() < part_points)
-                part.some.push_back(sample_.origin + sample_.at[i]);
-        }
     }
 
     const ChosenPoints& points_;
@@ -290,14 +296,10 @@ private:
     std::vector<std::uint32_t> owner_, part_;  // of the sample's points: hypothesis and part, or `none`
     std::vector<std::uint8_t> interior_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;
-    UnitResult result_;
+    std::vector<SurfacePart> parts_;
+    std::vector<bool> at_border_;  // of parts
+    std::uint32_t first_ = 0;
 };
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
 
 void add_to(SurfacePart& whole, const SurfacePart& part)
 {
@@ -310,65 +312,59 @@ void add_to(SurfacePart& whole, const SurfacePart& part)
     whole.continued += part.continued;
     whole.box.extend(part.box);
     whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
-    if (whole.some.size() <= 2 * part_points) return;
-    std::vector<Vec3d> some;
-    for (std::size_t i = 0; i < whole.some.size(); i += 2) some.push_back(whole.some[i]);
-    whole.some = std::move(some);
-}
-
-// Joins parts that have a cell of the border in common. `units` number their parts one after the other.
-std::vector<std::uint32_t> roots_of(const std::vector<UnitResult>& units, const std::vector<std::uint32_t>& first)
-{
-    std::vector<std::uint32_t> parent(first.back());
-    std::iota(parent.begin(), parent.end(), 0u);
-    std::vector<BorderCell> border;
-    for (std::size_t u = 0; u < units.size(); ++u)
-        for (BorderCell cell : units[u].border) {
-            if (cell.key >> 63) cell.key += std::uint64_t(u) << 32;
-            cell.part += first[u];
-            border.push_back(cell);
-        }
-    std::sort(border.begin(), border.end());
-    for (std::size_t i = 1; i < border.size(); ++i)
-        if (border[i].key == border[i - 1].key && border[i].hypothesis == border[i - 1].hypothesis) {
-            const std::uint32_t a = root_of(parent, border[i].part), b = root_of(parent, border[i - 1].part);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
-    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root_of(parent, i);
-    return parent;
+    if (whole.some.size() <= most_some_points) return;
+    std::vector<Vec3d> half;
+    for (std::size_t i = 0; i < whole.some.size(); i += 2) half.push_back(whole.some[i]);
+    whole.some = std::move(half);
 }
 
 }  // namespace
 
+bool is_piece(const SurfacePart& part, double threshold)
+{
+    const auto continued = static_cast<double>(part.continued),
+               interior = static_cast<double>(part.sampled - part.edge);
+    const double outline = std::sqrt(static_cast<double>(part.sampled));
+    const bool flat = part.squares < flat_rms * flat_rms * threshold * threshold * interior;
+    return continued > piece_edge * static_cast<double>(part.edge) &&
+           part.smooth_squares > piece_bend * piece_bend * part.squares &&
+           continued > (flat ? flat_outline : piece_outline) * outline;
+}
+
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
-                             PointLabels& labels)
+                             PointLabels* labels)
 {
     std::vector<UnitResult> results(units.size());
     std::atomic<std::uint32_t> next{0};
+    BorderCells border;
     for_each_index(
         units.size(), options.threads,
-        [&](std::size_t u) { results[u] = UnitAssignment(points, units[u], hypotheses, options).run(labels, next); },
+        [&](std::size_t u) {
+            for_each_sample(points, units[u], options.sample, [&](const Box3i& box, SurfaceSample sample) {
+                UnitAssignment(points, box, std::move(sample), hypotheses, options)
+                    .run(labels, next, border, results[u]);
+            });
+        },
         [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
-    std::vector<std::uint32_t> first{0};
+    JoinedLabels joined(next);
+    border.join(joined, border_cells);
     for (const UnitResult& result : results)
-        first.push_back(first.back() + static_cast<std::uint32_t>(result.parts.size()));
-    const std::vector<std::uint32_t> root = roots_of(results, first);
+        for (const auto& [a, b] : result.joined) joined.join(a, b);
     AssignedPoints assigned;
-    assigned.part_of.resize(root.size());
-    std::vector<std::uint32_t> place(root.size());
-    for (std::size_t u = 0; u < units.size(); ++u)
-        for (std::uint32_t k = 0; k < results[u].parts.size(); ++k) {
-            const std::uint32_t i = first[u] + k;
-            if (root[i] == i) {
-                place[i] = static_cast<std::uint32_t>(assigned.parts.size());
+    assigned.part_of.assign(next, AssignedPoints::no_part);
+    for (UnitResult& result : results) {
+        for (const UnitPart& part : result.parts) {
+            std::uint32_t& place = assigned.part_of[joined.root(part.label)];
+            if (place == AssignedPoints::no_part) {
+                place = static_cast<std::uint32_t>(assigned.parts.size());
                 assigned.parts.emplace_back();
-            } else {
-                place[i] = place[root[i]];
             }
-            add_to(assigned.parts[place[i]], results[u].parts[k]);
-            assigned.part_of[results[u].first + k] = place[i];
+            add_to(assigned.parts[place], part.part);
         }
+        result = {};
+    }
+    for (std::uint32_t label = 0; label < next; ++label) assigned.part_of[label] = assigned.part_of[joined.root(label)];
     return assigned;
 }
 

@@ -22,12 +22,18 @@ struct SurfacePart {
     // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
     Box3d box;
-    std::vector<Vec3d> some;  // of the points, evenly; source coordinates
+    std::vector<Vec3d> some;  // with AssignOptions::keep_some, of the sample's points; source coordinates
 };
+
+// Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
+// continues, and its distances from the shape fill the threshold, neighbours' alike.
+bool is_piece(const SurfacePart& part, double threshold);
 
 struct AssignOptions {
     SampleSettings sample;
-    double threshold = 0, normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
+    double normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
+    std::uint64_t least_points = 0;      // parts with fewer are of no interest
+    bool keep_some = false;              // up to 256 points of each unit's parts
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };
@@ -36,14 +42,19 @@ inline constexpr std::uint32_t interior_label = 0x80000000u;  // set where all n
 
 struct AssignedPoints {
     std::vector<SurfacePart> parts;
-    // parts[part_of[label - 1]] has the points with that label, the bit interior_label taken off; label 0: of no part.
+    // parts[part_of[label - 1]] has the points with that label, the bit interior_label taken off, if that is not
+    // no_part; label 0: of no part.
     std::vector<std::uint32_t> part_of;
+    static constexpr std::uint32_t no_part = 0xffffffffu;
 };
 
-// Of the surfaces within the threshold whose normal agrees, a point belongs to the nearest; connected by the edges of
-// the samples of the units. The parts do not depend on threads, the labels do. Throws what reading and `labels` throw.
+// Of the surfaces within whose threshold it is and whose normal agrees, a point belongs to the nearest, in units of
+// their thresholds; connected by the edges of
+// the samples of the units. The parts do not depend on threads, the labels do; `labels` may be null. Memory: a sample
+// per thread, and per part of at least least_points or at the border of a unit some 150 bytes; cells at borders lie in
+// a scratch file. Throws what reading and `labels` throw.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
-                             PointLabels& labels);
+                             PointLabels* labels);
 
 }  // namespace pcm

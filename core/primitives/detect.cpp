@@ -6,13 +6,13 @@
 //    which are searched by all threads (shape_search.h), without points that coarser shapes explain. So a large shape
 //    is found in one piece, and a small one at the density that shows it. Shapes of different boxes that are one
 //    surface are brought together (hypotheses.h).
+//    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
 //    left out. Labels of points that are not within the threshold of the final shape are taken back.
 #include "pcm/primitives/detect.h"
 
-#include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/primitives/assign_points.h"
 #include "pcm/primitives/cloud_survey.h"
@@ -21,6 +21,7 @@
 #include "pcm/primitives/point_labels.h"
 #include "pcm/primitives/shape_search.h"
 #include "pcm/primitives/surface_sample.h"
+#include "pcm/primitives/wider_shapes.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
@@ -35,13 +36,15 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t unit_points = 200000;                  // of a sample
+constexpr std::uint64_t unit_points = 200000;  // of a sample, as far as numbers of points of nodes say
+constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread needs for them
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
 constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
-constexpr double coarser = 4;  // cells of one resolution, in cells of the next
+constexpr double widen_cells = 3;  // of the sample, in cells of the one in which larger thresholds are tried
+constexpr double coarser = 4;      // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
 // How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
 // which the samples have no normals, and in cells of the present one.
@@ -91,10 +94,13 @@ public:
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
+            if (!(options_.threshold > 0)) widen();
             settle();
         }
         report_.outcome.seconds = watch_.seconds();
         report_.outcome.error = report_.threshold;
+        for (const Primitive& one : report_.primitives)
+            report_.outcome.error = std::max(report_.outcome.error, one.fit.threshold);
         report_.outcome.error_meaning = "largest distance of a point from its primitive, source units";
         watch_.finish("Done");
         return std::move(report_);
@@ -206,25 +212,13 @@ private:
         while (!open.empty()) {
             const Box3i box = open.back();
             open.pop_back();
-            std::size_t axis = 0;
-            for (std::size_t a = 1; a < 3; ++a)
-                if (extent(box, a) > extent(box, axis)) axis = a;
-            if (box.min[axis] == box.max[axis] || sample_points(box, cell) <= 1.3 * unit_points) {
+            const std::vector<Box3i> halves = halves_of(box, tree_->info().grid.scale);
+            if (halves.empty() || sample_points(box, cell) <= unit_points)
                 units.push_back(box);
-                continue;
-            }
-            Box3i low = box, high = box;
-            low.max[axis] = box.min[axis] + static_cast<std::int64_t>(grid_steps(box.min[axis], box.max[axis]) / 2);
-            high.min[axis] = low.max[axis] + 1;
-            open.push_back(high);
-            open.push_back(low);
+            else
+                open.insert(open.end(), halves.rbegin(), halves.rend());
         }
         return units;
-    }
-
-    double extent(const Box3i& box, std::size_t axis) const
-    {
-        return static_cast<double>(grid_steps(box.min[axis], box.max[axis])) * tree_->info().grid.scale[axis];
     }
 
     std::vector<Resolution> resolutions() const
@@ -233,7 +227,8 @@ private:
         double cell = report_.sample;
         for (;; cell *= coarser) {
             Resolution resolution;
-            resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step};
+            resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step,
+                                 most_unit_points};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1) break;
@@ -265,16 +260,52 @@ private:
         progress_ = std::min(0.6, end);
         for (std::vector<Hypothesis>& some : found)
             for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
+        hypotheses_ = merged(std::move(hypotheses_), merge_options(resolution.sample.cell));
+    }
+
+    MergeOptions merge_options(double cell) const
+    {
         MergeOptions merge;
-        merge.gap = std::max(reach_cells * resolution.sample.cell, options_.step);
-        merge.threshold = report_.threshold;
+        merge.gap = std::max(reach_cells * cell, options_.step);
         merge.normal_angle = options_.normal_angle;
-        hypotheses_ = merged(std::move(hypotheses_), merge);
+        return merge;
+    }
+
+    AssignOptions assign_options(double cell, double begin, double end)
+    {
+        AssignOptions assign;
+        assign.sample = {level_of(cell > report_.sample ? cell : 0), cell,
+                         std::max(margin_cells * cell, 1.01 * options_.step), options_.step, most_unit_points};
+        assign.normal_angle = options_.normal_angle;
+        assign.reach = reach_cells * cell;
+        assign.least_points = options_.least_points;
+        assign.threads = threads_;
+        assign.progress = [this, begin, end](double fraction) {
+            watch_.report("Assigning points", begin + (end - begin) * fraction);
+        };
+        return assign;
+    }
+
+    void widen()
+    {
+        const double cell = widen_cells * report_.sample;
+        WidenOptions widen;
+        widen.assign = assign_options(cell, 0.6, 0.65);
+        widen.assign.least_points = 0;
+        widen.merge = merge_options(cell);
+        hypotheses_ = with_wider_shapes(points_, units_of(cell), std::move(hypotheses_), widen);
     }
 
     std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
     {
-        const SurfaceSample sample = sample_surface(points_, box, resolution.sample);
+        std::vector<Hypothesis> found;
+        for_each_sample(points_, box, resolution.sample,
+                        [&](const Box3i&, const SurfaceSample& sample) { search_sample(resolution, sample, found); });
+        return found;
+    }
+
+    void search_sample(const Resolution& resolution, const SurfaceSample& sample, std::vector<Hypothesis>& found) const
+    {
         std::vector<std::uint8_t> taken(sample.size(), 0);
         mark_explained(sample, resolution.sample.cell, taken);
         ShapeSearchOptions search;
@@ -288,13 +319,13 @@ private:
         search.check = [this] {
             if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
         };
-        std::vector<Hypothesis> found;
         for (const FoundShape& shape : search_shapes(sample, search, taken)) {
             Hypothesis one;
             one.shape = shape.shape;
             one.shape.point = one.shape.point + sample.origin;
             one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
             one.rms = shape.rms;
+            one.threshold = report_.threshold;
             one.reach = edge_cells * resolution.sample.cell;
             for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
             const std::size_t some = std::min(hypothesis_points, shape.points.size());
@@ -302,7 +333,6 @@ private:
                 one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
             found.push_back(std::move(one));
         }
-        return found;
     }
 
     void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
@@ -327,18 +357,10 @@ private:
     void settle()
     {
         const std::vector<Box3i> units = units_of(report_.sample);
-        AssignOptions assign;
-        assign.sample = {tree_->info().levels, report_.sample,
-                         std::max(margin_cells * report_.sample, 1.01 * options_.step), options_.step};
-        assign.threshold = report_.threshold;
-        assign.normal_angle = options_.normal_angle;
-        assign.reach = reach_cells * report_.sample;
-        assign.threads = threads_;
-        assign.progress = [&](double fraction) { watch_.report("Assigning points", 0.6 + 0.25 * fraction); };
         auto labels = std::make_shared<PointLabels>(*tree_);
-        AssignedPoints assigned = assign_points(points_, units, hypotheses_, assign, *labels);
+        AssignedPoints assigned =
+            assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
         FinalFitOptions fit;
-        fit.threshold = report_.threshold;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;
         fit.threads = threads_;
@@ -349,6 +371,9 @@ private:
                                     " pieces of surfaces that continue smoothly beyond the threshold (ground, or what "
                                     "the threshold is too small for); "
                                     "they were left out");
+        if (result.unbounded > 0)
+            report_.notes.push_back(grouped(result.unbounded) +
+                                    " primitives have no outline: their points are all on one line");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
         report_.outcome.points_in = result.points;

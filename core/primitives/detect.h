@@ -38,17 +38,19 @@ struct DetectOptions {
 struct DetectReport {
     Outcome outcome;                    // in: points looked at; out: points that belong to a primitive
     std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
-    double threshold = 0, step = 0;     // that were used; step 0: as the spacing allows
-    double spacing = 0, noise = 0;      // of the cloud, source units, as far as a few places say
-    double sample = 0;                  // shapes are searched in one point for each cell of this size, source units
+    // That were used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
+    // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
+    double threshold = 0, step = 0;
+    double spacing = 0, noise = 0;  // of the cloud, source units, as far as a few places say
+    double sample = 0;              // shapes are searched in one point for each cell of this size, source units
     std::vector<std::string> notes;
     std::shared_ptr<const PointLabels> labels;  // of all points: label, or 0
 };
 
 // In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
-// with a label is within the threshold of its primitive's shape. The result depends on the seed, and neither on threads
-// nor on memory. Throws Error(invalid_argument) for options out of range and kinds that are not searched for, what
-// Selector throws, Error(cancelled), and what reading and the scratch file throw.
+// with a label is within its primitive's threshold (fit.threshold) of its shape. The result depends on the seed, and
+// neither on threads nor on memory. Throws Error(invalid_argument) for options out of range and kinds that are not
+// searched for, what Selector throws, Error(cancelled), and what reading and the scratch file throw.
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
 
 struct LabelOptions {

@@ -1,14 +1,18 @@
 #include "pcm/primitives/final_fit.h"
 
 #include "pcm/fit/shape_sums.h"
+#include "pcm/primitives/error_agreement.h"
+#include "pcm/primitives/extreme_points.h"
+#include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
-#include <memory>
+#include <mutex>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace pcm {
@@ -16,39 +20,60 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
-constexpr double piece_edge = 0.2;       // share of the edge where the surface of a piece continues
-constexpr double piece_bend = 0.4;       // of the distances, what is left of them in a mean of 17; noise leaves 0.24
-constexpr double piece_outline = 1.5;    // of so many times the square root of its points, a part of its outline
 constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
+constexpr double cubes_per_extent = 16;  // in which errors are compared with their neighbours'
 
 struct Candidate {
     Shape shape;
     Vec3d middle{};
     double extent = 0;
-    std::uint64_t points = 0;
+    Vec3d corner{};
+    double threshold = 0;
+    bool whole = false;
     std::uint32_t part = 0;
+    bool interior = true;  // is fitted to points inside, not to those at edges
+};
+
+// What bounds and errors need of a candidate's points beside the sums.
+struct PartFacts {
+    explicit PartFacts(const Candidate& c) : ends(c.shape, c.middle), alike(c.corner, c.extent / cubes_per_extent) {}
+    ExtremePoints ends;
+    ErrorAgreement alike;
 };
 
 struct Sums {
-    explicit Sums(const Candidate& c) : interior(c.shape, c.middle, c.extent), all(c.shape, c.middle, c.extent) {}
-    ShapeSums interior, all;
-    const ShapeSums& best() const
+    Sums(const Candidate& c, bool facts_too)
+        : interior(c.shape, c.middle, c.extent), all(c.shape, c.middle, c.extent), use_interior(c.interior)
     {
-        const bool enough =
-            static_cast<double>(interior.points()) >= enough_interior * static_cast<double>(all.points());
-        return enough && interior.points() >= 20 ? interior : all;
+        if (facts_too) facts.emplace(c);
     }
-};
+    void add(const Vec3d& p, bool inside, const Shape& shape)
+    {
+        all.add(p);
+        if (inside) interior.add(p);
+        if (!facts) return;
+        facts->ends.add(p);
+        if (inside || !use_interior) facts->alike.add(p, signed_distance(shape, p));
+    }
+    void add(const Sums& other)
+    {
+        all.add(other.all);
+        interior.add(other.interior);
+        if (!facts) return;
+        facts->ends.add(other.facts->ends);
+        facts->alike.add(other.facts->alike);
+    }
+    bool enough_interior_points() const
+    {
+        return interior.points() >= 20 &&
+               static_cast<double>(interior.points()) >= enough_interior * static_cast<double>(all.points());
+    }
+    const ShapeSums& best() const { return use_interior ? interior : all; }
 
-// Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
-// continues.
-bool is_piece(const SurfacePart& part)
-{
-    const auto continued = static_cast<double>(part.continued);
-    return continued > piece_edge * static_cast<double>(part.edge) &&
-           part.smooth_squares > piece_bend * piece_bend * part.squares &&
-           continued > piece_outline * std::sqrt(static_cast<double>(part.sampled));
-}
+    ShapeSums interior, all;
+    bool use_interior = true;
+    std::optional<PartFacts> facts;
+};
 
 // By candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
@@ -62,7 +87,8 @@ public:
         for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
             const SurfacePart& part = assigned.parts[p];
             if (part.points < options.least_points) continue;
-            const bool piece = is_piece(part);
+            const Hypothesis& from = hypotheses[part.hypothesis];
+            const bool piece = !from.whole && is_piece(part, from.threshold);
             result_.pieces += piece;
             if (piece) result_.piece_points += part.points;
             if (!piece || options.keep_pieces) add(p, hypotheses);
@@ -73,12 +99,14 @@ public:
 
     FinalFit run()
     {
-        for (int step = 0; step < 1; ++step) {
-            const std::vector<Sums> sums = pass(0, 0.4);
-            for (std::size_t c = 0; c < candidates_.size(); ++c)
+        for (const double begin : {0.0, 0.25}) {
+            std::vector<Sums> sums = pass(begin, begin + 0.25, false);
+            for (std::size_t c = 0; c < candidates_.size(); ++c) {
+                candidates_[c].interior = sums[c].use_interior = sums[c].enough_interior_points();
                 if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
+            }
         }
-        const std::vector<Sums> sums = pass(0.4, 0.8);
+        const std::vector<Sums> sums = pass(0.5, 0.8, true);
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -103,20 +131,18 @@ private:
         const SurfacePart& from = assigned_.parts[part];
         Candidate candidate;
         candidate.part = part;
-        candidate.points = from.points;
+        candidate.whole = hypotheses[from.hypothesis].whole;
+        candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();
-        candidate.extent = std::max(from.box.diagonal(), options_.threshold);
-        RefineOptions refine;
-        refine.threshold = options_.threshold;
-        const ShapeFit fit = refine_shape(FitPoints::of(from.some), candidate.shape, refine);
-        if (fit.has_shape() && from.some.size() >= 50) candidate.shape = fit.shape;
+        candidate.corner = from.box.min;
+        candidate.extent = std::max(from.box.diagonal(), candidate.threshold);
         candidates_.push_back(candidate);
     }
 
-    // Calls see(node, numbers, at, labels) for all labelled points, by all threads; those of one group by one.
-    template <class See>
-    void visit(double begin, double end, const See& see)
+    // Calls see(group, node) for all nodes with points, by all threads, those of one group by one; then done(group).
+    template <class See, class Done>
+    void visit(double begin, double end, const See& see, const Done& done)
     {
         const std::size_t nodes = points_.tree().nodes().size();
         for_each_index(
@@ -126,6 +152,7 @@ private:
                     const auto node = static_cast<NodeId>(n);
                     if (points_.tree().node(node).points > 0) see(g, node);
                 }
+                done(g);
             },
             [&](std::size_t begun) {
                 options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
@@ -134,47 +161,60 @@ private:
 
     std::uint32_t candidate(std::uint32_t label) const
     {
-        return label == 0 ? none : candidate_of_[assigned_.part_of[(label & ~interior_label) - 1]];
+        if (label == 0) return none;
+        const std::uint32_t part = assigned_.part_of[(label & ~interior_label) - 1];
+        return part == AssignedPoints::no_part ? none : candidate_of_[part];
     }
 
-    std::vector<Sums> pass(double begin, double end)
+    // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
+    // before are there, so that few are held.
+    std::vector<Sums> pass(double begin, double end, bool facts_too)
     {
-        std::vector<GroupSums> by_group(groups);
-        visit(begin, end, [&](std::size_t group, NodeId node) {
-            const std::vector<std::uint32_t> labels = labels_.get(node);
-            if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
-            const std::vector<Vec3d> at = points_.positions(node);
-            GroupSums& sums = by_group[group];
-            for (std::size_t i = 0; i < labels.size(); ++i) {
-                const std::uint32_t c = candidate(labels[i]);
-                if (c == none || distance_to(candidates_[c].shape, at[i]) > options_.threshold) continue;
-                auto found = sums.find(c);
-                if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c])).first;
-                found->second.all.add(at[i]);
-                if (labels[i] & interior_label) found->second.interior.add(at[i]);
-            }
-        });
         std::vector<Sums> sums;
-        for (const Candidate& c : candidates_) sums.emplace_back(c);
-        for (const GroupSums& group : by_group)
-            for (const auto& [c, part] : group) {
-                sums[c].all.add(part.all);
-                sums[c].interior.add(part.interior);
-            }
+        for (const Candidate& c : candidates_) sums.emplace_back(c, facts_too);
+        std::vector<GroupSums> open(groups);
+        std::vector<bool> done(groups, false);
+        std::size_t next = 0;
+        std::mutex mutex;
+        visit(
+            begin, end, [&](std::size_t group, NodeId node) { add_node(node, facts_too, open[group]); },
+            [&](std::size_t group) {
+                const std::lock_guard lock(mutex);
+                done[group] = true;
+                for (; next < groups && done[next]; ++next) {
+                    for (const auto& [c, part] : open[next]) sums[c].add(part);
+                    open[next].clear();
+                }
+            });
         return sums;
     }
 
-    Primitive primitive_of(const Candidate& candidate, const Sums& sums) const
+    void add_node(NodeId node, bool facts_too, GroupSums& sums)
+    {
+        const std::vector<std::uint32_t> labels = labels_.get(node);
+        if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
+        const std::vector<Vec3d> at = points_.positions(node);
+        for (std::size_t i = 0; i < labels.size(); ++i) {
+            const std::uint32_t c = candidate(labels[i]);
+            if (c == none || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
+            auto found = sums.find(c);
+            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], facts_too)).first;
+            found->second.add(at[i], (labels[i] & interior_label) != 0, candidates_[c].shape);
+        }
+    }
+
+    Primitive primitive_of(const Candidate& candidate, const Sums& sums)
     {
         Primitive primitive;
-        primitive.fit = sums.best().result(options_.threshold);
+        primitive.fit = sums.best().result(candidate.threshold);
         primitive.points = sums.all.points();
         primitive.cloud = points_.tree().folder().string();
         primitive.estimator = "detect";
         const SurfacePart& part = assigned_.parts[candidate.part];
-        if (primitive.fit.has_shape() && !part.some.empty())
-            primitive.bounds = bounds_of(primitive.fit.shape, part.some, {});
-        if (primitive.fit.verdict == FitVerdict::good && is_piece(part)) {
+        if (!primitive.fit.has_shape()) return primitive;
+        enlarge(primitive.fit.errors, sums.facts->alike.factor());
+        bound(primitive, sums.facts->ends.points());
+        if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
@@ -182,21 +222,35 @@ private:
         return primitive;
     }
 
+    // A plane whose points are on one line has no outline: no reason to end a detection.
+    void bound(Primitive& primitive, const std::vector<Vec3d>& ends)
+    {
+        try {
+            primitive.bounds = bounds_of(primitive.fit.shape, ends, {});
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::invalid_argument) throw;
+            ++result_.unbounded;
+        }
+    }
+
     void relabel(const std::vector<std::uint32_t>& label_of)
     {
         std::array<std::uint64_t, groups> counts{};
-        visit(0.8, 1, [&](std::size_t group, NodeId node) {
-            std::vector<std::uint32_t> labels = labels_.get(node);
-            counts[group] += labels.size();
-            if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
-            const std::vector<Vec3d> at = points_.positions(node);
-            for (std::size_t i = 0; i < labels.size(); ++i) {
-                const std::uint32_t c = candidate(labels[i]);
-                const bool near = c != none && distance_to(candidates_[c].shape, at[i]) <= options_.threshold;
-                labels[i] = near ? label_of[c] : 0;
-            }
-            labels_.set_all(node, labels);
-        });
+        visit(
+            0.8, 1,
+            [&](std::size_t group, NodeId node) {
+                std::vector<std::uint32_t> labels = labels_.get(node);
+                counts[group] += labels.size();
+                if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
+                const std::vector<Vec3d> at = points_.positions(node);
+                for (std::size_t i = 0; i < labels.size(); ++i) {
+                    const std::uint32_t c = candidate(labels[i]);
+                    const bool near = c != none && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
+                    labels[i] = near ? label_of[c] : 0;
+                }
+                labels_.set_all(node, labels);
+            },
+            [](std::size_t) {});
         result_.points = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
     }
 

@@ -11,7 +11,6 @@
 namespace pcm {
 
 struct FinalFitOptions {
-    double threshold = 0;
     std::uint64_t least_points = 0;
     bool keep_pieces = false;  // as doubtful ones
     unsigned threads = 1;
@@ -24,6 +23,7 @@ struct FinalFit {
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;
+    std::uint64_t unbounded = 0;  // primitives without bounds, because their points are on one line
 };
 
 // Fits each part of at least least_points points to all of them, and makes `labels` those of the primitives: place in

@@ -52,13 +52,14 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
 {
     if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, std::max(one.reach, options.gap)))
         return false;
-    const double most = same_rms * std::max({one.rms, other.rms, 0.02 * options.threshold});
+    const double threshold = std::max(one.threshold, other.threshold);
+    const double most = same_rms * std::max({one.rms, other.rms, 0.02 * threshold});
     double apart = rms_distance(one.shape, other.some);
-    if (!(apart <= 4 * options.threshold) || !normals_agree(one.shape, other.shape, other.some, options.normal_angle))
+    if (!(apart <= 4 * threshold) || !normals_agree(one.shape, other.shape, other.some, options.normal_angle))
         return false;
     std::vector<Vec3d> some = some_of(one, other);
     RefineOptions refine;
-    refine.threshold = 6 * options.threshold;
+    refine.threshold = 6 * threshold;
     refine.most_steps = 10;
     const ShapeFit fit = refine_shape(FitPoints::of(some), one.shape, refine);
     if (!fit.has_shape() || rms_distance(fit.shape, other.some) > most || rms_distance(fit.shape, one.some) > most)
@@ -66,6 +67,7 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
     one.shape = fit.shape;
     one.box.extend(other.box);
     one.area += other.area;
+    one.threshold = threshold;
     one.reach = std::max(one.reach, other.reach);
     one.rms = rms_distance(fit.shape, some);
     one.some = std::move(some);
@@ -86,7 +88,7 @@ bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptio
     }
     std::size_t on = 0;
     for (const Vec3d& p : small.some)
-        on += box.contains(p) && distance_to(large.shape, p) <= options.threshold &&
+        on += box.contains(p) && distance_to(large.shape, p) <= large.threshold &&
               std::fabs(dot(normal_at(large.shape, p), normal_at(small.shape, p))) >= least;
     return static_cast<double>(on) >= explained_share * static_cast<double>(small.some.size());
 }

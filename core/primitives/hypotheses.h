@@ -15,13 +15,14 @@ struct Hypothesis {
     std::vector<Vec3d> some;  // of its points, evenly; source coordinates
     double area = 0;          // about, source units squared
     double rms = 0;
-    double reach = 0;  // its points may lie so far outside of the box, source units
+    double threshold = 0;  // largest distance of its points, source units
+    double reach = 0;      // its points may lie so far outside of the box, source units
+    bool whole = false;    // it was tried whether its points are a piece of something bent: they are not
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 
 struct MergeOptions {
     double gap = 0;           // of boxes that touch, source units; or the reach of the larger one
-    double threshold = 0;     // of a point's distance
     double normal_angle = 0;  // between two shapes' normals at one place
 };
 

@@ -10,12 +10,11 @@
 #include <system_error>
 
 namespace pcm {
-namespace {
 
-File scratch()
+File scratch_file(const char* name)
 {
     const std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("pcm-labels-" + std::to_string(::getpid()));
+        std::filesystem::temp_directory_path() / (name + ("-" + std::to_string(::getpid())));
     File file = File::without_name(path);
     if (file.is_open()) return file;
     file = File(path, File::Mode::create_new);
@@ -24,9 +23,7 @@ File scratch()
     return file;
 }
 
-}  // namespace
-
-PointLabels::PointLabels(const Tree& tree) : file_(scratch()), first_{0}
+PointLabels::PointLabels(const Tree& tree) : file_(scratch_file("pcm-labels")), first_{0}
 {
     for (const Node& node : tree.nodes()) first_.push_back(first_.back() + node.points);
     if (::ftruncate(file_.descriptor(), static_cast<off_t>(first_.back() * sizeof(std::uint32_t))) != 0)

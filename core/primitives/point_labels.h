@@ -9,6 +9,9 @@
 
 namespace pcm {
 
+// A new file without a name in the system's folder for temporary files. Throws what creating a file throws.
+File scratch_file(const char* name);
+
 // The file lies in the system's folder for temporary files and has no name: nothing is left when the process ends. Any
 // number of threads may call, for different points. Four bytes per point.
 class PointLabels {

@@ -1,6 +1,7 @@
 #include "pcm/primitives/refit.h"
 
 #include "pcm/fit/shape_sums.h"
+#include "pcm/primitives/error_agreement.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/source_rounding.h"
@@ -52,7 +53,7 @@ public:
             }
         }
         const double agreement = best.has_shape() ? agreement_of(best.shape, box) : 1;
-        enlarge(best, agreement);
+        enlarge(best.errors, agreement);
         best.inliers = sums.points();
         best.threshold = options_.threshold;
         best.seconds = watch_.seconds();
@@ -107,53 +108,23 @@ private:
         return sums;
     }
 
-    using Cell = std::array<int, 3>;
-    struct CellSum {
-        double distances = 0, squares = 0;
-    };
-
     double agreement_of(const Shape& shape, const Box3d& box)
     {
         const double edge = extent_ / 16;
-        if (!(edge > 0)) return 1;
-        std::map<NodeId, std::map<Cell, CellSum>> parts;
+        std::map<NodeId, ErrorAgreement> parts;
         std::mutex mutex;
         scan([&](const ScannedPoints& found) {
-            std::map<Cell, CellSum> part;
+            ErrorAgreement part(box.min, edge);
             for (const std::uint32_t i : found.indices) {
-                const Vec3d p = position(found, i), from_corner = p - box.min;
-                const double distance = signed_distance(shape, p);
-                CellSum& sum = part[{static_cast<int>(from_corner[0] / edge), static_cast<int>(from_corner[1] / edge),
-                                     static_cast<int>(from_corner[2] / edge)}];
-                sum.distances += distance;
-                sum.squares += distance * distance;
+                const Vec3d p = position(found, i);
+                part.add(p, signed_distance(shape, p));
             }
             const std::lock_guard lock(mutex);
             parts.emplace(found.node, std::move(part));
         });
-        std::map<Cell, CellSum> cells;
-        for (const auto& [node, part] : parts)
-            for (const auto& [cell, sum] : part) {
-                cells[cell].distances += sum.distances;
-                cells[cell].squares += sum.squares;
-            }
-        double together = 0, alone = 0, fourth = 0;
-        for (const auto& [cell, sum] : cells) {
-            together += sum.distances * sum.distances;
-            alone += sum.squares;
-            fourth += sum.squares * sum.squares;
-        }
-        if (!(alone > 0)) return 1;
-        const double ratio = together / alone, deviation = std::sqrt(2 * fourth) / alone;
-        return ratio > 1 + 3 * deviation ? std::sqrt(ratio) : 1;
-    }
-
-    static void enlarge(ShapeFit& fit, double by)
-    {
-        fit.errors.position *= by;
-        fit.errors.angle *= by;
-        fit.errors.radius *= by;
-        fit.errors.second *= by;
+        ErrorAgreement all(box.min, edge);
+        for (const auto& [node, part] : parts) all.add(part);
+        return all.factor();
     }
 
     const PointSet& points_;

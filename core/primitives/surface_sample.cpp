@@ -1,12 +1,15 @@
 #include "pcm/primitives/surface_sample.h"
 
 #include "pcm/filter/symmetric_eigen.h"
+#include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_points.h"
 #include "pcm/knn/unit_search.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -171,15 +174,22 @@ std::uint64_t SampleLattice::key_of(const Vec3i& cell)
     return key >> 1;
 }
 
-SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings)
+namespace {
+
+// Nothing where there are more than `most`, as in for_each_sample().
+std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
+                                          std::size_t most)
 {
     const Tree& tree = points.tree();
     const SampleLattice lattice(tree, settings.cell > 0 ? settings.cell : 1);
     SurfaceSample sample;
     sample.origin = points.source_box(box).centre();
     std::vector<Vec3i> grid;
+    std::size_t inside = 0;
+    const auto too_many = [&] { return inside > most || (grid.size() > most + most / 3 && inside > most / 8); };
     const Box3i around = box_around(box, settings.margin, tree.info());
     points.visit(around, settings.level, [&](const ChosenPoints::Some& some) {
+        if (too_many()) return;
         for (std::size_t i = 0; i < some.number.size(); ++i) {
             if (settings.cell > 0) {
                 const std::uint64_t key = SampleLattice::key_of(lattice.cell_of(some.grid[i]));
@@ -188,11 +198,49 @@ SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const
             grid.push_back(some.grid[i]);
             sample.at.push_back(some.at[i] - sample.origin);
             sample.inside.push_back(box.contains(some.grid[i]));
+            inside += sample.inside.back();
         }
     });
-    find_neighbours(sample, positions_of(grid, tree.info().grid.scale));
+    if (too_many()) return std::nullopt;
+    SearchPositions positions = positions_of(grid, tree.info().grid.scale);
+    std::vector<Vec3i>().swap(grid);
+    find_neighbours(sample, std::move(positions));
     cut_edges(sample, settings.step, settings.cell);
     return sample;
+}
+
+}  // namespace
+
+SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings)
+{
+    return *sample_up_to(points, box, settings, std::numeric_limits<std::size_t>::max() / 2);
+}
+
+std::vector<Box3i> halves_of(const Box3i& box, const Vec3d& scale)
+{
+    const auto extent = [&](std::size_t a) {
+        return static_cast<double>(grid_steps(box.min[a], box.max[a])) * scale[a];
+    };
+    std::size_t axis = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+        if (extent(a) > extent(axis)) axis = a;
+    if (box.min[axis] == box.max[axis]) return {};
+    Box3i low = box, high = box;
+    low.max[axis] = box.min[axis] + static_cast<std::int64_t>(grid_steps(box.min[axis], box.max[axis]) / 2);
+    high.min[axis] = low.max[axis] + 1;
+    return {low, high};
+}
+
+void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
+                     const std::function<void(const Box3i&, SurfaceSample)>& use)
+{
+    const std::vector<Box3i> halves = halves_of(box, points.tree().info().grid.scale);
+    if (settings.most > 0 && !halves.empty()) {
+        if (auto sample = sample_up_to(points, box, settings, settings.most)) return use(box, std::move(*sample));
+        for (const Box3i& half : halves) for_each_sample(points, half, settings, use);
+    } else {
+        use(box, sample_surface(points, box, settings));
+    }
 }
 
 }  // namespace pcm

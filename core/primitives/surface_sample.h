@@ -64,6 +64,7 @@ struct SampleSettings {
     double cell = 0;          // one point of each cell of this size, source units; 0: all points
     double margin = 0;        // points around the box are there too
     double step = 0;          // longest edge, source units; 0: as the spacing around a point allows
+    std::size_t most = 0;     // points of a sample of for_each_sample() in the box; 0: any number
 };
 
 // One object by one thread at a time.
@@ -84,7 +85,15 @@ struct SurfaceSample {
     Vec3d normal_of(std::size_t i) const { return {normal[i][0], normal[i][1], normal[i][2]}; }
 };
 
-// Throws what reading throws.
+// Any number of points, whatever settings.most says. Throws what reading throws.
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings);
+
+// The two halves of a box across its longest side; none of a box of one grid position.
+std::vector<Box3i> halves_of(const Box3i& box, const Vec3d& scale);
+
+// Calls use() with the sample of the box; where that has more than settings.most points in the box, or a third more
+// with the margin, with those of its halves, in turn, and so on. Throws what reading and `use` throw.
+void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
+                     const std::function<void(const Box3i&, SurfaceSample)>& use);
 
 }  // namespace pcm

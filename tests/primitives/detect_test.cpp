@@ -70,7 +70,8 @@ protected:
             const std::uint32_t label = labels[p.number];
             if (label == 0) continue;
             ASSERT_LE(label, report.primitives.size());
-            ASSERT_LE(distance_to(report.primitives[label - 1].fit.shape, p.position), report.threshold * (1 + 1e-6));
+            ASSERT_LE(distance_to(report.primitives[label - 1].fit.shape, p.position),
+                      report.primitives[label - 1].fit.threshold * (1 + 1e-6));
             ++counts[label];
             ++labelled;
         }
@@ -339,6 +340,37 @@ TEST_F(Detect, LabelsBecomeAnAttribute)
     EXPECT_TRUE(changed->info().schema.find("shape"));
     DetectReport nothing;
     EXPECT_THROW(label_primitives(changed, nothing, options), Error);
+}
+
+// Caps and outlines are those of all points, not of some.
+TEST_F(Detect, BoundsReachTheOutermostPoints)
+{
+    make(scene, 0.002);
+    const DetectReport report = detect();
+    ASSERT_EQ(report.primitives.size(), scene.size());
+    const ShapeBounds& pipe = report.primitives[2].bounds;
+    EXPECT_NEAR(pipe.to - pipe.from, 7, 0.004);
+    const std::vector<Vec3d>& floor = report.primitives[0].bounds.outline;
+    ASSERT_EQ(floor.size(), 4u);
+    EXPECT_NEAR(length(floor[1] - floor[0]), 10, 0.004);
+    EXPECT_NEAR(length(floor[2] - floor[1]), 10, 0.004);
+}
+
+// The noise of a stereo camera grows with the distance: the table's is three times that of most surfaces.
+TEST_F(Detect, RougherSurfacesThanMostHaveAWiderThreshold)
+{
+    PCM_REQUIRE_SAMPLE("primitives/table_scene_mug_stereo_textured.pcd");
+    build_tree({sample("primitives/table_scene_mug_stereo_textured.pcd")}, folder_ / "mug.pct");
+    tree_ = Tree::open(folder_ / "mug.pct");
+    const DetectReport report = detect();
+    ASSERT_GE(report.primitives.size(), 2u);
+    const Primitive &table = report.primitives[0], &mug = report.primitives[1];
+    EXPECT_EQ(table.fit.shape.kind, ShapeKind::plane);
+    EXPECT_GT(table.points, 110000u);
+    EXPECT_GE(table.fit.threshold, 2 * report.threshold);
+    EXPECT_EQ(mug.fit.shape.kind, ShapeKind::cylinder);
+    EXPECT_GT(mug.points, 5000u);
+    EXPECT_GE(report.outcome.error, table.fit.threshold);
 }
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several

@@ -17,6 +17,7 @@ Hypothesis hypothesis(const pcm::Shape& shape, const std::vector<Vec3d>& points,
     one.shape = shape;
     one.some = points;
     one.area = area;
+    one.threshold = threshold;
     double squares = 0;
     for (const Vec3d& p : points) {
         one.box.extend(p);
@@ -45,7 +46,6 @@ std::size_t count(std::vector<Hypothesis> all)
 {
     MergeOptions options;
     options.gap = 0.3;
-    options.threshold = threshold;
     options.normal_angle = 0.35;
     return merged(std::move(all), options).size();
 }
@@ -58,7 +58,6 @@ TEST(Hypotheses, PiecesOfOnePlaneAreOne)
     EXPECT_EQ(count(all), 1u);
     MergeOptions options;
     options.gap = 0.3;
-    options.threshold = threshold;
     options.normal_angle = 0.35;
     const Hypothesis one = merged(all, options)[0];
     EXPECT_DOUBLE_EQ(one.area, 400);

@@ -1,0 +1,23 @@
+// Larger thresholds for surfaces that are rougher than the cloud's noise.
+#pragma once
+
+#include "pcm/primitives/assign_points.h"
+
+#include <vector>
+
+namespace pcm {
+
+struct WidenOptions {
+    AssignOptions assign;  // its sample: coarser than that of the search
+    MergeOptions merge;
+};
+
+// Noise varies over a cloud: it grows with the distance from the scanner, and parts of one floor may lie in layers. The
+// threshold cuts pieces out of such surfaces, as it does out of ground. A piece's threshold is doubled up to
+// three times: where that shows the whole surface, to where it ends, the wider shape replaces the pieces that it
+// explains; ground continues beyond any threshold, and its pieces stay as they are. The result does not depend on
+// threads. Throws what assign_points() throws.
+std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, const std::vector<Box3i>& units,
+                                          std::vector<Hypothesis> all, const WidenOptions& options);
+
+}  // namespace pcm

@@ -1,0 +1,159 @@
+// Which surface a point belongs to, and what is made of the parts.
+
+#include "pcm/primitives/assign_points.h"
+
+#include "pcm/primitives/border_cells.h"
+#include "pcm/primitives/extreme_points.h"
+#include "pcm/primitives/final_fit.h"
+#include "tests/primitives/shape_cloud.h"
+
+#include <algorithm>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+class AssignPoints : public testing::Test {
+protected:
+    void make(const std::vector<Vec3d>& positions)
+    {
+        std::vector<SurfacePoint> points;
+        for (const Vec3d& p : positions) points.push_back({p, {}});
+        tree_ = build_surface_tree(folder_.path(), points);
+    }
+    static Hypothesis level_plane(double height, double threshold)
+    {
+        Hypothesis one;
+        one.shape.point = {0, 0, height};
+        one.box.extend(Vec3d{-2, -2, height});
+        one.box.extend(Vec3d{2, 2, height});
+        one.threshold = threshold;
+        return one;
+    }
+
+    TemporaryFolder folder_;
+    std::shared_ptr<const Tree> tree_;
+};
+
+// Two floors that meet at a small step: all points are within the threshold of both.
+TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
+{
+    std::vector<Vec3d> points;
+    for (int i = -50; i < 50; ++i)
+        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i + 0.01, 0.02 * j, i < 0 ? 0.0 : 0.006});
+    make(points);
+    const ChosenPoints chosen(tree_, {});
+    for (const double cell : {0.01, 0.05})  // each point a cell; cells with points of both
+        for (const bool low_first : {true, false}) {
+            const double heights[] = {low_first ? 0.0 : 0.006, low_first ? 0.006 : 0.0};
+            const std::vector<Hypothesis> hypotheses{level_plane(heights[0], 0.01), level_plane(heights[1], 0.01)};
+            AssignOptions options;
+            options.sample = {tree_->info().levels, cell, 8 * cell};
+            options.normal_angle = 0.6;
+            options.progress = [](double) {};
+            PointLabels labels(*tree_);
+            const AssignedPoints assigned = assign_points(chosen, {tree_->info().box}, hypotheses, options, &labels);
+            std::size_t wrong = 0;
+            for (const PlacedPoint& p : all_points(*tree_)) {
+                const std::uint32_t label = labels.get(p.node)[p.number] & ~interior_label;
+                ASSERT_GT(label, 0u);
+                const SurfacePart& part = assigned.parts[assigned.part_of[label - 1]];
+                wrong += std::fabs(heights[part.hypothesis] - p.position[2]) > 1e-6;
+            }
+            EXPECT_EQ(wrong, 0u) << cell << " " << low_first;
+        }
+}
+
+TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 2000; ++i) points.push_back({0.001 * i, 0, 0});
+    make(points);
+    PointLabels labels(*tree_);
+    for (NodeId node = 0; node < tree_->nodes().size(); ++node)
+        labels.set_all(node, std::vector<std::uint32_t>(tree_->node(node).points, 1 | interior_label));
+    AssignedPoints assigned;
+    assigned.parts.resize(1);
+    assigned.parts[0].points = 2000;
+    assigned.parts[0].box.extend(Vec3d{0, 0, 0});
+    assigned.parts[0].box.extend(Vec3d{2, 0, 0});
+    assigned.part_of = {0};
+    FinalFitOptions options;
+    options.least_points = 500;
+    options.progress = [](double) {};
+    const FinalFit result = fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
+    EXPECT_LE(result.primitives.size(), 1u);
+    EXPECT_EQ(result.unbounded, result.primitives.size());
+}
+
+TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)
+{
+    Dice dice(2);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 20000; ++i) points.push_back({dice.between(0, 4), dice.between(0, 1), 0});
+    make(points);
+    const ChosenPoints chosen(tree_, {});
+    SampleSettings settings{tree_->info().levels, 0.01, 0.05};
+    const auto count = [](const SurfaceSample& sample) {
+        return static_cast<std::size_t>(std::count(sample.inside.begin(), sample.inside.end(), 1));
+    };
+    const std::size_t whole = count(sample_surface(chosen, tree_->info().box, settings));
+    settings.most = 3000;
+    std::size_t together = 0, samples = 0;
+    for_each_sample(chosen, tree_->info().box, settings, [&](const Box3i& box, const SurfaceSample& sample) {
+        EXPECT_LE(count(sample), settings.most);
+        EXPECT_LE(sample.size(), settings.most * 4 / 3);
+        EXPECT_GT(box.max[0], box.min[0]);
+        together += count(sample);
+        ++samples;
+    });
+    EXPECT_GE(samples, 4u);
+    EXPECT_GE(together, whole);  // a cell that is cut has a point in both halves
+    EXPECT_LE(together, whole + samples * 200);
+}
+
+TEST(BorderCells, JoinLabelsOfOneSurfaceWithACellInCommonWhateverIsInMemory)
+{
+    const std::uint64_t far = std::uint64_t(1) << 62;
+    for (const std::size_t most : {1u, 2u, 100u}) {
+        BorderCells border;
+        border.add({{5, 0, 0}, {far, 0, 0}, {7, 1, 4}, {9, 2, 5}});
+        border.add({{far, 0, 1}, {far + 5, 0, 1}, {9, 1, 6}});
+        border.add({{far + 5, 0, 2}, {7, 0, 3}, {2 * far - 1, 2, 5}});
+        JoinedLabels labels(7);
+        border.join(labels, most);
+        for (const std::uint32_t label : {0u, 1u, 2u}) EXPECT_EQ(labels.root(label), 0u);
+        for (const std::uint32_t label : {3u, 4u, 5u, 6u}) EXPECT_EQ(labels.root(label), label);
+    }
+}
+
+TEST(ExtremePoints, BoundAShapeAsAllPointsDo)
+{
+    Dice dice(8);
+    for (const ShapeKind kind : {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere}) {
+        pcm::Shape shape;
+        shape.kind = kind;
+        shape.point = {512345, 4812345, 120};
+        shape.axis = normalised(Vec3d{1, 2, 3});
+        shape.radius = kind == ShapeKind::plane ? 0 : 0.5;
+        ExtremePoints one(shape, shape.point), two(shape, shape.point);
+        std::vector<Vec3d> all;
+        for (int i = 0; i < 20000; ++i) {
+            all.push_back(point_on(shape, 4, 4.5, 0.002, dice).position);
+            (i % 3 ? one : two).add(all.back());
+        }
+        one.add(two);
+        EXPECT_LT(one.points().size(), 400u);
+        const ShapeBounds kept = bounds_of(shape, one.points(), {}), truth = bounds_of(shape, all, {});
+        ASSERT_EQ(kept.outline.size(), truth.outline.size());
+        for (std::size_t i = 0; i < truth.outline.size(); ++i)
+            EXPECT_LT(length(kept.outline[i] - truth.outline[i]), 1e-7);
+        EXPECT_EQ(kept.from, truth.from);
+        EXPECT_EQ(kept.to, truth.to);
+        EXPECT_EQ(kept.begin, truth.begin);
+        EXPECT_EQ(kept.end, truth.end);
+    }
+}
+
+}  // namespace
