@@ -52,7 +52,7 @@ Box3d box_in_scene(const PrimitiveBook& book, const Primitive& primitive)
 
 }  // namespace
 
-FitTool::FitTool() : ViewTool("Fit Primitives"), picks_(std::make_unique<QObject>())
+FitTool::FitTool() : ClickTool("Fit Primitives"), picks_(std::make_unique<QObject>())
 {
     connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
@@ -94,7 +94,7 @@ void FitTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataC
     guarded([&] { discard(); });
     disconnect(&PrimitiveBook::of(document), nullptr, this, nullptr);
     view->removeEventFilter(this);
-    pressed_.reset();
+    forget_press();
     PrimitiveBook::of(document).select(std::nullopt);
     if (panel_) panel_->hide();
     publish({});

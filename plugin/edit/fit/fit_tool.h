@@ -6,9 +6,9 @@
 // list. GUI thread.
 #pragma once
 
+#include "plugin/edit/click_tool.h"
 #include "plugin/edit/fit/fit_panel.h"
 #include "plugin/edit/select/selection_uses.h"
-#include "plugin/edit/view_tool.h"
 #include "plugin/edit/worker.h"
 #include "plugin/host/picker.h"
 
@@ -18,8 +18,6 @@
 #include <memory>
 #include <optional>
 #include <vector>
-
-class QMouseEvent;
 
 namespace pcm::host {
 
@@ -39,7 +37,7 @@ struct FitDraft {
     std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
 };
 
-class FitTool : public ViewTool {
+class FitTool : public ClickTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
@@ -49,10 +47,6 @@ public:
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
 
-    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
     void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
 
 protected:
@@ -72,7 +66,7 @@ private:
     void press(FitPanel::Button button);
     void publish(const QString& state);
 
-    void click(const QPoint& place, Qt::KeyboardModifiers modifiers);
+    void click(const QPoint& place, Qt::KeyboardModifiers modifiers) override;
     void take(Way way, const Picked& picked);
     void fit();
     void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
@@ -93,10 +87,9 @@ private:
     std::unique_ptr<QObject> picks_;   // the context of picks that are not answered
     std::optional<FitPlaces> wanted_;  // being fitted
     std::optional<FitDraft> draft_;
-    std::unique_ptr<QMouseEvent> pressed_;  // has not moved far enough for a drag
-    std::string unit_;                      // of lengths
-    bool again_ = false;                    // the wanted fit has changed while it ran
-    int fits_ = 0;                          // that were answered
+    std::string unit_;    // of lengths
+    bool again_ = false;  // the wanted fit has changed while it ran
+    int fits_ = 0;        // that were answered
     Worker worker_;
 };
 

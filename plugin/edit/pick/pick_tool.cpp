@@ -12,7 +12,6 @@
 #include <QGuiApplication>
 #include <QKeyEvent>
 #include <QMainWindow>
-#include <QMouseEvent>
 #include <QVariantMap>
 
 namespace pcm::host {
@@ -20,7 +19,6 @@ namespace pcm::host {
 namespace {
 
 const char* const owner = "pick";
-constexpr int click_px = 3;  // a click does not move farther
 
 }  // namespace
 
@@ -49,14 +47,14 @@ void PickTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedData
 {
     if (view != view_) return;
     context_.reset();
-    pressed_.reset();
+    forget_press();
     view->removeEventFilter(this);
     Annotations::of(document).set(owner, {});
     if (panel_) panel_->hide();
     view_ = nullptr;
 }
 
-void PickTool::click(const QPoint& place)
+void PickTool::click(const QPoint& place, Qt::KeyboardModifiers)
 {
     if (panel_) panel_->say("searching ...");
     pick(*view_, place, *context_, [this](const PickAnswer& answer) { guarded([&] { take(answer); }); });
@@ -92,48 +90,6 @@ void PickTool::copy()
     if (lines_.empty()) return say("nothing to copy: no point was picked");
     QGuiApplication::clipboard()->setText(copied_text(lines_));
     say("copied");
-}
-
-void PickTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    // The camera gets the press when the mouse has moved: it does not jump at clicks.
-    if (event->button() == Qt::LeftButton)
-        pressed_ = std::make_unique<QMouseEvent>(*event);
-    else
-        guarded([&] { give_to_camera(*view, *event); });
-}
-
-void PickTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    guarded([&] {
-        if (pressed_) {
-            if ((event->pos() - pressed_->pos()).manhattanLength() <= click_px) return;
-            give_to_camera(*view, *pressed_);
-            pressed_.reset();
-        }
-        give_to_camera(*view, *event);
-    });
-}
-
-void PickTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    const auto pressed = std::move(pressed_);
-    guarded([&] {
-        if (pressed && event->button() == Qt::LeftButton)
-            click(event->pos());
-        else
-            give_to_camera(*view, *event);
-    });
-}
-
-void PickTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    guarded([&] { give_to_camera(*view, *event); });
-    event->accept();
 }
 
 void PickTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)

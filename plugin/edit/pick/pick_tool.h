@@ -7,7 +7,7 @@
 #include "plugin/edit/pick/pick_panel.h"
 #include "plugin/host/picker.h"
 
-#include "plugin/edit/view_tool.h"
+#include "plugin/edit/click_tool.h"
 
 #include <QPointer>
 
@@ -15,24 +15,18 @@
 #include <memory>
 #include <optional>
 
-class QMouseEvent;
-
 namespace pcm::host {
 
-class PickTool : public ViewTool {
+class PickTool : public ClickTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
 public:
-    PickTool() : ViewTool("Pick Point") {}
+    PickTool() : ClickTool("Pick Point") {}
     ~PickTool() override;
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
 
-    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
     void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
 
 protected:
@@ -44,7 +38,7 @@ private:
     {
         if (panel_) panel_->say(text);
     }
-    void click(const QPoint& place);
+    void click(const QPoint& place, Qt::KeyboardModifiers modifiers) override;
     void take(const PickAnswer& answer);
     void show_point(bool complete);
     void copy();
@@ -52,10 +46,9 @@ private:
     void publish(const PickAnswer& answer);
 
     QPointer<PickPanel> panel_;
-    std::optional<Picked> shown_;           // the last exact answer
-    std::vector<PickedLine> lines_;         // of it
-    std::unique_ptr<QObject> context_;      // of the picks; made anew with each start of the tool
-    std::unique_ptr<QMouseEvent> pressed_;  // has not moved far enough for a drag
+    std::optional<Picked> shown_;       // the last exact answer
+    std::vector<PickedLine> lines_;     // of it
+    std::unique_ptr<QObject> context_;  // of the picks; made anew with each start of the tool
     int answers_ = 0;
 };
 

@@ -1,0 +1,30 @@
+// A tool whose clicks do something, while drags and the wheel move MeshLab's camera. GUI thread.
+#pragma once
+
+#include "plugin/edit/view_tool.h"
+
+#include <QMouseEvent>
+#include <QPoint>
+
+#include <memory>
+
+namespace pcm::host {
+
+class ClickTool : public ViewTool {
+public:
+    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
+
+protected:
+    using ViewTool::ViewTool;
+    // The left button was pressed and released at one place of the view.
+    virtual void click(const QPoint& place, Qt::KeyboardModifiers modifiers) = 0;
+    void forget_press() { pressed_.reset(); }
+
+private:
+    std::unique_ptr<QMouseEvent> pressed_;  // has not moved far enough for a drag
+};
+
+}  // namespace pcm::host
