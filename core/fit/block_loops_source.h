@@ -257,14 +257,15 @@ void weigh_tapered(const PatchBlock& block, std::size_t count, double from, doub
     const double beyond = from * from + 2 * width * (from * (1 - 2.0 / 3 + 0.2) + width / 6);
     for (std::size_t i = 0; i < count; ++i) {
         const double away = fabs(block.distance[i]), part = weights.within[i];
-        const double past = away - from, u = past > 0 ? past * per_width : 0, before = away < from ? away : from;
+        const double past = away - from, u = past > 0 ? (past < width ? past * per_width : 1) : 0,
+                     before = away < from ? away : from;
         const double square = u * u, rest = 1 - square, weight = rest * rest;
         weights.weight[i] = part * weight;
         weights.slope[i] = part * (weight - 4 * u * rest * per_width * away);
         const double cost = before * before + 2 * width * u *
                                                   (from * (1 - square * (2.0 / 3 - 0.2 * square)) +
                                                    width * u * (0.5 - square * (0.5 - square * (1.0 / 6))));
-        weights.cost[i] = part > 0 ? part * cost + (1 - part) * beyond : beyond;
+        weights.cost[i] = part * cost + (1 - part) * beyond;
     }
 }
 

@@ -131,6 +131,20 @@ TEST(BlockLoops, DerivativesAreTheSameOnAllLevels)
     }
 }
 
+TEST(BlockLoops, DerivativesAtAnAxisAreFinite)
+{
+    const PatchNumbers patch{{0.1, 0.2, -0.3}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, -2};
+    const double x[] = {0.1 + 0.5}, y[] = {0.2}, z[] = {-0.3};
+    for (const SimdLevel level : simd_levels())
+        for (const auto of : {&BlockLoops::cylinder, &BlockLoops::sphere}) {
+            PatchBlock block;
+            std::fill(block.by[4], block.by[4] + 1, 0.0);
+            (loops_of(level).*of).differentiate(patch, x, y, z, 1, block);
+            EXPECT_NEAR(block.distance[0], 0.5, 1e-12);
+            for (std::size_t j = 0; j < 5; ++j) EXPECT_TRUE(std::isfinite(block.by[j][0])) << j;
+        }
+}
+
 TEST(BlockLoops, SumsOfColumns)
 {
     for (const std::size_t count : counts) {
@@ -243,6 +257,43 @@ TEST(BlockLoops, TaperedWeightsAreWhatTheyClaim)
             << away;
         if (away <= from) ASSERT_NEAR(at.cost[i], away * away, 1e-15);
         if (away > threshold) ASSERT_EQ(at.cost[i], at.cost[patch_block - 1]);
+    }
+    // Costs go on without a step where points take part no more, however far they are.
+    block.distance[0] = threshold * (1 - 1e-9);
+    block.distance[1] = 1e200;
+    loops.within(block, 2, threshold, at);
+    loops.weigh_tapered(block, 2, from, threshold, nullptr, at);
+    EXPECT_NEAR(at.cost[0], at.cost[1], 1e-15);
+    EXPECT_EQ(at.weight[1], 0);
+}
+
+TEST(BlockLoops, WeightsOfATableAreStraightLines)
+{
+    constexpr std::int32_t size = 8;
+    constexpr double step = threshold / size;
+    double rows[3 * (size + 1)];
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> anywhere(0.1, 1);
+    for (double& number : rows) number = anywhere(random);
+    const PatchBlock block = block_of(patch_block, 11);
+    BlockWeights found;
+    baseline_block_loops().within(block, patch_block, threshold, found);
+    baseline_block_loops().weigh(block, patch_block, {rows, size, step, 1 / step}, nullptr, found);
+    for (std::size_t i = 0; i < patch_block; ++i) {
+        const double away = std::fabs(block.distance[i]);
+        if (away > threshold) {
+            EXPECT_EQ(found.weight[i], 0);
+            EXPECT_EQ(found.cost[i], rows[3 * size + 2]);
+            continue;
+        }
+        const auto k = static_cast<std::size_t>(away / step);
+        const double from = static_cast<double>(k) * step, weight = rows[3 * k], grows = rows[3 * k + 1];
+        // Twice the integral of weight times distance, of third degree: Simpson's rule is exact.
+        const auto term = [&](double t) { return 2 * t * (weight + grows * (t - from)); };
+        const double cost = (away - from) / 6 * (term(from) + 4 * term((from + away) / 2) + term(away));
+        EXPECT_NEAR(found.weight[i], weight + grows * (away - from), 1e-14);
+        EXPECT_NEAR(found.slope[i], weight + grows * (away - from) + away * grows, 1e-14);
+        EXPECT_NEAR(found.cost[i], rows[3 * k + 2] + cost, 1e-15);
     }
 }
 
