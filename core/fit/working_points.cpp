@@ -121,10 +121,14 @@ WorkingPoints working_points(const FitPoints& points, const PointSpread& spread,
     std::iota(result.index.begin(), result.index.end(), 0u);
     SampleNumbers random(seed ^ 0x5f17);
     for (std::size_t i = n; i > 1; --i) std::swap(result.index[i - 1], result.index[random.below(i)]);
-    const double unit = result.unit;
+    // A power of two, whose inverse multiplies as exactly as it divides; the least ones have none.
+    const double unit = result.unit, inverse = 1 / unit;
     const auto coordinates = [&](const std::vector<double>& from, double shift, std::vector<double>& to) {
         to.resize(n);
-        for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) / unit;
+        if (std::isfinite(inverse))
+            for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) * inverse;
+        else
+            for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) / unit;
     };
     coordinates(points.x, middle[0], result.x);
     coordinates(points.y, middle[1], result.y);

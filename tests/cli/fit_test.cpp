@@ -1,5 +1,6 @@
 // pcmlab fit as a user meets it, on a pipe over a floor.
 
+#include "pcm/system/cpu.h"
 #include "tests/cli/command.h"
 #include "tests/faults.h"
 #include "tests/primitives/shape_cloud.h"
@@ -75,6 +76,20 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
 }
 
 // Of all kinds those that PCL has are fitted.
+TEST_F(FitCommand, IsTheSameWithAllVectorInstructions)
+{
+    std::string first;
+    for (const pcm::SimdLevel level : pcm::simd_levels()) {
+        const std::string name(pcm::name_of(level));
+        const Result result = pcmlab("fit --json " + path("surface.pct") + " " + at_, "PCM_SIMD=" + name);
+        ASSERT_EQ(result.code, 0) << result.err;
+        const std::string primitive = Json::parse(result.out)["primitive"].dump();
+        ASSERT_GT(primitive.size(), 100u);
+        if (first.empty()) first = primitive;
+        EXPECT_EQ(primitive, first) << name;
+    }
+}
+
 TEST_F(FitCommand, TheBackendPclLeavesOutWhatItHasNot)
 {
     const Result result = pcmlab("fit " + path("surface.pct") + " " + at_ + " --shape any --backend pcl");
