@@ -145,7 +145,9 @@ void SelectPanel::add_uses(QGridLayout& rows)
     add_button(rows, row++, 2, Button::stop, "Stop", "Ends what is running; the selection stays as it was. Key: Esc.");
     buttons_[Button::stop]->hide();
     add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
-    add_button(rows, row++, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row++, 2, Button::colour, "Colour...",
+               "The colour in which views show selected points. It is kept for later sessions. Default #ff400d.");
     add_button(rows, row, 0, Button::to_layer, "To a layer",
                "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
     add_button(rows, row, 1, Button::to_file, "To a file",
@@ -182,6 +184,14 @@ std::optional<double> SelectPanel::distance() const
 }
 
 QString SelectPanel::where() const { return where_->text().trimmed(); }
+
+void SelectPanel::show_colour(const QColor& colour)
+{
+    QPixmap sample(32, 12);
+    sample.fill(colour);
+    buttons_[Button::colour]->setIcon(sample);
+    buttons_[Button::colour]->setIconSize(sample.size());
+}
 
 void SelectPanel::show_count(const QString& text) { count_->setText(text); }
 
