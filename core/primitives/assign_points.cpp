@@ -76,21 +76,15 @@ private:
         std::vector<float> best(sample_.size(), std::numeric_limits<float>::max());
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
-            Box3d box = hypotheses_[h].box;
-            for (std::size_t a = 0; a < 3; ++a) {
-                const double reach = std::max(options_.reach, hypotheses_[h].reach);
-                box.min[a] -= reach + sample_.origin[a];
-                box.max[a] += reach - sample_.origin[a];
-            }
             const Shape shape = shape_here(h);
             const double threshold = hypotheses_[h].threshold;
-            for (std::uint32_t i = 0; i < sample_.size(); ++i) {
-                if (!box.contains(sample_.at[i])) continue;
+            const Box3d box = reached_box(hypotheses_[h], options_.reach);
+            for_points_near(sample_, box, shape, threshold, [&](std::uint32_t i) {
                 const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
-                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) continue;
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) return;
                 best[i] = distance;
                 owner_[i] = h;
-            }
+            });
         }
     }
 

@@ -43,8 +43,9 @@ constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
 constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
-constexpr double widen_cells = 3;  // of the sample, in cells of the one in which larger thresholds are tried
-constexpr double coarser = 4;      // cells of one resolution, in cells of the next
+// Of the samples in which larger thresholds are tried, in cells of the finest one.
+constexpr double widen_cells = 3, coarse_widen_cells = 9;
+constexpr double coarser = 4;  // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
 // How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
 // which the samples have no normals, and in cells of the present one.
@@ -296,12 +297,17 @@ private:
 
     void widen()
     {
-        const double cell = widen_cells * report_.sample;
+        const auto sample = [&](double cells) {
+            const double cell = cells * report_.sample;
+            WidenSample some{assign_options(cell, 0.6, 0.65), units_of(cell)};
+            some.assign.least_points = 0;
+            return some;
+        };
         WidenOptions widen;
-        widen.assign = assign_options(cell, 0.6, 0.65);
-        widen.assign.least_points = 0;
-        widen.merge = merge_options(cell);
-        hypotheses_ = with_wider_shapes(points_, units_of(cell), std::move(hypotheses_), widen);
+        widen.fine = sample(widen_cells);
+        widen.coarse = sample(coarse_widen_cells);
+        widen.merge = merge_options(widen_cells * report_.sample);
+        hypotheses_ = with_wider_shapes(points_, std::move(hypotheses_), widen);
     }
 
     std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
@@ -347,17 +353,12 @@ private:
     {
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (const Hypothesis& known : hypotheses_) {
-            Box3d box = known.box;
-            for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] -= sample.origin[a] + std::max(known.reach, reach_cells * cell);
-                box.max[a] -= sample.origin[a] - std::max(known.reach, reach_cells * cell);
-            }
             Shape shape = known.shape;
             shape.point = shape.point - sample.origin;
-            for (std::size_t i = 0; i < sample.size(); ++i)
-                if (!taken[i] && box.contains(sample.at[i]) &&
-                    fits(sample, i, shape, shadow * report_.threshold, cos_angle))
-                    taken[i] = 1;
+            const double most = shadow * report_.threshold;
+            for_points_near(sample, reached_box(known, reach_cells * cell), shape, most, [&](std::uint32_t i) {
+                if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
+            });
         }
     }
 
