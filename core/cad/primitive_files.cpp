@@ -138,8 +138,8 @@ void write_table(const std::filesystem::path& file, const DrawingList& list, Cad
     OutputFile output(file);
     const auto row = [&](const auto& text) {
         std::string line;
-        for (const Column& column : columns()) line += (line.empty() ? "" : ",") + csv_field(text(column));
-        output.append(line + "\r\n");
+        for (const Column& column : columns()) line += "," + csv_field(text(column));
+        output.append(line.substr(1) + "\r\n");
     };
     row([&](const Column& column) { return heading(column, unit); });
     for (const Primitive* primitive : list.shown) row([&](const Column& column) { return column.text(*primitive); });

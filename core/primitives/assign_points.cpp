@@ -35,6 +35,7 @@ struct UnitPart {
 struct UnitResult {
     std::vector<UnitPart> parts;                                  // of interest
     std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;  // labels, less 1, of parts that are one
+    std::uint64_t looked_at = 0;                                  // points
 };
 
 class UnitAssignment {
@@ -60,7 +61,7 @@ public:
         find_border(border);
         find_interior();
         find_continued();
-        if (labels) give_labels(*labels);
+        if (labels) result.looked_at += give_labels(*labels);
         for (std::uint32_t k = 0; k < parts_.size(); ++k)
             if (parts_[k].points >= options_.least_points || at_border_[k])
                 result.parts.push_back({first_ + k, parts_[k]});
@@ -262,10 +263,13 @@ private:
         return (first_ + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
     }
 
-    void give_labels(PointLabels& labels)
+    // Returns how many points were looked at.
+    std::uint64_t give_labels(PointLabels& labels)
     {
+        std::uint64_t looked_at = 0;
         points_.visit(box_, options_.sample.level, [&](const ChosenPoints::Some& some) {
             std::vector<std::uint32_t> numbers, given;
+            looked_at += some.number.size();
             for (std::size_t i = 0; i < some.number.size(); ++i) {
                 const auto cell = sample_.by_cell.find(SampleLattice::key_of(lattice_.cell_of(some.grid[i])));
                 if (cell == sample_.by_cell.end()) continue;
@@ -279,6 +283,7 @@ private:
             }
             labels.set(some.node, numbers, given.data());
         });
+        return looked_at;
     }
 
     const ChosenPoints& points_;
@@ -356,6 +361,7 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
             }
             add_to(assigned.parts[place], part.part);
         }
+        assigned.looked_at += result.looked_at;
         result = {};
     }
     for (std::uint32_t label = 0; label < next; ++label) assigned.part_of[label] = assigned.part_of[joined.root(label)];

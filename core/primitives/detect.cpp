@@ -152,26 +152,34 @@ private:
         return static_cast<std::uint16_t>(std::max(1, int(info.levels)) - 1);
     }
 
+    // The finest level whose points are no nearer than a cell, or the coarsest one; and how many points of a sample
+    // there are for each point up to it. 0: not known.
+    struct LevelGrowth {
+        std::uint16_t level = 0;
+        double growth = 0;
+    };
+    LevelGrowth level_growth(double cell) const
+    {
+        const std::vector<double>& spacings = tree_->info().spacings;
+        LevelGrowth found;
+        while (found.level + 1u < spacings.size() && spacings[found.level + 1u] >= cell) ++found.level;
+        if (!spacings.empty()) found.growth = spacings[found.level] * spacings[found.level] / (cell * cell);
+        return found;
+    }
+
     // About how many points a sample of the whole cloud has.
     double sample_points(double cell) const
     {
-        const TreeInfo& info = tree_->info();
-        double points = static_cast<double>(info.points);
-        for (std::uint16_t level = 0; level < info.levels; ++level)
-            if (info.spacings[level] >= cell)
-                points = static_cast<double>(tree_->points_to_level(level)) * info.spacings[level] *
-                         info.spacings[level] / (cell * cell);
-        return std::clamp(points, 1.0, static_cast<double>(info.points));
+        const auto all = static_cast<double>(tree_->info().points);
+        const auto [level, growth] = level_growth(cell);
+        const double points = growth > 0 ? static_cast<double>(tree_->points_to_level(level)) * growth : all;
+        return std::clamp(points, 1.0, all);
     }
 
-    // About how many of them lie in a box. `level`: the finest whose points are no nearer than a cell.
+    // About how many of them lie in a box.
     double sample_points(const Box3i& box, double cell) const
     {
-        const TreeInfo& info = tree_->info();
-        double growth = 0;
-        std::uint16_t level = 0;
-        for (std::uint16_t l = 0; l < info.levels; ++l)
-            if (info.spacings[l] >= cell) level = l, growth = info.spacings[l] * info.spacings[l] / (cell * cell);
+        const auto [level, growth] = level_growth(cell);
         double all = 0, coarse = 0;
         std::vector<NodeId> open{0};
         while (!open.empty()) {
@@ -232,7 +240,7 @@ private:
                                  most_unit_points};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
-            if (all.back().units.size() <= 1) break;
+            if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
         }
         std::reverse(all.begin(), all.end());
         return all;
@@ -377,7 +385,7 @@ private:
                                     " primitives have no outline: their points are all on one line");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
-        report_.outcome.points_in = result.points;
+        report_.outcome.points_in = assigned.looked_at;
         for (const Primitive& primitive : report_.primitives) report_.outcome.points_out += primitive.points;
     }
 

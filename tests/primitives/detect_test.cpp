@@ -156,6 +156,7 @@ TEST_F(Detect, OnlyTheKindsAskedForAndInsideOfTheSelection)
     report = detect(options);
     ASSERT_EQ(report.primitives.size(), 1u);
     expect_same(report.primitives[0], scene[3].shape);
+    EXPECT_EQ(report.outcome.points_in, select_points(tree_, options.limit).size());
 }
 
 TEST_F(Detect, WallsOfOnePlaneThatAreApartAreTwo)
@@ -247,6 +248,19 @@ TEST_F(Detect, CloudsWithoutShapesHaveNone)
         points.push_back(corner + Vec3d{dice.between(0, 1), dice.between(0, 1), dice.between(0, 1)});
     make(points);
     EXPECT_TRUE(detect().primitives.empty());
+}
+
+// Its noise is wider than the spacing of its coarsest level.
+TEST_F(Detect, AManyTimesDividedCloudOfNoiseAloneHasNone)
+{
+    Dice dice(9);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 300000; ++i)
+        points.push_back(corner + Vec3d{dice.between(0, 1), dice.between(0, 1), dice.between(0, 1)});
+    make(points);
+    const DetectReport report = detect();
+    EXPECT_GT(report.sample, tree_->info().spacings[0]);
+    EXPECT_TRUE(report.primitives.empty());
 }
 
 TEST_F(Detect, ExactAndTinyPlanes)
