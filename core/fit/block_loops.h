@@ -63,6 +63,13 @@ struct BlockFacts {
 struct BlockLoops {
     ShapeLoops plane, cylinder, sphere;
 
+    // Of columns of any length: the largest |value - shift|; sums of values times a factor, and of products of two
+    // columns, each shifted and times the factor. Not finite where a value is not.
+    double (*largest)(const double* values, std::size_t count, double shift);
+    double (*sum_scaled)(const double* values, std::size_t count, double factor);
+    double (*sum_products)(const double* a, const double* b, std::size_t count, double shift_a, double shift_b,
+                           double factor);
+
     // Squares of distances, at most `limit` each, and how many are not above it.
     void (*score)(const double* distances, std::size_t count, double limit, double* squares, double* near);
     // Sets `within`; returns how many.
@@ -81,6 +88,8 @@ struct BlockLoops {
                       std::int32_t* to);
     // Sets the sums of a block. Its arrays are filled up to a multiple of eight points.
     void (*sum)(PatchBlock& block, BlockWeights& weights, std::size_t count, std::size_t parameters, BlockSums& sums);
+    // Of the distances of those that take part.
+    double (*squares)(const PatchBlock& block, const BlockWeights& weights, std::size_t count);
     // The cost alone.
     double (*cost)(const BlockWeights& weights, std::size_t count);
     // Adds to the facts. `inverse`: of the products, row by row.

@@ -56,6 +56,18 @@ struct Lanes {
     {
         for (std::size_t k = 0; k < vectors; ++k) v[k] = other.v[k] > v[k] ? other.v[k] : v[k];
     }
+    // Each (value - shift) times a factor.
+    void shift(const Lanes& by, const Lanes& factor)
+    {
+        for (std::size_t k = 0; k < vectors; ++k) v[k] = (v[k] - by.v[k]) * factor.v[k];
+    }
+    void take_larger_size(const Lanes& other)
+    {
+        for (std::size_t k = 0; k < vectors; ++k) {
+            const Vector size = other.v[k] < 0 ? -other.v[k] : other.v[k];
+            v[k] = size > v[k] ? size : v[k];
+        }
+    }
     void add(std::size_t lane, double value) { v[lane / width][lane % width] += value; }
     double at(std::size_t lane) const { return v[lane / width][lane % width]; }
     double total() const { return ((at(0) + at(4)) + (at(2) + at(6))) + ((at(1) + at(5)) + (at(3) + at(7))); }
@@ -149,6 +161,47 @@ struct SphereLoops {
         }
     }
 };
+
+double largest(const double* values, std::size_t count, double shift)
+{
+    Lanes found;
+    const Lanes by(shift), one(1);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        Lanes some(values + i);
+        some.shift(by, one);
+        found.take_larger_size(some);
+    }
+    double all = 0;
+    for (std::size_t lane = 0; lane < lanes; ++lane) all = found.at(lane) > all ? found.at(lane) : all;
+    for (; i < count; ++i) all = fabs(values[i] - shift) > all ? fabs(values[i] - shift) : all;
+    return all;
+}
+
+double sum_scaled(const double* values, std::size_t count, double factor)
+{
+    Lanes sums;
+    const Lanes each(factor);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) sums.add_product(Lanes(values + i), each);
+    for (; i < count; ++i) sums.add(i % lanes, values[i] * factor);
+    return sums.total();
+}
+
+double sum_products(const double* a, const double* b, std::size_t count, double shift_a, double shift_b, double factor)
+{
+    Lanes sums;
+    const Lanes by_a(shift_a), by_b(shift_b), each(factor);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        Lanes of_a(a + i), of_b(b + i);
+        of_a.shift(by_a, each);
+        of_b.shift(by_b, each);
+        sums.add_product(of_a, of_b);
+    }
+    for (; i < count; ++i) sums.add(i % lanes, (a[i] - shift_a) * factor * ((b[i] - shift_b) * factor));
+    return sums.total();
+}
 
 void score(const double* distances, std::size_t count, double limit, double* squares, double* near)
 {
@@ -244,6 +297,19 @@ void find_bins(const PatchBlock& block, std::size_t count, double threshold, std
     }
 }
 
+double squares(const PatchBlock& block, const BlockWeights& weights, std::size_t count)
+{
+    Lanes sums;
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        Lanes part(weights.within + i);
+        part *= Lanes(block.distance + i);
+        sums.add_product(part, Lanes(block.distance + i));
+    }
+    for (; i < count; ++i) sums.add(i % lanes, weights.within[i] * block.distance[i] * block.distance[i]);
+    return sums.total();
+}
+
 double cost(const BlockWeights& weights, std::size_t count) { return sum_of(weights.cost, count); }
 
 // Row j of the products and of the gradient.
@@ -332,6 +398,9 @@ constexpr BlockLoops all_loops()
     return {{PlaneLoops::distances, PlaneLoops::differentiate},
             {CylinderLoops::distances, CylinderLoops::differentiate},
             {SphereLoops::distances, SphereLoops::differentiate},
+            largest,
+            sum_scaled,
+            sum_products,
             score,
             within,
             weigh_alike,
@@ -339,6 +408,7 @@ constexpr BlockLoops all_loops()
             weigh,
             find_bins,
             sum,
+            squares,
             cost,
             facts};
 }

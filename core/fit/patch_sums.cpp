@@ -7,23 +7,6 @@
 namespace pcm {
 namespace {
 
-// Returns how many.
-double take_away_other_normals(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
-                               double least_cosine, std::size_t first, std::size_t count, double* within)
-{
-    const Shape shape = model.shape_of(patch);
-    double taken = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Vec3d normal = points.normal(first + i);
-        if (within[i] > 0 && dot(normal, normal) > 0 &&
-            std::fabs(dot(normal, normal_at(shape, points.at(first + i)))) < least_cosine) {
-            within[i] = 0;
-            taken += 1;
-        }
-    }
-    return taken;
-}
-
 // Of points that take part: apart, so that one need not wait for the one before.
 class DistanceCounts {
 public:
@@ -52,8 +35,8 @@ double weigh(const ShapeModel& model, const SurfacePatch& patch, const WorkingPo
 {
     const BlockLoops& loops = block_loops();
     double near = loops.within(block, count, band.threshold, weights);
-    if (band.least_cosine > 0 && points.has_normals())
-        near -= take_away_other_normals(model, patch, points, band.least_cosine, first, count, weights.within);
+    if (band.least_cosine > 0)
+        near -= take_away_other_normals(model.shape_of(patch), points, band.least_cosine, first, count, weights.within);
     const double* support = band.support ? band.support + first : nullptr;
     if (mixture && !mixture->all_belong())
         loops.weigh(block, count, mixture->table(), support, weights);
@@ -78,6 +61,22 @@ void add_to(PatchSums& sums, const BlockSums& other)
 }
 
 }  // namespace
+
+double take_away_other_normals(const Shape& shape, const WorkingPoints& points, double least_cosine, std::size_t first,
+                               std::size_t count, double* within)
+{
+    if (!(least_cosine > 0) || !points.has_normals()) return 0;
+    double taken = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3d normal = points.normal(first + i);
+        if (within[i] > 0 && dot(normal, normal) > 0 &&
+            std::fabs(dot(normal, normal_at(shape, points.at(first + i)))) < least_cosine) {
+            within[i] = 0;
+            taken += 1;
+        }
+    }
+    return taken;
+}
 
 void add_to(PatchSums& sums, const PatchBlock& block, std::size_t i)
 {

@@ -131,6 +131,41 @@ TEST(BlockLoops, DerivativesAreTheSameOnAllLevels)
     }
 }
 
+TEST(BlockLoops, SumsOfColumns)
+{
+    for (const std::size_t count : counts) {
+        const Columns points = columns(7 + count);
+        const double *x = points.x, *y = points.y;
+        double largest = 0, sum = 0, product = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            largest = std::max(largest, std::fabs(x[i] - 0.3));
+            sum += 5 * x[i];
+            product += 5 * (x[i] - 0.3) * (5 * (y[i] + 0.2));
+        }
+        double first[2] = {};
+        for (const SimdLevel level : simd_levels()) {
+            const BlockLoops& loops = loops_of(level);
+            EXPECT_EQ(loops.largest(x, count, 0.3), largest) << name_of(level) << ' ' << count;
+            const double found[2] = {loops.sum_scaled(x, count, 5), loops.sum_products(x, y, count, 0.3, -0.2, 5)};
+            EXPECT_NEAR(found[0], sum, 1e-12) << name_of(level) << ' ' << count;
+            EXPECT_NEAR(found[1], product, 1e-11) << name_of(level) << ' ' << count;
+            if (level == SimdLevel::baseline) std::copy(found, found + 2, first);
+            EXPECT_TRUE(same_bits(first, found, 2)) << name_of(level) << ' ' << count;
+        }
+    }
+    // The largest may be anywhere, and be below 0; what is not finite shows wherever it is.
+    for (const SimdLevel level : simd_levels())
+        for (std::size_t at = 0; at < 11; ++at) {
+            double values[11] = {};
+            values[at] = -3;
+            EXPECT_EQ(loops_of(level).largest(values, 11, 0), 3);
+            for (const double bad : {nothing, std::numeric_limits<double>::infinity()}) {
+                values[at] = bad;
+                EXPECT_FALSE(loops_of(level).sum_scaled(values, 11, 0) == 0) << at;
+            }
+        }
+}
+
 TEST(BlockLoops, ScoresAreSumsOfSquares)
 {
     for (const std::size_t count : counts) {
@@ -253,6 +288,8 @@ TEST(BlockLoops, SumsAreThoseOfAllPoints)
                 expect(sums.pull, &BlockSums::pull, [](std::size_t, double w, double d) { return w * d * w * d; });
                 expect(loops.cost(one.weights, count), nullptr,
                        [&](std::size_t i, double, double) { return one.weights.cost[i]; });
+                expect(loops.squares(one.block, one.weights, count), nullptr,
+                       [&](std::size_t i, double, double d) { return one.weights.within[i] * d * d; });
                 for (std::size_t j = 0; j < parameters; ++j) {
                     const double* by = one.block.by[j];
                     expect(sums.gradient[j], nullptr, [&](std::size_t i, double w, double d) { return w * d * by[i]; });
