@@ -74,6 +74,7 @@ void add_to_list(const std::filesystem::path& file, Primitive& primitive)
     const bool exists = std::filesystem::exists(file, error);
     PrimitiveList list;
     if (exists) list.add_all(read_primitives(file));
+    primitive.colour = next_colour(list);
     primitive = list[list.add(primitive)];
     CadOptions options;
     options.overwrite = exists;

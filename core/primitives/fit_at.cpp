@@ -58,7 +58,7 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, 0, 0, false, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, {}};
         LocalFit local = local_fit();
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
@@ -115,11 +115,18 @@ private:
         const ShapeFit& local = result.local;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i)
-            if (local.is_inlier[i]) inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
+            if (local.is_inlier[i]) {
+                inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
+                result.reached.seeds.push_back(result.near.points.source(i));
+            }
         for (auto& [node, numbers] : inliers) {
             std::sort(numbers.begin(), numbers.end());
             result.points.set(node, numbers);
         }
+        result.reached.shape = local.shape;
+        result.reached.threshold = local.threshold;
+        result.reached.normal_angle = options_.fit.normal_angle;
+        result.reached.limit = limit_;
         if (!options_.grow || result.points.empty()) return;
         std::vector<Vec3d> positions;
         for (std::size_t i = 0; i < close.ids.size(); ++i)
@@ -161,6 +168,10 @@ private:
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(grown.agreement) + " times those of independent points");
         result.points = std::move(grown.points);
+        result.reached.shape = grown.followed;
+        result.reached.threshold = grown.threshold;
+        result.reached.step = result.step;
+        keep_few_seeds(result.reached);
         grown.fit.iterations = result.local.iterations;
         if (result.local.issue == FitIssue::no_consensus) {
             grown.fit.verdict = result.local.verdict;

@@ -148,6 +148,117 @@ class FittingList(FittingTest):
         self.assertAlmostEqual(counts["all"] / counts["classes"], 2, delta=0.2)
 
 
+class MovedClouds(FittingTest):
+    """Two clouds whose layers have matrices: fitted, exported, saved and reopened."""
+
+    # Up by two, and a quarter turn about z beside it.
+    MATRICES = ("move-layer 0 0 0 2", "layer-matrix 1 0 -1 0 -11 1 0 0 0 0 0 1 0 0 0 0 1")
+
+    def points_to(self, name):
+        return f"""
+            trigger Its points to a file...
+            pick {self.folder / name}
+            wait-label {MESSAGE} extracted
+            """
+
+    def counts(self, *names):
+        return [pcmlab("info", self.folder / name)["points"] for name in names]
+
+    def check_places(self, primitives):
+        """Where the matrices put the two pipes."""
+        first, second = primitives
+        self.assertLess(math.hypot(first["point"][0] - 3, first["point"][2] - 3), 0.002)
+        self.assertAlmostEqual(abs(first["axis"][1]), 1, delta=1e-4)
+        self.assertLess(math.hypot(second["point"][1] - 3, second["point"][2] - 1), 0.002)
+        self.assertAlmostEqual(abs(second["axis"][0]), 1, delta=1e-4)
+
+    def test_saved_reopened_and_exported(self):
+        pipe, other = pipe_on_a_floor(self.folder), pipe_on_a_floor(self.folder, "other", seed=8)
+        project = self.folder / "p.mlp"
+        moved = chr(10).join(self.MATRICES) + """
+            wheel 8
+            wait-status complete
+            """
+        run = self.gui(f"""
+            {self.start(pipe, other, more=moved)}
+            {self.click_place("3 0.5 3.5")}
+            key Return
+            wait-rows {LIST} 1
+            {self.points_to("0.las")}
+            field PointCloudFitGrow = off
+            {self.click_place("-11.5 3 1.5")}
+            {self.click_place("-11 3 1.5", "Ctrl")}
+            {self.click_place("-10.5 3 1.5", "Shift")}
+            wait-label {FOUND} taken away
+            key Return
+            wait-rows {LIST} 2
+            {self.points_to("1.las")}
+            field PointCloudFitGrow = on
+            {self.click_place("-11.5 3 1.5")}
+            {self.click_place("-12.5 3 1.5", "Shift")}
+            key Return
+            wait-rows {LIST} 3
+            {self.points_to("2.las")}
+            wait-status complete
+            screen {self.result("moved.png")}
+            trigger Save Project As...
+            pick {project}
+            pause 500
+            press Delete
+            wait-rows {LIST} 2
+            press Export
+            pick {self.folder / "moved.json"}
+            wait-label {MESSAGE} moved as the matrices
+            layer-matrix 1 2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1
+            press Export
+            pick {self.folder / "scaled.csv"}
+            wait-label {MESSAGE} scales, shears or mirrors Cylinder 2
+            quit
+            """)
+        self.assertDriven(run)
+        self.check_places(json.loads((self.folder / "moved.json").read_text())["primitives"])
+        self.assertFalse((self.folder / "scaled.csv").exists())
+        kept = kept_in(project)
+        self.assertEqual([p["name"] for p in kept], ["Cylinder 1", "Cylinder 2", "Cylinder 3"])
+        for one in kept:  # the clouds' own coordinates
+            self.assertLess(math.hypot(one["point"][0] - 3, one["point"][2] - 1), 0.002)
+        before = self.counts("0.las", "1.las", "2.las")
+        self.assertGreater(before[0], 14000)
+        self.assertLess(before[1], 5000, "two neighbourhoods")
+        self.assertLess(before[2], before[0] - 300, "a place was taken away")
+        table = self.folder / "again.csv"
+        run = self.gui(f"""
+            {self.start(pipe, other, project=project)}
+            print-table {LIST}
+            choose-row {LIST} 0
+            pause 100
+            {self.points_to("0-again.las")}
+            choose-row {LIST} 1
+            pause 100
+            {self.points_to("1-again.las")}
+            choose-row {LIST} 2
+            pause 100
+            {self.points_to("2-again.las")}
+            wait-status complete
+            screen {self.result("reopened.png")}
+            press Delete
+            wait-rows {LIST} 2
+            trigger Export Primitives
+            set Output file = {table}
+            press Apply
+            wait-log 2 primitives
+            press Close
+            quit
+            """)
+        self.assertDriven(run)
+        self.assertEqual([row[0] for row in run.tables(LIST)[0]], [p["name"] for p in kept])
+        self.assertEqual(self.counts("0-again.las", "1-again.las", "2-again.las"), before)
+        with open(table, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.check_places([{"point": [float(row[k]) for k in ("x", "y", "z")],
+                            "axis": [float(row[k]) for k in ("axis_x", "axis_y", "axis_z")]} for row in rows])
+
+
 class LayersAndWork(FittingTest):
     """Layers that are removed, and MeshLab closed, while something runs."""
 
