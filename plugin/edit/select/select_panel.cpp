@@ -99,9 +99,11 @@ void SelectPanel::add_ways(QGridLayout& rows)
     reach_ = add_choice(rows, "Depth", {"Through the cloud", "Front only"},
                         "Whether a rectangle or polygon selects all points that it covers, or only those that are "
                         "visible from here, in front of all others. Default Through the cloud.");
-    layers_ = add_choice(rows, "Layers", {"Current layer", "All shown layers"},
-                         "Which clouds a selection is made in: the current layer (the one that is clicked, for brush "
-                         "and grow), or all that the view shows and that are not locked. Default Current layer.");
+    layers_ =
+        add_choice(rows, "Layers", {"Current layer", "All shown layers"},
+                   "Which clouds a selection is made in: the current layer (for a brush, those that it meets), or "
+                   "all that the view shows and that are not locked. Growing stays in the cloud that is clicked. "
+                   "Default Current layer.");
     brush_ = add_field(rows, "Brush radius", "15",
                        "Pixels of the screen: points within a ball of this radius around the surface under the cursor "
                        "are selected. 1 to 1000, default 15.");
