@@ -232,9 +232,9 @@ std::optional<Estimator> estimator_of(const std::string& name)
 
 const char* name_of(FitIssue issue)
 {
-    static constexpr const char* names[] = {"none",         "too few points", "not finite", "coincident",
-                                            "collinear",    "coplanar",       "thin arc",   "no consensus",
-                                            "out of range", "not converged"};
+    static constexpr const char* names[] = {"none",         "too few points", "not finite",   "coincident",
+                                            "collinear",    "coplanar",       "thin arc",     "no consensus",
+                                            "out of range", "not converged",  "other surface"};
     return names[static_cast<std::size_t>(issue)];
 }
 

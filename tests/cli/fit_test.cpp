@@ -143,6 +143,9 @@ TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
     refused(at_ + "--delete", 2, "-o COPY");
     refused(at_ + "--probability 2", 1, "probability");
     refused(at_ + "--add list.txt", 1, ".json");
+    // Before the tree is opened.
+    const Result result = pcmlab("fit " + path("nowhere.pct") + " " + at_ + "--add list.txt");
+    EXPECT_NE(result.err.find(".json"), std::string::npos) << result.err;
     refused(at_ + "--not-at '2 -39.75 10'", 1, "beside it");
 }
 

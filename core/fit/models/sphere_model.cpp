@@ -1,5 +1,4 @@
-// A sphere: two points with normals, or four without; moved along the normal of its patch, turned about two directions,
-// curved.
+// A sphere: four points; moved along the normal of its patch, turned about two directions, curved.
 #include "pcm/fit/models/shape_models.h"
 
 #include <Eigen/LU>
