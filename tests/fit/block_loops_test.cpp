@@ -258,7 +258,7 @@ TEST(BlockLoops, TaperedWeightsAreWhatTheyClaim)
         if (away <= from) ASSERT_NEAR(at.cost[i], away * away, 1e-15);
         if (away > threshold) ASSERT_EQ(at.cost[i], at.cost[patch_block - 1]);
     }
-    // Costs go on without a step where points take part no more, however far they are.
+    // Costs have no step at the threshold, and are finite however far a point is.
     block.distance[0] = threshold * (1 - 1e-9);
     block.distance[1] = 1e200;
     loops.within(block, 2, threshold, at);
