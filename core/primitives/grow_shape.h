@@ -24,11 +24,17 @@ struct GrowShapeOptions {
     ProgressFunction progress;
 };
 
+// Points up to so many thresholds from a shape are looked at for what lies beside it.
+inline constexpr double beyond_thresholds = 4;
+
 struct GrownShape {
-    ShapeFit
-        fit;  // to all points reached; without is_inlier; errors as of refit.h, and the threshold of the last round
+    // To the points reached, but, where these are most of them, without those beside which the cloud leaves the shape
+    // (inner_points.h): some of them are another surface's. Without is_inlier; errors as of refit.h, and the threshold
+    // of the last round.
+    ShapeFit fit;
     double agreement = 1;    // RefittedShape::agreement
     PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
+    PointSet around;         // reached through points up to beyond_thresholds from it; empty without rounds
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };
