@@ -173,12 +173,12 @@ private:
                       ": there is another surface close to it; give a threshold, or a smaller step");
         }
         result.primitive.fit = std::move(grown.fit);
-        doubt_other_surface(grown.around, result);
+        doubt_other_surface(grown.around, grown.noise, result);
     }
 
     // `wide`: connected, up to a few thresholds from the shape. The points may be a ring or strip of another surface,
     // all of it within a wide threshold, or there by chance.
-    void doubt_other_surface(const PointSet& wide, FittedPrimitive& result) const
+    void doubt_other_surface(const PointSet& wide, double noise, FittedPrimitive& result) const
     {
         ShapeFit& fit = result.primitive.fit;
         if (fit.verdict != FitVerdict::good || result.points.empty()) return;
@@ -186,11 +186,11 @@ private:
             coarse_points(wide, most_judged, options_.threads, part_of(options_.progress, 0.85, 0.87));
         const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
         const std::string name = traits_of(fit.shape.kind).name;
-        if (beyond.is_piece(noise_ > 0 ? fit.noise / noise_ : 0)) {
+        if (beyond.is_piece(noise_ > 0 ? noise / noise_ : 0)) {
             doubt(fit, FitIssue::other_surface,
                   "the surface continues smoothly beside these points, but off the " + name +
                       ": they are a ring or strip where it touches a surface of another kind; fit that");
-        } else if (const auto other = far_better_kind(result, around)) {
+        } else if (const auto other = far_better_kind(result, noise, around)) {
             doubt(fit, FitIssue::other_surface,
                   std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name +
                       ": fit that");
@@ -203,10 +203,12 @@ private:
     }
 
     // Where the noise is larger than that around the places, and no threshold allows for it.
-    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, const std::vector<Vec3d>& around) const
+    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
+                                             const std::vector<Vec3d>& around) const
     {
-        const ShapeFit& fit = result.primitive.fit;
-        if (options_.fit.threshold > 0 || !(noise_ > 0 && fit.noise > most_noise_grown * noise_)) return {};
+        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > most_noise_grown * noise_)) return {};
+        ShapeFit fit = result.primitive.fit;
+        fit.noise = noise;
         std::vector<Vec3d> near;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
         const auto other = better_kind(fit, near, noise_, part_of(options_.progress, 0.87, 0.88));

@@ -27,7 +27,7 @@ public:
 
     GrownShape run(const Shape& start)
     {
-        GrownShape grown{{}, 1, PointSet(seeds_.shared_tree()), PointSet(seeds_.shared_tree()), 0, false};
+        GrownShape grown{{}, 0, 1, PointSet(seeds_.shared_tree()), PointSet(seeds_.shared_tree()), 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -49,6 +49,7 @@ public:
         // Errors that neighbours make large allow the last step to be long.
         const bool is_settled = grown.converged && !(grown.agreement > 1);
         if (!is_settled && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
+        grown.noise = grown.fit.noise;
         if (grown.fit.has_shape() && options_.most_rounds > 0) leave_edges(grown);
         if (options_.most_rounds == 0) grown.rounds = 0;
         return grown;

@@ -32,6 +32,7 @@ struct GrownShape {
     // (inner_points.h): some of them are another surface's. Without is_inlier; errors as of refit.h, and the threshold
     // of the last round.
     ShapeFit fit;
+    double noise = 0;        // as fit.noise, of a fit to all points reached
     double agreement = 1;    // RefittedShape::agreement
     PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
     PointSet around;         // reached through points up to beyond_thresholds from it; empty without rounds

@@ -15,7 +15,8 @@ namespace pcm {
 namespace {
 
 constexpr double most_beside = 0.1;        // of the points on the shape; noise leaves less
-constexpr std::uint64_t least_beside = 3;  // fewer may be noise
+constexpr std::uint64_t least_beside = 2;  // fewer may be noise
+constexpr double points_per_cube = 4;
 constexpr double thresholds_per_cube = 2;  // wider than the noise
 
 void scan(const PointSet& set, unsigned threads, const ProgressFunction& progress,
@@ -61,6 +62,7 @@ void EdgeCubes::add(const Vec3d& p, bool on_shape)
 {
     Counts& counts = cubes_[key_of(p)];
     ++(on_shape ? counts.on : counts.beside);
+    ++points_;
     while (cubes_.size() > most_) coarsen();
 }
 
@@ -74,6 +76,12 @@ void EdgeCubes::coarsen()
         sum.beside += counts.beside;
     }
     cubes_ = std::move(coarse);
+}
+
+void EdgeCubes::widen()
+{
+    while (static_cast<double>(points_) < points_per_cube * static_cast<double>(cubes_.size()) && cubes_.size() > 1)
+        coarsen();
 }
 
 bool EdgeCubes::is_edge(const Vec3d& p) const
@@ -100,6 +108,7 @@ PointSet inner_points(const PointSet& points, const PointSet& around, const Shap
         const std::lock_guard lock(mutex);
         for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
     });
+    cubes.widen();
     PointSet inner(points.shared_tree());
     scan(points, threads, part_of(progress, 0.6, 1),
          [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {

@@ -21,7 +21,9 @@ public:
 
     void add(const Vec3d& p, bool on_shape);
     double edge() const { return edge_; }
-    // Whether more than a tenth as many points are beside the shape as on it, and at least three, in the place's cube
+    // Doubles cubes until there are four points in each on average.
+    void widen();
+    // Whether more than a tenth as many points are beside the shape as on it, and at least two, in the place's cube
     // and those around it.
     bool is_edge(const Vec3d& p) const;
 
@@ -39,11 +41,12 @@ private:
     const Vec3d corner_;
     double edge_;
     const std::size_t most_;
+    std::uint64_t points_ = 0;
     std::unordered_map<Key, Counts, Hash> cubes_;
 };
 
 // The points of the set that are not beside points of `around` which are farther than the threshold from the shape
-// (EdgeCubes, two thresholds wide). Streams. Throws Error(cancelled), and what reading throws.
+// (EdgeCubes, two thresholds wide at first). Streams. Throws Error(cancelled), and what reading throws.
 PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
                       unsigned threads = 0, const ProgressFunction& progress = {});
 
