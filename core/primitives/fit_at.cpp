@@ -3,10 +3,8 @@
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/cover_points.h"
 #include "pcm/primitives/local_fit.h"
-#include "pcm/primitives/near_shape.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/primitives/surface_beyond.h"
-#include "pcm/select/grow.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -143,7 +141,7 @@ private:
         options.limit = limit_;
         options.memory_bytes = options_.memory_bytes;
         options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.4, 0.75);
+        options.progress = part_of(options_.progress, 0.4, 0.85);
         take(grow_shape(local.shape, result.points, options), result);
     }
 
@@ -186,22 +184,24 @@ private:
                       ": there is another surface close to it; give a threshold, or a smaller step");
         }
         result.primitive.fit = std::move(grown.fit);
-        doubt_other_surface(result);
+        doubt_other_surface(grown.around, grown.noise, result);
     }
 
-    // The points may be a ring or strip of another surface, all of it within a wide threshold, or there by chance.
-    void doubt_other_surface(FittedPrimitive& result) const
+    // `wide`: connected, up to a few thresholds from the shape. The points may be a ring or strip of another surface,
+    // all of it within a wide threshold, or there by chance.
+    void doubt_other_surface(const PointSet& wide, double noise, FittedPrimitive& result) const
     {
         ShapeFit& fit = result.primitive.fit;
         if (fit.verdict != FitVerdict::good || result.points.empty()) return;
-        const std::vector<Vec3d> around = points_around(result);
+        const std::vector<Vec3d> around =
+            coarse_points(wide, most_judged, options_.threads, part_of(options_.progress, 0.85, 0.87));
         const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
         const std::string name = traits_of(fit.shape.kind).name;
-        if (beyond.is_piece(noise_ > 0 ? fit.noise / noise_ : 0)) {
+        if (beyond.is_piece(noise_ > 0 ? noise / noise_ : 0)) {
             doubt(fit, FitIssue::other_surface,
                   "the surface continues smoothly beside these points, but off the " + name +
                       ": they are a ring or strip where it touches a surface of another kind; fit that");
-        } else if (const auto other = far_better_kind(result, around)) {
+        } else if (const auto other = far_better_kind(result, noise, around)) {
             doubt(fit, FitIssue::other_surface,
                   std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name +
                       ": fit that");
@@ -213,27 +213,13 @@ private:
         }
     }
 
-    // Connected, up to a few thresholds from the shape; of many those of coarse levels.
-    std::vector<Vec3d> points_around(const FittedPrimitive& result) const
-    {
-        const ShapeFit& fit = result.primitive.fit;
-        const NearShape near(fit.shape, beyond_thresholds * fit.threshold, options_.fit.normal_angle,
-                             tree_->info().schema);
-        GrowOptions options;
-        options.limit = limit_;
-        options.test = &near;
-        options.memory_bytes = options_.memory_bytes;
-        options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.75, 0.85);
-        return coarse_points(grow(result.points, result.step, options), most_judged, options_.threads,
-                             part_of(options_.progress, 0.85, 0.87));
-    }
-
     // Where the noise is larger than that around the places, and no threshold allows for it.
-    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, const std::vector<Vec3d>& around) const
+    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
+                                             const std::vector<Vec3d>& around) const
     {
-        const ShapeFit& fit = result.primitive.fit;
-        if (options_.fit.threshold > 0 || !(noise_ > 0 && fit.noise > most_noise_grown * noise_)) return {};
+        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > most_noise_grown * noise_)) return {};
+        ShapeFit fit = result.primitive.fit;
+        fit.noise = noise;
         std::vector<Vec3d> near;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
         const auto other = better_kind(fit, near, noise_, part_of(options_.progress, 0.87, 0.88));

@@ -1,6 +1,7 @@
 #include "pcm/primitives/surface_beyond.h"
 
 #include "pcm/fit/near_tree.h"
+#include "pcm/primitives/grow_shape.h"
 
 #include <algorithm>
 #include <array>

@@ -13,9 +13,6 @@
 
 namespace pcm {
 
-// Points up to so many thresholds from the shape are looked at.
-inline constexpr double beyond_thresholds = 4;
-
 struct SurfaceBeyond {
     // Points within `beyond_thresholds` where the surface continues, per point within the threshold.
     double continued = 0;
@@ -31,8 +28,8 @@ struct SurfaceBeyond {
     bool is_by_chance() const;
 };
 
-// `points`: up to beyond_thresholds * threshold from the shape, connected, about as dense everywhere; source
-// coordinates. `threshold` > 0, source units. One thread; memory: some 150 bytes per point.
+// `points`: up to beyond_thresholds (grow_shape.h) * threshold from the shape, connected, about as dense everywhere;
+// source coordinates. `threshold` > 0, source units. One thread; memory: some 150 bytes per point.
 SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::vector<Vec3d>& points);
 
 }  // namespace pcm
