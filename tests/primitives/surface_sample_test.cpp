@@ -128,13 +128,17 @@ TEST_F(SurfaceSamples, AreOfTheLevelsAndTheSelectionAskedFor)
         });
         return points;
     };
+    Dice dice(4);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 6000; ++i) points.push_back({{dice.between(-1, 1), dice.between(-1, 1), 0}, {}});
+    tree_ = build_surface_tree(folder_.path(), points, false, 25000);  // chunks of several levels
     ASSERT_GE(tree_->info().levels, 2u);
     ASSERT_LT(tree_->points_to_level(0), tree_->info().points);
     for (std::uint16_t level = 0; level < tree_->info().levels; ++level)
         EXPECT_EQ(count({}, level), tree_->points_to_level(level));
     Selection limit;
     limit.box = Box3d{{-0.5, -0.5, -1}, {0.5, 0.5, 1}};
-    EXPECT_NEAR(static_cast<double>(count(limit, tree_->info().levels)), 500, 80);
+    EXPECT_NEAR(static_cast<double>(count(limit, tree_->info().levels)), 1500, 150);
 }
 
 TEST_F(SurfaceSamples, PointsNearAShapeAreAllGivenInOrder)
@@ -184,6 +188,21 @@ TEST_F(SurfaceSamples, TheSurveyFindsNoiseThatIsWiderThanTheSpacing)
     const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
     EXPECT_GT(survey.noise, 0.009);
     EXPECT_LT(survey.noise, 0.016);
+}
+
+// More than half of the cloud is bushes.
+TEST_F(SurfaceSamples, TheSurveyFindsTheNoiseOfSurfacesAmongClutter)
+{
+    Dice dice(6);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 4000; ++i)
+        points.push_back({{dice.between(0, 1), dice.between(0, 1), 0.002 * dice.normal()}, {}});
+    for (int i = 0; i < 5400; ++i)
+        points.push_back({{dice.between(0, 1), dice.between(0, 1), dice.between(0.3, 1.3)}, {}});
+    tree_ = build_surface_tree(folder_.path(), points);
+    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
+    EXPECT_GT(survey.noise, 0.002);
+    EXPECT_LT(survey.noise, 0.005);
 }
 
 TEST_F(SurfaceSamples, LabelsAreThoseThatWereSet)
