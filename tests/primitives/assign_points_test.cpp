@@ -151,7 +151,15 @@ TEST_F(AssignPoints, StepsJoinWhatIsNoFartherApart)
     for (int i = 0; i < 50; ++i)
         for (int j = 0; j < 50; ++j)
             for (const double x : {0.0, 1.28}) points.push_back({x + 0.02 * i, 0.02 * j, 0});  // 0.3 apart
+    for (int i = 0; i < 20; ++i) points.push_back({-1.5 + 0.02 * (i % 5), 0.02 * (i / 5), 0});
     make(points);
+    for (const std::uint64_t least_sampled : {0, 100}) {  // without labels there are no numbers of points
+        AssignOptions options = options_of(0.01, 0);
+        options.least_sampled = least_sampled;
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, nullptr);
+        EXPECT_EQ(assigned.parts.size(), least_sampled > 0 ? 2u : 3u);
+    }
     for (const double step : {0.0, 0.25, 0.32}) {
         AssignOptions options = options_of(0.01, 100);
         options.sample.step = step;
