@@ -45,6 +45,7 @@ void PeerResult::print(const std::filesystem::path& truth, bool list)
     Pairs pairs;
     for (std::size_t i = 0; i < labels_.size(); ++i) ++pairs[{labels_[i], sample_.ids[i]}];
     Score score = compare(read_truth(truth), found_, pairs, 500, list);
+    score.has_sigmas = false;
     bench::print(score);
 }
 

@@ -31,6 +31,34 @@ protected:
         one.threshold = threshold;
         return one;
     }
+    // Of the plane z = 0 and one part, to which all points with a label belong.
+    FinalFit fit_all(const std::function<std::uint32_t(const Vec3d&)>& label) const
+    {
+        PointLabels labels(*tree_);
+        AssignedPoints assigned;
+        assigned.parts.resize(1);
+        for (const PlacedPoint& p : all_points(*tree_)) {
+            const std::uint32_t one = label(p.position);
+            labels.set(p.node, {p.number}, &one);
+            assigned.parts[0].box.extend(p.position);
+            assigned.parts[0].points += one != 0;
+        }
+        assigned.part_of = {0};
+        FinalFitOptions options;
+        options.least_points = 500;
+        options.progress = [](double) {};
+        return fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
+    }
+    AssignOptions options_of(double cell, std::uint64_t least_points) const
+    {
+        AssignOptions options;
+        options.sample = {tree_->info().levels, cell, 8 * cell};
+        options.normal_angle = 0.6;
+        options.reach = 0.1;
+        options.least_points = least_points;
+        options.progress = [](double) {};
+        return options;
+    }
 
     TemporaryFolder folder_;
     std::shared_ptr<const Tree> tree_;
@@ -41,17 +69,14 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
 {
     std::vector<Vec3d> points;
     for (int i = -50; i < 50; ++i)
-        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i + 0.01, 0.02 * j, i < 0 ? 0.0 : 0.006});
+        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i + 0.03, 0.02 * j, i < 0 ? 0.0 : 0.006});
     make(points);
     const ChosenPoints chosen(tree_, {});
     for (const double cell : {0.01, 0.05})  // each point a cell; cells with points of both
         for (const bool low_first : {true, false}) {
             const double heights[] = {low_first ? 0.0 : 0.006, low_first ? 0.006 : 0.0};
             const std::vector<Hypothesis> hypotheses{level_plane(heights[0], 0.01), level_plane(heights[1], 0.01)};
-            AssignOptions options;
-            options.sample = {tree_->info().levels, cell, 8 * cell};
-            options.normal_angle = 0.6;
-            options.progress = [](double) {};
+            const AssignOptions options = options_of(cell, 0);
             PointLabels labels(*tree_);
             const AssignedPoints assigned = assign_points(chosen, {tree_->info().box}, hypotheses, options, &labels);
             std::size_t wrong = 0;
@@ -65,24 +90,111 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
         }
 }
 
+// A floor of 2 x 1 with a wall at its end, in two units whose border crosses both.
+TEST_F(AssignPoints, PartsAreJoinedAcrossUnitsAndCornersAreNotInside)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 100; ++i)
+        for (int j = -25; j < 25; ++j) {
+            points.push_back({-0.02 * i, 0.02 * j + 0.005, 0});
+            if (i > 0 && i < 50) points.push_back({0, 0.02 * j + 0.005, 0.02 * i});
+        }
+    for (const double y : {0.01, 0.012, 0.014, 0.016}) points.push_back({-1.981 - y, y, 0});
+    make(points);
+    Hypothesis wall = level_plane(0, 0.01);
+    wall.shape.axis = {1, 0, 0};
+    wall.box = {{0, -2, -2}, {0, 2, 2}};
+    Box3i low = tree_->info().box, high = low;
+    low.max[1] = low.min[1] + (low.max[1] - low.min[1]) / 2;
+    high.min[1] = low.max[1] + 1;
+    const AssignOptions options = options_of(0.05, 500);
+    PointLabels labels(*tree_);
+    const AssignedPoints assigned =
+        assign_points(ChosenPoints(tree_, {}), {low, high}, {level_plane(0, 0.01), wall}, options, &labels);
+    ASSERT_EQ(assigned.parts.size(), 2u);
+    for (const SurfacePart& part : assigned.parts) {
+        EXPECT_NEAR(static_cast<double>(part.points), part.hypothesis == 0 ? 5000 : 2450, 60);
+        EXPECT_GT(part.edge, 15u);  // one cell beside the other surface, or two
+        EXPECT_LT(part.edge, 120u);
+        EXPECT_EQ(part.continued, 0u);
+        EXPECT_NEAR(part.box.extent(1), 0.98, 1e-9);  // of all points, not of the sample's
+        if (part.hypothesis == 0) EXPECT_NEAR(part.box.min[0], -1.997, 1e-9);
+    }
+    for (const PlacedPoint& p : all_points(*tree_)) {
+        const bool inside = labels.get(p.node)[p.number] & interior_label;
+        if (std::max(-p.position[0], p.position[2]) < 0.03) EXPECT_FALSE(inside);
+        if (std::max(-p.position[0], p.position[2]) > 0.4) EXPECT_TRUE(inside);
+    }
+}
+
+TEST_F(AssignPoints, ThePartsOfABendContinueInEachUnit)
+{
+    std::vector<Vec3d> points;
+    for (int i = -100; i < 100; ++i)
+        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i, 0.02 * j, 0.01 * i * i * 0.0004});
+    make(points);  // 0.04 high at the ends
+    Box3i low = tree_->info().box, high = low;
+    low.max[1] = low.min[1] + (low.max[1] - low.min[1]) / 2;
+    high.min[1] = low.max[1] + 1;
+    const AssignOptions options = options_of(0.02, 0);
+    const auto continued = [&](const std::vector<Box3i>& units) {
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), units, {level_plane(0, 0.01)}, options, nullptr);
+        std::uint64_t most = 0;
+        for (const SurfacePart& part : assigned.parts) most = std::max(most, part.continued);
+        return most;
+    };
+    const std::uint64_t whole = continued({tree_->info().box});
+    EXPECT_GT(whole, 60u);
+    EXPECT_NEAR(static_cast<double>(continued({low, high})), static_cast<double>(whole), 10);
+}
+
+TEST_F(AssignPoints, NormalsDecideWithinTheThreshold)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 1000; ++i)
+        for (int j = -3; j <= 3; ++j) points.push_back({0.002 * i, 0, 0.002 * j});  // a strip on edge
+    make(points);
+    PointLabels labels(*tree_);
+    const AssignOptions options = options_of(0.001, 0);
+    assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, &labels);
+    std::size_t given = 0;
+    for (const PlacedPoint& p : all_points(*tree_)) given += labels.get(p.node)[p.number] != 0;
+    EXPECT_EQ(given, 0u);
+}
+
+TEST_F(AssignPoints, StepsJoinWhatIsNoFartherApart)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 50; ++i)
+        for (int j = 0; j < 50; ++j)
+            for (const double x : {0.0, 1.28}) points.push_back({x + 0.02 * i, 0.02 * j, 0});  // 0.3 apart
+    for (int i = 0; i < 20; ++i) points.push_back({-1.5 + 0.02 * (i % 5), 0.02 * (i / 5), 0});
+    make(points);
+    for (const std::uint64_t least_sampled : {0, 100}) {  // without labels there are no numbers of points
+        AssignOptions options = options_of(0.01, 0);
+        options.least_sampled = least_sampled;
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, nullptr);
+        EXPECT_EQ(assigned.parts.size(), least_sampled > 0 ? 2u : 3u);
+    }
+    for (const double step : {0.0, 0.25, 0.32}) {
+        AssignOptions options = options_of(0.01, 100);
+        options.sample.step = step;
+        options.sample.margin = std::max(0.1, 1.01 * step);
+        PointLabels labels(*tree_);
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, &labels);
+        EXPECT_EQ(assigned.parts.size(), step > 0.3 ? 1u : 2u) << step;
+    }
+}
+
 TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
 {
     std::vector<Vec3d> points;
     for (int i = 0; i < 2000; ++i) points.push_back({0.001 * i, 0, 0});
     make(points);
-    PointLabels labels(*tree_);
-    for (NodeId node = 0; node < tree_->nodes().size(); ++node)
-        labels.set_all(node, std::vector<std::uint32_t>(tree_->node(node).points, 1 | interior_label));
-    AssignedPoints assigned;
-    assigned.parts.resize(1);
-    assigned.parts[0].points = 2000;
-    assigned.parts[0].box.extend(Vec3d{0, 0, 0});
-    assigned.parts[0].box.extend(Vec3d{2, 0, 0});
-    assigned.part_of = {0};
-    FinalFitOptions options;
-    options.least_points = 500;
-    options.progress = [](double) {};
-    const FinalFit result = fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
     EXPECT_LE(result.primitives.size(), 1u);
     EXPECT_EQ(result.unbounded, result.primitives.size());
 }
@@ -113,6 +225,48 @@ TEST_F(AssignPoints, PiecesContinueAlongTheEdgeAndFillTheThresholdTogether)
     EXPECT_FALSE(is_piece(other, threshold));
     other.continued = other.edge = 420;
     EXPECT_TRUE(is_piece(other, threshold));
+}
+
+TEST_F(AssignPoints, PointsAtEdgesAreLabelledButNotFittedTo)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 3000; ++i) points.push_back({dice.between(0, 1), dice.between(0, 1), 0.001 * dice.normal()});
+    for (int i = 0; i < 900; ++i) points.push_back({dice.between(1, 1.2), dice.between(0, 1), 0.006});
+    make(points);
+    const auto label = [](const Vec3d& p) { return p[0] < 1 ? 1 | interior_label : 1u; };
+    const FinalFit result = fit_all(label);
+    ASSERT_EQ(result.primitives.size(), 1u);
+    EXPECT_EQ(result.primitives[0].points, 3900u);
+    const ShapeFit& fit = result.primitives[0].fit;
+    EXPECT_LT(distance_to(fit.shape, {0.5, 0.5, 0}), 1e-4);
+    EXPECT_NEAR(fit.errors.position, 0.001 / std::sqrt(3000), 0.2 * 0.001 / std::sqrt(3000));
+}
+
+TEST_F(AssignPoints, ErrorsAreLargerWhereNeighboursLeaveTheSurfaceTogether)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 5000; ++i) {
+        const double x = dice.between(0, 1), y = dice.between(0, 1);
+        points.push_back({x, y, 0.001 * dice.normal() + 0.003 * std::sin(20 * x) * std::cos(17 * y)});
+    }
+    make(points);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
+    ASSERT_EQ(result.primitives.size(), 1u);
+    EXPECT_GT(result.primitives[0].fit.errors.position, 3 * 0.002 / std::sqrt(5000));
+}
+
+TEST_F(AssignPoints, PrimitivesThatLoseTheirPointsInTheFitAreNone)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 700; ++i)
+        points.push_back({dice.between(0, 1), dice.between(0, 1), i < 400 ? 0.0 : 0.05 + 0.001 * i});
+    make(points);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
+    EXPECT_TRUE(result.primitives.empty());
+    EXPECT_EQ(result.points, 700u);
 }
 
 TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)

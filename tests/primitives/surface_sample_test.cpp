@@ -108,6 +108,37 @@ TEST_F(SurfaceSamples, EdgesAreCutAtTheStepOrWhereTheSpacingEnds)
             EXPECT_LE(squared_distance(narrow.at[i], narrow.at[narrow.neighbours(i)[k]]), 0.04 * 0.04);
         }
     EXPECT_GT(edges, narrow.size());
+    const SurfaceSample thin = sample(0.1);  // three cells are near in any case
+    for (std::uint32_t i = 0; i < thin.size(); ++i) {
+        std::size_t near = 0, reached = 0;
+        for (const Vec3d& p : thin.at) near += squared_distance(p, thin.at[i]) < 0.299 * 0.299;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) reached += thin.neighbours(i)[k] != i;
+        EXPECT_GE(reached, std::min(near - 1, SurfaceSample::most_neighbours));
+    }
+}
+
+TEST_F(SurfaceSamples, AreOfTheLevelsAndTheSelectionAskedFor)
+{
+    const auto count = [&](const Selection& limit, std::uint16_t level) {
+        std::uint64_t points = 0;
+        ChosenPoints(tree_, limit).visit(tree_->info().box, level, [&](const ChosenPoints::Some& some) {
+            points += some.number.size();
+            for (const Vec3d& p : some.at)
+                if (limit.box) EXPECT_TRUE(limit.box->contains(p));
+        });
+        return points;
+    };
+    Dice dice(4);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 6000; ++i) points.push_back({{dice.between(-1, 1), dice.between(-1, 1), 0}, {}});
+    tree_ = build_surface_tree(folder_.path(), points, false, 25000);  // chunks of several levels
+    ASSERT_GE(tree_->info().levels, 2u);
+    ASSERT_LT(tree_->points_to_level(0), tree_->info().points);
+    for (std::uint16_t level = 0; level < tree_->info().levels; ++level)
+        EXPECT_EQ(count({}, level), tree_->points_to_level(level));
+    Selection limit;
+    limit.box = Box3d{{-0.5, -0.5, -1}, {0.5, 0.5, 1}};
+    EXPECT_NEAR(static_cast<double>(count(limit, tree_->info().levels)), 1500, 150);
 }
 
 TEST_F(SurfaceSamples, PointsNearAShapeAreAllGivenInOrder)
@@ -140,10 +171,38 @@ TEST_F(SurfaceSamples, TheSurveyFindsSpacingAndNoise)
     int checks = 0;
     const CloudSurvey survey = survey_cloud(chosen, {tree_->info().box}, [&] { ++checks; });
     EXPECT_EQ(checks, 1);
-    EXPECT_NEAR(survey.spacing, std::sqrt(4.0 / 2000), 0.15 * std::sqrt(4.0 / 2000));
+    const double spacing = std::sqrt(1 / (pi * 500));  // within which a point has another one on average
+    EXPECT_NEAR(survey.spacing, 1.67 * spacing, 0.1 * spacing);
     EXPECT_GT(survey.noise, 0.002);  // the larger part of it
     EXPECT_LT(survey.noise, 0.004);
     EXPECT_EQ(survey_cloud(chosen, {}, [] {}).spacing, 0);
+}
+
+TEST_F(SurfaceSamples, TheSurveyFindsNoiseThatIsWiderThanTheSpacing)
+{
+    Dice dice(6);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 20000; ++i)
+        points.push_back({{dice.between(0, 0.5), dice.between(0, 0.5), 0.01 * dice.normal()}, {}});
+    tree_ = build_surface_tree(folder_.path(), points);
+    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
+    EXPECT_GT(survey.noise, 0.009);
+    EXPECT_LT(survey.noise, 0.016);
+}
+
+// More than half of the cloud is bushes.
+TEST_F(SurfaceSamples, TheSurveyFindsTheNoiseOfSurfacesAmongClutter)
+{
+    Dice dice(6);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 4000; ++i)
+        points.push_back({{dice.between(0, 1), dice.between(0, 1), 0.002 * dice.normal()}, {}});
+    for (int i = 0; i < 5400; ++i)
+        points.push_back({{dice.between(0, 1), dice.between(0, 1), dice.between(0.3, 1.3)}, {}});
+    tree_ = build_surface_tree(folder_.path(), points);
+    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
+    EXPECT_GT(survey.noise, 0.002);
+    EXPECT_LT(survey.noise, 0.005);
 }
 
 TEST_F(SurfaceSamples, LabelsAreThoseThatWereSet)
