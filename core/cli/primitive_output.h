@@ -9,16 +9,16 @@
 
 namespace pcm::cli {
 
+// As text_of(Shape), with the digits that are known: "cylinder 500000.1240 4800000.5601 99.1998 0.000 0.001 1.000
+// 0.2500".
+std::string rounded_shape(const ShapeFit& fit);
+
 // All of it, as in a list (cad/primitive_files.h).
 Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.
 void print_primitive(const Primitive& primitive);
 
-// As text_of(Shape), with the digits that are known: "cylinder 500000.1240 4800000.5601 99.1998 0.000 0.001 1.000
-// 0.2500".
-std::string rounded_shape(const ShapeFit& fit);
-
-// Writes the list with the primitive added, which gets a name unless it has one, and a colour of its own; a list that
+// Writes the list with the primitive added, which gets a name unless it has one; a list that
 // does not exist is made. Throws what read_primitives() and write_primitives() throw, and Error(invalid_argument)
 // unless the file's name ends in .json.
 void add_to_list(const std::filesystem::path& file, Primitive& primitive);

@@ -122,7 +122,7 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
     auto* buttons = new QGridLayout;
     add_button(*buttons, 0, 0, Button::end, "End measure",
                "Ends the line or polygon. Enter, a double click or the right button in the view.");
-    add_button(*buttons, 0, 1, Button::cancel, "Cancel",
+    add_button(*buttons, 0, 2, Button::cancel, "Cancel",
                "Discards the points clicked so far, or stops what runs. Esc.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;
@@ -143,20 +143,24 @@ void MeasurePanel::add_list(QVBoxLayout& column)
     connect(list_, &NamedList::chosen, this, &MeasurePanel::selected);
     column.addWidget(list_, 3);
     auto* buttons = new QGridLayout;
+    buttons->setHorizontalSpacing(4);
     add_button(*buttons, 0, 0, Button::look_at, "Jump to", "The camera looks at the selected measure.");
     add_button(
-        *buttons, 0, 1, Button::plot, "Compute",
+        *buttons, 0, 2, Button::plot, "Compute",
         "Plots the points of the selected profile in a window, or finds the selected volume again, with Against, "
         "Level and Cell as they are now.");
-    add_button(*buttons, 0, 2, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.");
-    add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
-    add_button(*buttons, 1, 1, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
-    add_button(*buttons, 1, 2, Button::clear, "Delete all", "Deletes all measures; Undo brings them back.");
-    add_button(*buttons, 2, 0, Button::copy, "Copy",
+    add_button(*buttons, 0, 4, Button::copy, "Copy",
                "Copies the selected measure, or all of them, as text. Ctrl+C in the view.");
-    add_button(*buttons, 2, 1, Button::save, "Export measures",
+    add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
+    add_button(*buttons, 1, 2, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(*buttons, 1, 4, Button::clear, "Delete all", "Deletes all measures; Undo brings them back.");
+    constexpr int half = 3;  // of the columns
+    add_button(*buttons, 2, 0, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.",
+               half);
+    add_button(*buttons, 2, half, Button::save, "Export measures",
                "Writes all measures to a file, in source coordinates: CSV, GeoJSON, DXF, or JSON, which the command "
-               "pcmlab measure reads.");
+               "pcmlab measure reads.",
+               half);
     column.addLayout(buttons);
     values_ = new ValueTable("PointCloudMeasureValues", "Selected measure");
     values_->setToolTip(
@@ -166,13 +170,14 @@ void MeasurePanel::add_list(QVBoxLayout& column)
 }
 
 QPushButton* MeasurePanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
-                                      const char* tooltip)
+                                      const char* tooltip, int span)
 {
     auto* widget = buttons_[button] = new QPushButton(text);
     widget->setToolTip(tooltip);
     widget->setFocusPolicy(Qt::NoFocus);  // Enter and Esc stay the view's
     connect(widget, &QPushButton::clicked, this, [this, button] { emit pressed(button); });
-    rows.addWidget(widget, row, column);
+    widget->setMinimumWidth(40);
+    rows.addWidget(widget, row, column, 1, span);
     return widget;
 }
 

@@ -67,7 +67,7 @@ signals:
 
 private:
     QPushButton* add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
-                            const char* tooltip);
+                            const char* tooltip, int span = 2);
     QLineEdit* add_field(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
     QComboBox* add_choice(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
     void add_fields(QVBoxLayout& column);
