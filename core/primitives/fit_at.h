@@ -22,7 +22,7 @@ struct FitAtOptions {
     std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
     double step = 0;        // of growth, source units; 0: from the gaps between the inliers (automatic_step())
-    unsigned rounds = 5;    // GrowShapeOptions::most_rounds
+    unsigned rounds = 8;    // GrowShapeOptions::most_rounds
     Selection limit;        // clip box, conditions: nothing else is looked at
     OutlineOptions outline;
     unsigned threads = 0;  // 0: one per processor

@@ -104,11 +104,7 @@ void check_drawing(const FilterRun& run)
 {
     const std::filesystem::path file = drawing_of(run.parameters);
     if (file.empty()) return;
-    const std::string extension = lower_extension(file);
-    if (std::find(std::begin(cad_extensions), std::end(cad_extensions), extension) == std::end(cad_extensions))
-        throw Error(ErrorCode::invalid_argument, file, "primitives are not written as '" + extension + "'",
-                    "end its name with .dxf, .scr, .csv or .json");
-    check_output(file, overwrite_of(run.parameters));
+    check_primitive_file(file, overwrite_of(run.parameters));
 }
 
 void write_drawing(const FilterRun& run, const std::vector<Primitive>& primitives, const std::string& unit)

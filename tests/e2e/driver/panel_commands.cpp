@@ -111,6 +111,14 @@ Done window_picture(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// expect-no-widget NAME
+Done expect_no_widget(TestDriver& driver, const QString& name)
+{
+    for (const QWidget* widget : qApp->allWidgets())
+        if (widget->objectName() == name) driver.fail("there is a widget '" + name + "'");
+    return Done::yes;
+}
+
 }  // namespace
 
 std::vector<Command> panel_commands()
@@ -123,5 +131,6 @@ std::vector<Command> panel_commands()
         {"rename-row", rename_row},
         {"key", key},
         {"window-picture", window_picture},
+        {"expect-no-widget", expect_no_widget},
     };
 }

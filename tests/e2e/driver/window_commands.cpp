@@ -121,6 +121,7 @@ Done set(TestDriver& driver, const QString& argument)
     if (!widget) return driver.until(false, "a field '" + parameter + "'");
     if (auto* edit = qobject_cast<QLineEdit*>(widget)) {
         edit->setText(value);
+        QMetaObject::invokeMethod(edit, "textEdited", Q_ARG(QString, value));
         QMetaObject::invokeMethod(edit, "editingFinished");
     } else if (auto* combo = qobject_cast<QComboBox*>(widget)) {
         if (combo->findText(value) < 0) driver.fail("'" + parameter + "' offers no '" + value + "'");
