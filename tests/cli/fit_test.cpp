@@ -175,6 +175,8 @@ TEST_F(FitCommand, AddsToAList)
     const Json json = Json::parse(file);
     ASSERT_EQ(json["primitives"].size(), 3u);
     EXPECT_EQ(json["primitives"][1]["name"], "Floor");
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NE(json["primitives"][i]["colour"], json["primitives"][(i + 1) % 3]["colour"]) << i;
     // What is no list stays as it is.
     std::ofstream(folder_ / "other.json") << "{}";
     refused(at_ + "--add " + path("other.json"), 1, "other.json");

@@ -4,6 +4,7 @@ while it works, and primitives of moved layers that are saved, reopened and expo
 import csv
 import json
 import math
+import re
 import unittest
 
 from fitting_scene import FOUND, LIST, MESSAGE, FittingTest, kept_in, number, pipe_on_a_floor
@@ -43,6 +44,7 @@ class FittingList(FittingTest):
             {self.two()}
             {state("two")}
             choose-row {LIST} 0
+            print-docks
             press Colour
             choose-colour cancel
             pause 100
@@ -86,6 +88,7 @@ class FittingList(FittingTest):
             quit
             """)
         self.assertDriven(run)
+        self.assertLessEqual(run.docks()["PointCloudFitDock"], 300)
         tables = dict(zip(states, run.tables(LIST)))
         files = {name: (self.folder / f"{name}.json").read_text() for name in states}
         names = {name: [(row[0], row[-1]) for row in table] for name, table in tables.items()}
@@ -259,6 +262,53 @@ class MovedClouds(FittingTest):
                             "axis": [float(row[k]) for k in ("axis_x", "axis_y", "axis_z")]} for row in rows])
 
 
+    def test_a_shape_is_of_one_cloud(self):
+        """A place of the other cloud is refused for it; a click there begins another, and what was selected before is again."""
+        moved = chr(10).join(self.MATRICES) + """
+            wheel 8
+            wait-status complete
+            """
+        show = """
+            wait-status complete
+            print-boxes
+            """
+        run = self.gui(f"""
+            {self.start(pipe_on_a_floor(self.folder), pipe_on_a_floor(self.folder, "other", seed=8), more=moved)}
+            trigger Select its points
+            wait-label {MESSAGE} select a primitive of the list first
+            {self.click_place("-2 1 2")}
+            key Return
+            wait-rows {LIST} 1
+            {show}
+            {self.click_place("3 0.5 3.5")}
+            wait-label {FOUND} Cylinder
+            {show}
+            print-label {FOUND}
+            modifiers Ctrl
+            click-place -11.5 3 1.5
+            wait-label {MESSAGE} one cloud
+            modifiers none
+            print-label {FOUND}
+            {show}
+            {self.click_place("-11.5 3 1.5")}
+            wait-label {FOUND} Cylinder
+            print-label {FOUND}
+            {show}
+            escape-in-view
+            wait-label {MESSAGE} discarded
+            {show}
+            quit
+            """)
+        self.assertDriven(run)
+        selected = [int(re.search(r"([0-9,]+) points selected", box["text"])[1].replace(",", "")) for box in run.boxes()
+                    if "points selected" in box["text"]]
+        first, same, other = (int(number(re.search(r"([0-9,]+) points", text)[1])) for text in run.labels(FOUND))
+        floor = selected[0]
+        self.assertGreater(floor, 29000)
+        self.assertEqual(same, first)
+        self.assertEqual(selected, [floor, first, first, floor + other, floor])
+
+
 class LayersAndWork(FittingTest):
     """Layers that are removed, and MeshLab closed, while something runs."""
 
@@ -275,6 +325,8 @@ class LayersAndWork(FittingTest):
             print-label {FOUND}
             {self.LONG}
             wait-property pcm_fit_tool "fitting"
+            key Return
+            wait-label {MESSAGE} is being fitted
             escape-in-view
             wait-label {MESSAGE} cancelled
             print-label {FOUND}

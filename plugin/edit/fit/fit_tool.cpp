@@ -41,7 +41,7 @@ Box3d box_in_scene(const PrimitiveBook& book, const Primitive& primitive)
 
 }  // namespace
 
-FitTool::FitTool() : ClickTool("Fit Primitives"), picks_(std::make_unique<QObject>())
+FitTool::FitTool() : ListTool("Fit Primitives"), picks_(std::make_unique<QObject>())
 {
     connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
@@ -372,6 +372,10 @@ void FitTool::press(FitPanel::Button button)
             return book().change([](PrimitiveList& list) { list.undo(); });
         case Button::redo:
             return book().change([](PrimitiveList& list) { list.redo(); });
+        case Button::copy:
+            if (book().list().empty()) return say("nothing to copy: the list is empty");
+            copy(selected);
+            return say("copied");
         case Button::save:
             return write();
         default:

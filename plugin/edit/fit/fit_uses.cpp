@@ -13,9 +13,11 @@
 
 #include <meshlab/glarea.h>
 
+#include <QClipboard>
 #include <QColorDialog>
 #include <QFileDialog>
 #include <QFileInfo>
+#include <QGuiApplication>
 
 #include <utility>
 
@@ -81,6 +83,19 @@ void FitTool::write()
         moved = moved || book().placement_of(book().list()[i]).has_value();
     if (moved) words << "moved as the matrices of their layers move the clouds";
     say(words.join("; "));
+}
+
+void FitTool::copy(std::optional<std::size_t> index) const
+{
+    QString text;
+    for (std::size_t i = 0; i < book().list().size(); ++i) {
+        if (index && *index != i) continue;
+        const Primitive& primitive = book().list()[i];
+        text += QString::fromStdString(primitive.name) + "\n";
+        for (const auto& [name, value] : lines_of(primitive, unit_))
+            text += "  " + name + ": " + QString(value).replace('\n', ' ') + "\n";
+    }
+    QGuiApplication::clipboard()->setText(text);
 }
 
 void FitTool::choose_colour(std::size_t index)

@@ -232,6 +232,14 @@ Done panel(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// print-docks: how wide each panel of the window is at least, pixels
+Done print_docks(TestDriver& driver, const QString&)
+{
+    for (const QDockWidget* dock : driver.window()->findChildren<QDockWidget*>())
+        say(QString("dock %1 %2").arg(dock->objectName()).arg(dock->minimumSizeHint().width()));
+    return Done::yes;
+}
+
 // Opens all folded items of the layer panel, such as the parameters of decorators.
 Done unfold(TestDriver& driver, const QString&)
 {
@@ -271,6 +279,7 @@ std::vector<Command> window_commands()
         {"pick", pick},
         {"choose-colour", choose_colour},
         {"panel", panel},
+        {"print-docks", print_docks},
         {"unfold", unfold},
         {"escape", escape},
         {"quit", quit},
