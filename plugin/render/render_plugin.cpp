@@ -1,8 +1,8 @@
 #include "plugin/render/render_plugin.h"
 
 #include "plugin/host/bookmarks.h"
-#include "plugin/host/layer_marks.h"
 #include "plugin/host/drawn_copy.h"
+#include "plugin/host/layer_marks.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
