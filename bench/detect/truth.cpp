@@ -116,10 +116,12 @@ std::vector<True> read_truth(const std::filesystem::path& file)
     return truth;
 }
 
-Score compare(const std::vector<True>& truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
+Score compare(std::vector<True> truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
               std::uint64_t least, bool list)
 {
     Score score;
+    for (True& one : truth) one.points = 0;
+    for (const auto& [pair, points] : pairs) truth.at(pair.second).points += points;
     std::vector<std::vector<std::uint32_t>> found_by(truth.size());
     for (const Primitive& p : primitives) found_by[judge(p, truth, pairs, list, score)].push_back(p.label);
     for (std::uint32_t t = 1; t < truth.size(); ++t) {

@@ -20,7 +20,7 @@ struct True {
 // By id; 0: ground and trees.
 std::vector<True> read_truth(const std::filesystem::path& file);
 
-// Points by label and true primitive.
+// Points by label, or 0, and true primitive: of all points of the cloud, which may be a sample of the site.
 using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;
 
 struct Score {
@@ -33,7 +33,7 @@ struct Score {
 };
 
 // `list` prints each primitive.
-Score compare(const std::vector<True>& truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
+Score compare(std::vector<True> truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
               std::uint64_t least, bool list);
 void print(Score& score);
 

@@ -83,6 +83,7 @@ std::map<int, double> view_of(const Box3d& extent)
 }  // namespace
 
 bool writes_dxf() { return true; }
+void require_dxf(const std::filesystem::path&) {}
 
 struct DxfFile::State {
     explicit State(const std::filesystem::path& path) : writer(path) {}
@@ -320,13 +321,17 @@ void DxfFile::finish()
 namespace pcm {
 
 bool writes_dxf() { return false; }
+void require_dxf(const std::filesystem::path& file)
+{
+    throw Error(ErrorCode::unsupported, file, "DXF cannot be written: the library was built without dxflib",
+                "install libdxflib-dev and build it again, or choose another format");
+}
 
 struct DxfFile::State {};
 
 DxfFile::DxfFile(const std::filesystem::path& path, const std::vector<DxfLayer>&, const DxfSettings&)
 {
-    throw Error(ErrorCode::unsupported, path, "DXF cannot be written: the library was built without dxflib",
-                "install libdxflib-dev and build it again, or choose another format");
+    require_dxf(path);
 }
 DxfFile::~DxfFile() = default;
 void DxfFile::point(const std::string&, const Vec3d&) {}

@@ -17,6 +17,7 @@ namespace pcm {
 
 // Whether this library was built with dxflib.
 bool writes_dxf();
+void require_dxf(const std::filesystem::path& file);  // throws Error(unsupported) where it is false
 
 struct DxfLayer {
     std::string name;  // characters that no layer's name may have (<>/\":;?*|,=` and control characters) become "_"

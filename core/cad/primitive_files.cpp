@@ -1,6 +1,7 @@
 #include "pcm/cad/primitive_files.h"
 
 #include "pcm/cad/drawing_list.h"
+#include "pcm/cad/dxf_file.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
@@ -138,8 +139,8 @@ void write_table(const std::filesystem::path& file, const DrawingList& list, Cad
     OutputFile output(file);
     const auto row = [&](const auto& text) {
         std::string line;
-        for (const Column& column : columns()) line += (line.empty() ? "" : ",") + csv_field(text(column));
-        output.append(line + "\r\n");
+        for (const Column& column : columns()) line += "," + csv_field(text(column));
+        output.append(line.substr(1) + "\r\n");
     };
     row([&](const Column& column) { return heading(column, unit); });
     for (const Primitive* primitive : list.shown) row([&](const Column& column) { return column.text(*primitive); });
@@ -157,17 +158,24 @@ std::optional<CadUnit> cad_unit(const std::string& name)
     return {};
 }
 
-CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
-                           const CadOptions& options)
+void check_primitive_file(const std::filesystem::path& file, bool overwrite)
 {
     const std::string extension = lower_extension(file);
     const auto is_it = [&](const char* other) { return extension == other; };
     if (std::none_of(std::begin(cad_extensions), std::end(cad_extensions), is_it))
         throw Error(ErrorCode::invalid_argument, file, "the extension says no format of primitives",
                     "use .dxf, .scr, .csv or .json");
+    if (extension == ".dxf") require_dxf(file);
+    check_output(file, overwrite);
+}
+
+CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
+                           const CadOptions& options)
+{
+    const std::string extension = lower_extension(file);
+    check_primitive_file(file, options.overwrite);
     if (!(options.chord >= 0 && std::isfinite(options.chord)))
         throw Error(ErrorCode::invalid_argument, file, "the chord tolerance is not 0 or above");
-    check_output(file, options.overwrite);
     CadReport report;
     if (extension == ".json") {
         if (primitives.empty())

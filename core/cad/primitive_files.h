@@ -45,6 +45,8 @@ struct CadReport {
 // where it was not built; what OutputFile throws.
 CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
                            const CadOptions& options = {});
+// Throws what write_primitives() would because of the file's name and of what is there: before long work, not after it.
+void check_primitive_file(const std::filesystem::path& file, bool overwrite);
 inline constexpr const char* cad_extensions[] = {".dxf", ".scr", ".csv", ".json"};
 
 // {"format": "pcm primitives", "version": 1, "primitives": [...]}, angles in radians. A primitive has "name", "kind"

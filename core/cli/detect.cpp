@@ -10,7 +10,6 @@
 #include "pcm/system/rounded_text.h"
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 namespace pcm::cli {
@@ -38,10 +37,7 @@ void check(const Arguments& arguments)
     if (arguments.label.empty() && has_target) throw UsageError("-o and --in-place are for --label");
     if (arguments.overwrite && arguments.out.empty()) throw UsageError("--overwrite is for --out");
     // Before the work, not after it.
-    std::error_code error;
-    if (!arguments.out.empty() && !arguments.overwrite && std::filesystem::exists(arguments.out, error))
-        throw Error(ErrorCode::exists, arguments.out, "the output exists already",
-                    "choose another name or --overwrite");
+    if (!arguments.out.empty()) check_primitive_file(arguments.out, arguments.overwrite);
 }
 
 std::string row_of(const Primitive& p)
@@ -111,6 +107,17 @@ int run(Arguments& arguments)
     const auto tree = Tree::open(arguments.tree);
     DetectReport found = detect_primitives(tree, options);
     std::vector<std::string> notes = found.notes;
+    // The list first: it is there if the labels cannot be written.
+    if (!arguments.out.empty()) {
+        if (found.primitives.empty()) {
+            notes.push_back("no primitive was found, so " + arguments.out + " was not written");
+        } else {
+            CadOptions cad;
+            cad.overwrite = arguments.overwrite;
+            const CadReport written = write_primitives(arguments.out, found.primitives, cad);
+            notes.insert(notes.end(), written.notes.begin(), written.notes.end());
+        }
+    }
     LabelReport labels;
     if (!arguments.label.empty()) {
         LabelOptions label;
@@ -122,16 +129,6 @@ int run(Arguments& arguments)
         labels = label_primitives(tree, found, label);
         found.outcome.warnings.insert(found.outcome.warnings.end(), labels.outcome.warnings.begin(),
                                       labels.outcome.warnings.end());
-    }
-    if (!arguments.out.empty()) {
-        if (found.primitives.empty()) {
-            notes.push_back("no primitive was found, so " + arguments.out + " was not written");
-        } else {
-            CadOptions cad;
-            cad.overwrite = arguments.overwrite;
-            const CadReport written = write_primitives(arguments.out, found.primitives, cad);
-            notes.insert(notes.end(), written.notes.begin(), written.notes.end());
-        }
     }
     end_progress(arguments.common);
     if (arguments.common.json)

@@ -142,6 +142,7 @@ int fit(const Arguments& arguments)
     const auto start = std::chrono::steady_clock::now();
     check(arguments);
     const FitAtOptions options = options_of(arguments);
+    if (!arguments.list.empty()) check_list(arguments.list);
     const auto cloud = PointCloud::open(arguments.tree);
     FittedPrimitive fitted =
         fit_at(*cloud, places_of(arguments.at, "--at"), places_of(arguments.not_at, "--not-at"), options);

@@ -3,6 +3,7 @@
 #include "pcm/cad/primitive_files.h"
 #include "pcm/primitives/primitive_list.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/rounded_text.h"
 
 #include <cstdio>
@@ -66,14 +67,29 @@ Json json_of(const Primitive& primitive)
             {"message", primitive.fit.message}};
 }
 
+namespace {
+
+// Empty for a file that is not there.
+std::vector<Primitive> read_list(const std::filesystem::path& file)
+{
+    if (lower_extension(file) != ".json")
+        throw Error(ErrorCode::invalid_argument, file, "a list of primitives is a file whose name ends in .json");
+    check_output(file, true);
+    std::error_code error;
+    return std::filesystem::exists(file, error) ? read_primitives(file) : std::vector<Primitive>();
+}
+
+}  // namespace
+
+void check_list(const std::filesystem::path& file) { read_list(file); }
+
 void add_to_list(const std::filesystem::path& file, Primitive& primitive)
 {
-    if (file.extension() != ".json")
-        throw Error(ErrorCode::invalid_argument, file, "a list of primitives is a file whose name ends in .json");
     std::error_code error;
     const bool exists = std::filesystem::exists(file, error);
     PrimitiveList list;
-    if (exists) list.add_all(read_primitives(file));
+    list.add_all(read_list(file));
+    primitive.colour = next_colour(list);
     primitive = list[list.add(primitive)];
     CadOptions options;
     options.overwrite = exists;

@@ -13,9 +13,11 @@ Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.
 void print_primitive(const Primitive& primitive);
 
+// Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for one that
+// is there and no list: before the work, not after it.
+void check_list(const std::filesystem::path& file);
 // Writes the list with the primitive added, which gets a name unless it has one; a list that does not exist is made.
-// Throws what read_primitives() and write_primitives() throw, and Error(invalid_argument) unless the file's name ends
-// in .json.
+// Throws what check_list() and write_primitives() throw.
 void add_to_list(const std::filesystem::path& file, Primitive& primitive);
 
 }  // namespace pcm::cli

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t leaf_size = 24;
 
-bool farther(const NearTree::Near& a, const NearTree::Near& b)
+bool nearer(const NearTree::Near& a, const NearTree::Near& b)
 {
     return a.square < b.square || (a.square == b.square && a.index < b.index);
 }
@@ -67,11 +67,11 @@ void NearTree::nearest(const Vec3d& place, std::size_t count, std::vector<Near>&
                 const double square = squared_distance(items_[i].place, place);
                 if (near.size() == count && square >= worst) continue;
                 if (near.size() == count) {
-                    std::pop_heap(near.begin(), near.end(), farther);
+                    std::pop_heap(near.begin(), near.end(), nearer);
                     near.pop_back();
                 }
                 near.push_back({square, items_[i].index});
-                std::push_heap(near.begin(), near.end(), farther);
+                std::push_heap(near.begin(), near.end(), nearer);
                 if (near.size() == count) worst = near.front().square;
             }
             continue;
@@ -81,7 +81,7 @@ void NearTree::nearest(const Vec3d& place, std::size_t count, std::vector<Near>&
         waiting[many++] = {away < 0 ? right : left, square};
         waiting[many++] = {away < 0 ? left : right, next.square};
     }
-    std::sort_heap(near.begin(), near.end(), farther);
+    std::sort_heap(near.begin(), near.end(), nearer);
 }
 
 }  // namespace pcm

@@ -1,5 +1,6 @@
 #include "pcm/fit/pcl_fit.h"
 
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/pcl/pcl_module.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/system/error.h"
@@ -82,17 +83,6 @@ Shape shape_of(ShapeKind kind, const double* c, const Vec3d& middle)
     return shape;
 }
 
-// Nothing where the numbers make no shape.
-bool is_shape(const Shape& shape)
-{
-    try {
-        check(shape);
-        return true;
-    } catch (const Error&) {
-        return false;
-    }
-}
-
 void refuse(ShapeFit& fit, FitIssue issue, std::string message)
 {
     fit.verdict = FitVerdict::refused;
@@ -106,7 +96,9 @@ bool takes_part(const FitPoints& points, std::size_t i, const Shape& shape, cons
     const Vec3d p = points.source(i);
     if (distance_to(shape, p) > threshold) return false;
     if (options.normal_angle >= pi / 2 || !points.has_normals()) return true;
-    return std::fabs(dot(points.normal(i), normal_at(shape, p))) >= std::cos(options.normal_angle);
+    const Vec3d normal = points.normal(i);
+    if (!(dot(normal, normal) > 0)) return true;  // it has none
+    return std::fabs(dot(normal, normal_at(shape, p))) >= std::cos(options.normal_angle);
 }
 
 Extent extent_of(const FitPoints& points)
@@ -177,7 +169,7 @@ PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, cons
     result.samples = answer.samples;
     if (!found) return result;
     result.shape = shape_of(options.kind, answer.coefficients, points.origin + middle);
-    result.found = is_shape(result.shape);
+    result.found = is_proper(result.shape);
     return result;
 }
 

@@ -30,8 +30,9 @@ struct PclShape {
 // are none. Throws as fit_shape(), and Error(unsupported) for a torus. One thread.
 PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, const PclOptions& pcl = {});
 
-// That, with inliers, errors and verdict.
 bool pcl_has(ShapeKind kind);  // all but the torus
+
+// pcl_shape(), with inliers, errors and verdict.
 ShapeFit pcl_fit(const FitPoints& points, const ShapeFitOptions& options);
 
 }  // namespace pcm

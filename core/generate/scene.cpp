@@ -6,8 +6,8 @@
 #include "pcm/generate/surface.h"
 #include "pcm/io/writer.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
-#include "pcm/system/output_path.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -207,13 +207,6 @@ Grid checked_grid(const SceneOptions& options, double side)
         grid.offset[a] = std::floor(options.origin[a]);
     }
     return grid;
-}
-
-void check_output(const std::filesystem::path& file, bool overwrite)
-{
-    std::error_code error;
-    if (std::filesystem::exists(output_file(file), error) && !overwrite)
-        throw Error(ErrorCode::exists, file, "the output exists already", "choose another name, or overwrite it");
 }
 
 }  // namespace

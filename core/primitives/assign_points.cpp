@@ -35,6 +35,7 @@ struct UnitPart {
 struct UnitResult {
     std::vector<UnitPart> parts;                                  // of interest
     std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;  // labels, less 1, of parts that are one
+    std::uint64_t looked_at = 0;                                  // points
 };
 
 class UnitAssignment {
@@ -60,7 +61,7 @@ public:
         find_border(border);
         find_interior();
         find_continued();
-        if (labels) give_labels(*labels);
+        if (labels) result.looked_at += give_labels(*labels);
         for (std::uint32_t k = 0; k < parts_.size(); ++k)
             if (parts_[k].points >= options_.least_points || at_border_[k])
                 result.parts.push_back({first_ + k, parts_[k]});
@@ -75,21 +76,15 @@ private:
         std::vector<float> best(sample_.size(), std::numeric_limits<float>::max());
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
-            Box3d box = hypotheses_[h].box;
-            for (std::size_t a = 0; a < 3; ++a) {
-                const double reach = std::max(options_.reach, hypotheses_[h].reach);
-                box.min[a] -= reach + sample_.origin[a];
-                box.max[a] += reach - sample_.origin[a];
-            }
             const Shape shape = shape_here(h);
             const double threshold = hypotheses_[h].threshold;
-            for (std::uint32_t i = 0; i < sample_.size(); ++i) {
-                if (!box.contains(sample_.at[i])) continue;
+            const Box3d box = reached_box(hypotheses_[h], options_.reach);
+            for_points_near(sample_, box, shape, threshold, [&](std::uint32_t i) {
                 const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
-                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) continue;
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) return;
                 best[i] = distance;
                 owner_[i] = h;
-            }
+            });
         }
     }
 
@@ -268,10 +263,13 @@ private:
         return (first_ + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
     }
 
-    void give_labels(PointLabels& labels)
+    // Returns how many points were looked at.
+    std::uint64_t give_labels(PointLabels& labels)
     {
+        std::uint64_t looked_at = 0;
         points_.visit(box_, options_.sample.level, [&](const ChosenPoints::Some& some) {
             std::vector<std::uint32_t> numbers, given;
+            looked_at += some.number.size();
             for (std::size_t i = 0; i < some.number.size(); ++i) {
                 const auto cell = sample_.by_cell.find(SampleLattice::key_of(lattice_.cell_of(some.grid[i])));
                 if (cell == sample_.by_cell.end()) continue;
@@ -285,6 +283,7 @@ private:
             }
             labels.set(some.node, numbers, given.data());
         });
+        return looked_at;
     }
 
     const ChosenPoints& points_;
@@ -362,6 +361,7 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
             }
             add_to(assigned.parts[place], part.part);
         }
+        assigned.looked_at += result.looked_at;
         result = {};
     }
     for (std::uint32_t label = 0; label < next; ++label) assigned.part_of[label] = assigned.part_of[joined.root(label)];

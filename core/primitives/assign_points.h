@@ -45,6 +45,7 @@ struct AssignedPoints {
     // parts[part_of[label - 1]] has the points with that label, the bit interior_label taken off, if that is not
     // no_part; label 0: of no part.
     std::vector<std::uint32_t> part_of;
+    std::uint64_t looked_at = 0;  // points; only with labels
     static constexpr std::uint32_t no_part = 0xffffffffu;
 };
 

@@ -43,8 +43,9 @@ constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
 constexpr double threshold_of_noise = 4;
 constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
-constexpr double widen_cells = 3;  // of the sample, in cells of the one in which larger thresholds are tried
-constexpr double coarser = 4;      // cells of one resolution, in cells of the next
+// Of the samples in which larger thresholds are tried, in cells of the finest one.
+constexpr double widen_cells = 3, coarse_widen_cells = 9;
+constexpr double coarser = 4;  // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
 // How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
 // which the samples have no normals, and in cells of the present one.
@@ -151,26 +152,34 @@ private:
         return static_cast<std::uint16_t>(std::max(1, int(info.levels)) - 1);
     }
 
+    // The finest level whose points are no nearer than a cell, or the coarsest one; and how many points of a sample
+    // there are for each point up to it. 0: not known.
+    struct LevelGrowth {
+        std::uint16_t level = 0;
+        double growth = 0;
+    };
+    LevelGrowth level_growth(double cell) const
+    {
+        const std::vector<double>& spacings = tree_->info().spacings;
+        LevelGrowth found;
+        while (found.level + 1u < spacings.size() && spacings[found.level + 1u] >= cell) ++found.level;
+        if (!spacings.empty()) found.growth = spacings[found.level] * spacings[found.level] / (cell * cell);
+        return found;
+    }
+
     // About how many points a sample of the whole cloud has.
     double sample_points(double cell) const
     {
-        const TreeInfo& info = tree_->info();
-        double points = static_cast<double>(info.points);
-        for (std::uint16_t level = 0; level < info.levels; ++level)
-            if (info.spacings[level] >= cell)
-                points = static_cast<double>(tree_->points_to_level(level)) * info.spacings[level] *
-                         info.spacings[level] / (cell * cell);
-        return std::clamp(points, 1.0, static_cast<double>(info.points));
+        const auto all = static_cast<double>(tree_->info().points);
+        const auto [level, growth] = level_growth(cell);
+        const double points = growth > 0 ? static_cast<double>(tree_->points_to_level(level)) * growth : all;
+        return std::clamp(points, 1.0, all);
     }
 
-    // About how many of them lie in a box. `level`: the finest whose points are no nearer than a cell.
+    // About how many of them lie in a box.
     double sample_points(const Box3i& box, double cell) const
     {
-        const TreeInfo& info = tree_->info();
-        double growth = 0;
-        std::uint16_t level = 0;
-        for (std::uint16_t l = 0; l < info.levels; ++l)
-            if (info.spacings[l] >= cell) level = l, growth = info.spacings[l] * info.spacings[l] / (cell * cell);
+        const auto [level, growth] = level_growth(cell);
         double all = 0, coarse = 0;
         std::vector<NodeId> open{0};
         while (!open.empty()) {
@@ -231,7 +240,7 @@ private:
                                  most_unit_points};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
-            if (all.back().units.size() <= 1) break;
+            if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
         }
         std::reverse(all.begin(), all.end());
         return all;
@@ -288,12 +297,17 @@ private:
 
     void widen()
     {
-        const double cell = widen_cells * report_.sample;
+        const auto sample = [&](double cells) {
+            const double cell = cells * report_.sample;
+            WidenSample some{assign_options(cell, 0.6, 0.65), units_of(cell)};
+            some.assign.least_points = 0;
+            return some;
+        };
         WidenOptions widen;
-        widen.assign = assign_options(cell, 0.6, 0.65);
-        widen.assign.least_points = 0;
-        widen.merge = merge_options(cell);
-        hypotheses_ = with_wider_shapes(points_, units_of(cell), std::move(hypotheses_), widen);
+        widen.fine = sample(widen_cells);
+        widen.coarse = sample(coarse_widen_cells);
+        widen.merge = merge_options(widen_cells * report_.sample);
+        hypotheses_ = with_wider_shapes(points_, std::move(hypotheses_), widen);
     }
 
     std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
@@ -339,17 +353,12 @@ private:
     {
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (const Hypothesis& known : hypotheses_) {
-            Box3d box = known.box;
-            for (std::size_t a = 0; a < 3; ++a) {
-                box.min[a] -= sample.origin[a] + std::max(known.reach, reach_cells * cell);
-                box.max[a] -= sample.origin[a] - std::max(known.reach, reach_cells * cell);
-            }
             Shape shape = known.shape;
             shape.point = shape.point - sample.origin;
-            for (std::size_t i = 0; i < sample.size(); ++i)
-                if (!taken[i] && box.contains(sample.at[i]) &&
-                    fits(sample, i, shape, shadow * report_.threshold, cos_angle))
-                    taken[i] = 1;
+            const double most = shadow * report_.threshold;
+            for_points_near(sample, reached_box(known, reach_cells * cell), shape, most, [&](std::uint32_t i) {
+                if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
+            });
         }
     }
 
@@ -376,7 +385,7 @@ private:
                                     " primitives have no outline: their points are all on one line");
         report_.primitives = std::move(result.primitives);
         report_.labels = labels;
-        report_.outcome.points_in = result.points;
+        report_.outcome.points_in = assigned.looked_at;
         for (const Primitive& primitive : report_.primitives) report_.outcome.points_out += primitive.points;
     }
 

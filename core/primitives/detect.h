@@ -36,7 +36,7 @@ struct DetectOptions {
 };
 
 struct DetectReport {
-    Outcome outcome;                    // in: points looked at; out: points that belong to a primitive
+    Outcome outcome;                    // in: points that the selection chooses; out: points that belong to a primitive
     std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
     // That were used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
     // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.

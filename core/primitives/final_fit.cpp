@@ -7,7 +7,6 @@
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -235,12 +234,10 @@ private:
 
     void relabel(const std::vector<std::uint32_t>& label_of)
     {
-        std::array<std::uint64_t, groups> counts{};
         visit(
             0.8, 1,
-            [&](std::size_t group, NodeId node) {
+            [&](std::size_t, NodeId node) {
                 std::vector<std::uint32_t> labels = labels_.get(node);
-                counts[group] += labels.size();
                 if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
                 const std::vector<Vec3d> at = points_.positions(node);
                 for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -251,7 +248,6 @@ private:
                 labels_.set_all(node, labels);
             },
             [](std::size_t) {});
-        result_.points = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
     }
 
     const ChosenPoints& points_;

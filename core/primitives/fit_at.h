@@ -5,6 +5,7 @@
 #include "pcm/point_cloud.h"
 #include "pcm/primitives/grow_shape.h"
 #include "pcm/primitives/near_points.h"
+#include "pcm/primitives/reached_from.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +22,7 @@ struct FitAtOptions {
     std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
     double step = 0;        // of growth, source units; 0: from the gaps between the inliers (automatic_step())
-    unsigned rounds = 5;    // GrowShapeOptions::most_rounds
+    unsigned rounds = 8;    // GrowShapeOptions::most_rounds
     Selection limit;        // clip box, conditions: nothing else is looked at
     OutlineOptions outline;
     unsigned threads = 0;  // 0: one per processor
@@ -32,6 +33,7 @@ struct FitAtOptions {
 struct FittedPrimitive {
     Primitive primitive;  // check primitive.fit.verdict first; without a name
     PointSet points;      // that belong to it; empty when refused
+    ReachedFrom reached;  // how they are reached again
     NearPoints near;      // that were fitted; with several places `radius` is the largest
     ShapeFit local;       // to them
     double step = 0;      // of growth, source units; 0: none

@@ -23,14 +23,14 @@ public:
 
     GrownShape run(const Shape& start)
     {
-        GrownShape grown{{}, 1, PointSet(seeds_.shared_tree()), 0, false};
+        GrownShape grown{{}, 1, PointSet(seeds_.shared_tree()), start, threshold_, 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
             const double begin = grown.rounds == 0 ? 0 : 1 - std::pow(0.5, grown.rounds);
             const double end = 1 - std::pow(0.5, ++grown.rounds);
             const Shape before = grown.fit.shape;
-            grown.points = reached(before, begin, (begin + end) / 2);
+            reach(before, begin, (begin + end) / 2, grown);
             const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
             grown.fit = fitted.fit;
             grown.agreement = fitted.agreement;
@@ -50,7 +50,7 @@ public:
     }
 
 private:
-    PointSet reached(const Shape& shape, double begin, double end) const
+    void reach(const Shape& shape, double begin, double end, GrownShape& grown) const
     {
         const NearShape near(shape, threshold_, options_.normal_angle, seeds_.tree().info().schema);
         GrowOptions grow_options;
@@ -59,14 +59,16 @@ private:
         grow_options.memory_bytes = options_.memory_bytes;
         grow_options.threads = options_.threads;
         grow_options.progress = part_of(options_.progress, begin, end);
-        return grow(seeds_, options_.step, grow_options);
+        grown.followed = shape;
+        grown.threshold = threshold_;
+        grown.points = grow(seeds_, options_.step, grow_options);
     }
 
     // The points of the last shape rather than of the one before it.
     void settle(GrownShape& grown) const
     {
         const double begin = 1 - std::pow(0.5, grown.rounds);
-        grown.points = reached(grown.fit.shape, begin, (1 + begin) / 2);
+        reach(grown.fit.shape, begin, (1 + begin) / 2, grown);
         const RefittedShape judged = refit(grown.points, grown.fit.shape, (1 + begin) / 2, 1, false);
         grown.fit = judged.fit;
         grown.agreement = judged.agreement;

@@ -29,6 +29,8 @@ struct GrownShape {
         fit;  // to all points reached; without is_inlier; errors as of refit.h, and the threshold of the last round
     double agreement = 1;    // RefittedShape::agreement
     PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
+    Shape followed;          // the shape that they are near, of the last round of growth
+    double threshold = 0;    // and within which distance
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };

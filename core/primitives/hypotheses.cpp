@@ -81,11 +81,7 @@ bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptio
     const double gap = std::max(large.reach, options.gap);
     if (large.area < small.area || !touch(large.box, small.box, gap)) return false;
     const double least = std::cos(std::min(options.normal_angle, pi / 2));
-    Box3d box = large.box;
-    for (std::size_t a = 0; a < 3; ++a) {
-        box.min[a] -= gap;
-        box.max[a] += gap;
-    }
+    const Box3d box = reached_box(large, options.gap);
     std::size_t on = 0;
     for (const Vec3d& p : small.some)
         on += box.contains(p) && distance_to(large.shape, p) <= large.threshold &&
@@ -94,6 +90,16 @@ bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptio
 }
 
 }  // namespace
+
+Box3d reached_box(const Hypothesis& one, double least_reach)
+{
+    Box3d box = one.box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= std::max(one.reach, least_reach);
+        box.max[a] += std::max(one.reach, least_reach);
+    }
+    return box;
+}
 
 std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options)
 {

@@ -21,6 +21,9 @@ struct Hypothesis {
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 
+// Where points of it may lie, if they may lie at least so far outside of its box.
+Box3d reached_box(const Hypothesis& one, double least_reach);
+
 struct MergeOptions {
     double gap = 0;           // of boxes that touch, source units; or the reach of the larger one
     double normal_angle = 0;  // between two shapes' normals at one place

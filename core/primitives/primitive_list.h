@@ -4,7 +4,9 @@
 #include "pcm/fit/primitive.h"
 #include "pcm/system/undo_list.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -41,5 +43,8 @@ public:
 private:
     UndoList<Primitive> list_{"primitive"};
 };
+
+// For one that is added: of eight colours that differ, the first that the list has least often.
+std::array<std::uint8_t, 3> next_colour(const PrimitiveList& list);
 
 }  // namespace pcm

@@ -154,8 +154,9 @@ Vec3d nearest_on_axis(const Shape& shape, const Vec3d& place)
 
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)
 {
+    const double side = dot(from.axis, to.axis) < 0 ? -1 : 1;  // a plane's normal has any sign
     const double moved = from.kind == ShapeKind::plane
-                             ? std::fabs(distance_to(from, middle) - distance_to(to, middle))
+                             ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
                              : length(nearest_on_axis(from, middle) - nearest_on_axis(to, middle));
     double most = quotient(moved, errors.position);
     if (traits_of(from.kind).axis)

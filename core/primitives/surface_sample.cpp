@@ -206,6 +206,8 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
     std::vector<Vec3i>().swap(grid);
     find_neighbours(sample, std::move(positions));
     cut_edges(sample, settings.step, settings.cell);
+    sample.blocks.resize((sample.size() + SurfaceSample::block_points - 1) / SurfaceSample::block_points);
+    for (std::size_t i = 0; i < sample.size(); ++i) sample.blocks[i / SurfaceSample::block_points].extend(sample.at[i]);
     return sample;
 }
 

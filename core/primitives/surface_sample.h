@@ -3,8 +3,10 @@
 
 #include "pcm/cloud/selection.h"
 #include "pcm/filter/points_in_boxes.h"
+#include "pcm/fit/shape.h"
 #include "pcm/tree/tree.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -80,10 +82,28 @@ struct SurfaceSample {
     std::vector<std::uint32_t> edges;          // most_neighbours for each point, nearest first; itself where fewer
     std::unordered_map<std::uint64_t, std::uint32_t> by_cell;  // the point of a cell, by SampleLattice::key_of()
 
+    static constexpr std::size_t block_points = 64;
+    std::vector<Box3d> blocks;  // of so many points each, in their order
+
     std::size_t size() const { return at.size(); }
     const std::uint32_t* neighbours(std::size_t i) const { return edges.data() + i * most_neighbours; }
     Vec3d normal_of(std::size_t i) const { return {normal[i][0], normal[i][1], normal[i][2]}; }
 };
+
+// Calls use(i) for the points of a sample in a box and up to `most` from a plane, cylinder or sphere, ascending, and
+// may do so for others of the box. `box`: source coordinates; `shape`: relative to the sample's origin.
+template <class Use>
+void for_points_near(const SurfaceSample& sample, const Box3d& box, const Shape& shape, double most, const Use& use)
+{
+    const Box3d here{box.min - sample.origin, box.max - sample.origin};
+    for (std::size_t b = 0; b < sample.blocks.size(); ++b) {
+        const Box3d& block = sample.blocks[b];
+        if (!here.intersects(block) || distance_to(shape, block.centre()) > most + 0.5001 * block.diagonal()) continue;
+        const std::size_t end = std::min(sample.size(), (b + 1) * SurfaceSample::block_points);
+        for (std::size_t i = b * SurfaceSample::block_points; i < end; ++i)
+            if (here.contains(sample.at[i])) use(static_cast<std::uint32_t>(i));
+    }
+}
 
 // Any number of points, whatever settings.most says. Throws what reading throws.
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings);

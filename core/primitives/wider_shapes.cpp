@@ -3,6 +3,7 @@
 #include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace pcm {
@@ -13,6 +14,7 @@ constexpr double joined_share = 0.9;        // of the points of two layers that 
 constexpr double widest_rms = 0.2;          // of a whole surface, in thresholds
 constexpr double most_continued = 0.1;      // share of its edge where it may seem to continue
 constexpr std::size_t least_sampled = 100;  // of a part that is looked at
+constexpr double kept_share = 0.5;          // of a piece's points are on a shape with the widest threshold
 
 // A hypothesis' points in a trial.
 struct Trial {
@@ -28,19 +30,31 @@ bool is_cut_out(const SurfacePart& part, double threshold)
     return !(part.squares < widest_rms * widest_rms * threshold * threshold * interior);
 }
 
+double share_on(const Hypothesis& surface, const std::vector<Vec3d>& points)
+{
+    const auto on = std::count_if(points.begin(), points.end(),
+                                  [&](const Vec3d& p) { return distance_to(surface.shape, p) <= surface.threshold; });
+    return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(1, points.size()));
+}
+
 class Widening {
 public:
-    Widening(const ChosenPoints& points, const std::vector<Box3i>& units, std::vector<Hypothesis> all,
-             const WidenOptions& options)
-        : points_(points), units_(units), options_(options), settled_(std::move(all))
+    Widening(const ChosenPoints& points, std::vector<Hypothesis> all, const WidenOptions& options)
+        : points_(points), options_(options), settled_(std::move(all))
     {
-        options_.assign.keep_some = true;
+        options_.fine.assign.keep_some = options_.coarse.assign.keep_some = true;
     }
 
     std::vector<Hypothesis> run()
     {
         std::vector<Hypothesis> bent = take_bent(settled_);
-        const std::vector<Hypothesis> before = bent;
+        std::vector<Hypothesis> before = bent;
+        const std::vector<Hypothesis> ending = ending_shapes(bent);
+        keep_on(ending, bent);
+        for (Hypothesis& one : take_beside(ending)) {
+            bent.push_back(one);
+            before.push_back(std::move(one));
+        }
         std::vector<Hypothesis> found;
         for (int k = 0; k < doublings && !bent.empty(); ++k) {
             for (Hypothesis& one : bent) one.threshold *= 2;
@@ -59,12 +73,84 @@ public:
     }
 
 private:
-    // By hypothesis, of those in settled_ and then `more`.
+    // Shapes that the widest threshold may show whole; ground, which continues beyond any, is not among them. A coarse
+    // sample is enough for that.
+    std::vector<Hypothesis> ending_shapes(std::vector<Hypothesis> widest)
+    {
+        std::vector<Hypothesis> ending;
+        if (widest.empty()) return ending;
+        sample_ = &options_.coarse;
+        for (Hypothesis& one : widest) one.threshold *= 1 << doublings;
+        fit_to_wider_parts(widest);
+        widest = merged(joined(std::move(widest)), options_.merge);
+        const std::vector<Trial> trials = trial(widest);
+        for (std::size_t w = 0; w < widest.size(); ++w) {
+            const Trial& one = trials[settled_.size() + w];
+            if (one.pieces <= one.whole) ending.push_back(widest[w]);
+        }
+        sample_ = &options_.fine;
+        return ending;
+    }
+
+    // Whether their normals agree where the second has points.
+    bool same_normals(const Hypothesis& wide, const Hypothesis& one) const
+    {
+        const double least = std::cos(std::min(options_.fine.assign.normal_angle, pi / 2));
+        return std::all_of(one.some.begin(), one.some.end(), [&](const Vec3d& p) {
+            return std::fabs(dot(normal_at(wide.shape, p), normal_at(one.shape, p))) >= least;
+        });
+    }
+
+    bool lies_on(const Hypothesis& one, const std::vector<Hypothesis>& wide, double least_share) const
+    {
+        return std::any_of(wide.begin(), wide.end(), [&](const Hypothesis& w) {
+            return one.box.intersects(reached_box(w, options_.coarse.assign.reach)) &&
+                   share_on(w, one.some) >= least_share;
+        });
+    }
+
+    void keep_on(const std::vector<Hypothesis>& wide, std::vector<Hypothesis>& some) const
+    {
+        const auto elsewhere = [&](const Hypothesis& one) { return !lies_on(one, wide, kept_share); };
+        some.erase(std::remove_if(some.begin(), some.end(), elsewhere), some.end());
+    }
+
+    // Takes out of settled_ what the threshold does not cut out, but what a wider shape may contain: an even part of an
+    // uneven floor.
+    std::vector<Hypothesis> take_beside(const std::vector<Hypothesis>& wide)
+    {
+        std::vector<Hypothesis> taken, kept;
+        for (Hypothesis& one : settled_) {
+            const auto alike = [&](const Hypothesis& w) {
+                return w.shape.kind == one.shape.kind && lies_on(one, {w}, joined_share) && same_normals(w, one);
+            };
+            (std::any_of(wide.begin(), wide.end(), alike) ? taken : kept).push_back(std::move(one));
+        }
+        settled_ = std::move(kept);
+        return taken;
+    }
+
+    // The boxes where points of these may be.
+    std::vector<Box3i> units_of(const std::vector<Hypothesis>& some) const
+    {
+        std::vector<Box3i> units;
+        for (const Box3i& unit : sample_->units) {
+            const Box3d box = points_.source_box(unit);
+            const auto reaches = [&](const Hypothesis& one) {
+                return box.intersects(reached_box(one, sample_->assign.reach));
+            };
+            if (std::any_of(some.begin(), some.end(), reaches)) units.push_back(unit);
+        }
+        return units;
+    }
+
+    // By hypothesis, of those in settled_ and then `more`; where there are more, of these alone.
     std::vector<Trial> trial(const std::vector<Hypothesis>& more)
     {
         tried_ = settled_;
         tried_.insert(tried_.end(), more.begin(), more.end());
-        assigned_ = assign_points(points_, units_, tried_, options_.assign, nullptr);
+        const std::vector<Box3i> units = more.empty() ? sample_->units : units_of(more);
+        assigned_ = assign_points(points_, units, tried_, sample_->assign, nullptr);
         std::vector<Trial> trials(tried_.size());
         for (const SurfacePart& part : assigned_.parts) {
             if (part.sampled < least_sampled) continue;
@@ -106,8 +192,8 @@ private:
             if (!fit.has_shape()) continue;
             bent[h].shape = fit.shape;
             bent[h].rms = fit.rms;
-            bent[h].area =
-                static_cast<double>(part->sampled) * options_.assign.sample.cell * options_.assign.sample.cell;
+            const double cell = sample_->assign.sample.cell;
+            bent[h].area = static_cast<double>(part->sampled) * cell * cell;
             bent[h].some.clear();
             for (std::size_t i = 0; i < hypothesis_points; ++i)
                 bent[h].some.push_back(part->some[i * part->some.size() / hypothesis_points]);
@@ -139,12 +225,11 @@ private:
         RefineOptions refine;
         refine.threshold = 2 * one.threshold;
         const ShapeFit fit = refine_shape(FitPoints::of(both), one.shape, refine);
-        const auto share = [&](const std::vector<Vec3d>& points) {
-            const auto on = std::count_if(points.begin(), points.end(),
-                                          [&](const Vec3d& p) { return distance_to(fit.shape, p) <= one.threshold; });
-            return static_cast<double>(on) / static_cast<double>(points.size());
-        };
-        if (!fit.has_shape() || share(one.some) < joined_share || share(other.some) < joined_share) return false;
+        Hypothesis together = one;
+        together.shape = fit.shape;
+        if (!fit.has_shape() || share_on(together, one.some) < joined_share ||
+            share_on(together, other.some) < joined_share)
+            return false;
         one.shape = fit.shape;
         one.rms = fit.rms;
         one.box.extend(other.box);
@@ -156,18 +241,18 @@ private:
     }
 
     const ChosenPoints& points_;
-    const std::vector<Box3i>& units_;
     WidenOptions options_;
+    const WidenSample* sample_ = &options_.fine;
     std::vector<Hypothesis> settled_, tried_;
     AssignedPoints assigned_;
 };
 
 }  // namespace
 
-std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, const std::vector<Box3i>& units,
-                                          std::vector<Hypothesis> all, const WidenOptions& options)
+std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, std::vector<Hypothesis> all,
+                                          const WidenOptions& options)
 {
-    return Widening(points, units, std::move(all), options).run();
+    return Widening(points, std::move(all), options).run();
 }
 
 }  // namespace pcm

@@ -7,8 +7,15 @@
 
 namespace pcm {
 
+// A sample of the cloud, and the boxes that hold it.
+struct WidenSample {
+    AssignOptions assign;
+    std::vector<Box3i> units;
+};
+
 struct WidenOptions {
-    AssignOptions assign;  // its sample: coarser than that of the search
+    WidenSample fine;    // still coarser than that of the search
+    WidenSample coarse;  // shows which surfaces continue beyond the widest threshold
     MergeOptions merge;
 };
 
@@ -17,7 +24,7 @@ struct WidenOptions {
 // three times: where that shows the whole surface, to where it ends, the wider shape replaces the pieces that it
 // explains; ground continues beyond any threshold, and its pieces stay as they are. The result does not depend on
 // threads. Throws what assign_points() throws.
-std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, const std::vector<Box3i>& units,
-                                          std::vector<Hypothesis> all, const WidenOptions& options);
+std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, std::vector<Hypothesis> all,
+                                          const WidenOptions& options);
 
 }  // namespace pcm

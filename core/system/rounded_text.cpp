@@ -10,10 +10,10 @@ namespace pcm {
 
 std::string rounded_text(double value, double uncertainty)
 {
-    constexpr int most_decimals = 15;
+    constexpr double most_decimals = 15;
     if (!(uncertainty > 0) || !std::isfinite(value) || value == 0) return exact(value);
     const double last = std::isinf(uncertainty) ? 1e-4 * std::fabs(value) : uncertainty;
-    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(last))), 0, most_decimals);
+    const int decimals = static_cast<int>(std::clamp(1 - std::floor(std::log10(last)), 0.0, most_decimals));
     char text[400];  // 309 digits before the point
     const std::string rounded(text,
                               std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr);

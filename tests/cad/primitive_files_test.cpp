@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "tests/support.h"
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -103,6 +104,15 @@ TEST_F(PrimitiveFiles, ATableHasUnitsInItsHeader)
     write_primitives(folder_ / "b.csv", {floor_of_room()});
     EXPECT_EQ(lines_of(folder_ / "b.csv")[0].find("[m"), std::string::npos);
     EXPECT_NE(lines_of(folder_ / "b.csv")[1].find(",12,"), std::string::npos);  // its area
+}
+
+TEST_F(PrimitiveFiles, ARowWithoutANameHasAllColumns)
+{
+    write_primitives(folder_ / "shapes.csv", {made("sphere 1 2 3 4", "")});
+    const std::vector<std::string> lines = lines_of(folder_ / "shapes.csv");
+    ASSERT_EQ(lines.size(), 2u);
+    EXPECT_EQ(std::count(lines[1].begin(), lines[1].end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
+    EXPECT_EQ(lines[1].substr(0, 8), ",sphere,");
 }
 
 TEST_F(PrimitiveFiles, AScriptIsAsItWas)

@@ -70,6 +70,15 @@ TEST_F(DetectCommand, RefusesWhatMakesNoSense)
     refused("--min-points 3", 1, "20 are the least");
     refused("--where nothing=1", 1, "nothing");
     EXPECT_FALSE(std::filesystem::exists(path("out.pct")));
+    // Before the tree is opened.
+    const Result result = pcmlab("detect " + path("nowhere.pct") + " --out " + path("list.xyz"));
+    EXPECT_NE(result.err.find("no format of primitives"), std::string::npos) << result.err;
+}
+
+TEST_F(DetectCommand, LabelsThatCannotBeWrittenLeaveTheList)
+{
+    refused("--shape sphere --out " + path("list.json") + " --label x -o " + path("in.pct"), 1, "in.pct");
+    EXPECT_GE(Json::parse(pcmlab("primitives --json " + path("list.json")).out)["primitives"].size(), 1u);
 }
 
 }  // namespace

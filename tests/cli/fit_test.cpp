@@ -1,5 +1,6 @@
 // pcmlab fit as a user meets it, on a pipe over a floor.
 
+#include "pcm/system/cpu.h"
 #include "tests/cli/command.h"
 #include "tests/faults.h"
 #include "tests/primitives/shape_cloud.h"
@@ -75,6 +76,20 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
 }
 
 // Of all kinds those that PCL has are fitted.
+TEST_F(FitCommand, IsTheSameWithAllVectorInstructions)
+{
+    std::string first;
+    for (const pcm::SimdLevel level : pcm::simd_levels()) {
+        const std::string name(pcm::name_of(level));
+        const Result result = pcmlab("fit --json " + path("surface.pct") + " " + at_, "PCM_SIMD=" + name);
+        ASSERT_EQ(result.code, 0) << result.err;
+        const std::string primitive = Json::parse(result.out)["primitive"].dump();
+        ASSERT_GT(primitive.size(), 100u);
+        if (first.empty()) first = primitive;
+        EXPECT_EQ(primitive, first) << name;
+    }
+}
+
 TEST_F(FitCommand, TheBackendPclLeavesOutWhatItHasNot)
 {
     const Result result = pcmlab("fit " + path("surface.pct") + " " + at_ + " --shape any --backend pcl");
@@ -128,6 +143,9 @@ TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
     refused(at_ + "--delete", 2, "-o COPY");
     refused(at_ + "--probability 2", 1, "probability");
     refused(at_ + "--add list.txt", 1, ".json");
+    // Before the tree is opened.
+    const Result result = pcmlab("fit " + path("nowhere.pct") + " " + at_ + "--add list.txt");
+    EXPECT_NE(result.err.find(".json"), std::string::npos) << result.err;
     refused(at_ + "--not-at '2 -39.75 10'", 1, "beside it");
 }
 

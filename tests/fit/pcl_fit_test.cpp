@@ -177,6 +177,19 @@ TEST_F(PclFit, NormalsThatDifferTakeNoPart)
     }
 }
 
+TEST_F(PclFit, PointsWithoutANormalAreNotCompared)
+{
+    Cloud cloud = cloud_of(ShapeKind::cylinder, 0.3);
+    for (std::size_t i = 0; i < cloud.points.size(); i += 10)
+        cloud.points.nx[i] = cloud.points.ny[i] = cloud.points.nz[i] = 0;
+    ShapeFitOptions options = options_for(ShapeKind::cylinder, Estimator::msac);
+    options.normal_angle = 0.2;
+    const ShapeFit fit = fit_shape(cloud.points, options);
+    ASSERT_TRUE(fit.has_shape()) << fit.message;
+    for (std::size_t i = 0; i < cloud.points.size(); i += 10)
+        EXPECT_EQ(fit.is_inlier[i] != 0, distance_to(fit.shape, cloud.points.source(i)) <= fit.threshold) << i;
+}
+
 // A tenth of the points never fits where half of them are outliers: PCL by itself would draw samples for ever.
 TEST_F(PclFit, SearchesThatPclWouldNeverEndDoEnd)
 {

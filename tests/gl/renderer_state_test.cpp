@@ -1,6 +1,11 @@
 // What the renderer promises to its host: OpenGL's state, shared contexts, views that show nothing.
 #include "tests/gl/gl_support.h"
 
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
 using namespace pcm;
 using namespace pcm::test;
 
@@ -195,25 +200,57 @@ TEST(RendererState, ContextsOfOneGroupTakeTurns)
     EXPECT_EQ(renderer.l1()->statistics().allocated_bytes, 0u);
 }
 
-TEST(RendererState, ViewsThatShowNothingAreHarmless)
+// A small cloud and a framebuffer, for views that show nothing of it.
+class ViewsThatShowNothing : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        std::string why;
+        context_ = make_offscreen(16, 16, why, Profile::core);
+        if (!context_) GTEST_SKIP() << why;
+        drawing_.emplace(make_cloud(folder_, "cube", grid_at(map_offset), random_points(1000, 10000, 13)));
+        framebuffer_.emplace(50, 50);
+    }
+    // The context is the last to go.
+    void TearDown() override
+    {
+        if (drawing_) drawing_->release();
+        framebuffer_.reset();
+        drawing_.reset();
+    }
+    static Camera camera_of(const Matrix& modelview, int width = 50, int height = 50)
+    {
+        return view_of(modelview, perspective(0.9, 1, 0.1, 1000), width, height);
+    }
+    void expect_nothing(const Camera& camera)
+    {
+        const FrameReport report = drawing_->draw(camera, map_offset, everything());
+        EXPECT_EQ(report.error, "");
+        EXPECT_EQ(report.points_drawn, 0u);
+        EXPECT_EQ(report.nodes_wanted, 0u);
+        EXPECT_EQ(report.screen_error_px, 0);
+        EXPECT_FALSE(report.refining);
+        EXPECT_EQ(drawing_->l1()->statistics().allocated_bytes, 0u);
+        EXPECT_EQ(count_lit(framebuffer_->read()), 0u);
+    }
+
+private:
+    const TemporaryFolder folder_;
+    std::unique_ptr<Offscreen> context_;
+    std::optional<Drawing> drawing_;
+    std::optional<Framebuffer> framebuffer_;
+};
+
+TEST_F(ViewsThatShowNothing, ACameraThatIsNotANumber)
 {
-    PCM_REQUIRE_GL(context, Profile::core);
-    const TemporaryFolder folder;
-    Drawing renderer(make_cloud(folder, "cube", grid_at(map_offset), random_points(1000, 10000, 13)));
-    const Framebuffer framebuffer(50, 50);
-    Camera camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 50, 50);
+    Camera camera = camera_of(overview(10));
     camera.modelview[0] = std::nan("");
-    FrameReport report = renderer.draw(camera, map_offset, everything());
-    EXPECT_EQ(report.points_drawn, 0u);
-    EXPECT_FALSE(report.refining);
-    camera = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 0, 0);
-    EXPECT_EQ(renderer.draw(camera, map_offset, everything()).points_drawn, 0u);
-    // The cloud behind the eye: nothing is loaded.
-    camera = view_of(product(translation(0, 0, 300), overview(10)), perspective(0.9, 1, 0.1, 1000), 50, 50);
-    report = renderer.draw(camera, map_offset, everything());
-    EXPECT_EQ(report.nodes_wanted, 0u);
-    EXPECT_EQ(report.screen_error_px, 0);
-    EXPECT_FALSE(report.refining);
-    EXPECT_EQ(renderer.l1()->statistics().allocated_bytes, 0u);
-    renderer.release();
+    expect_nothing(camera);
+}
+
+TEST_F(ViewsThatShowNothing, APictureWithoutPixels) { expect_nothing(camera_of(overview(10), 0, 0)); }
+
+TEST_F(ViewsThatShowNothing, ACloudBehindTheEye)
+{
+    expect_nothing(camera_of(product(translation(0, 0, 300), overview(10))));
 }

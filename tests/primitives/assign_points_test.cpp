@@ -87,6 +87,34 @@ TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
     EXPECT_EQ(result.unbounded, result.primitives.size());
 }
 
+// Of 10,000 points of the sample 400 are at the edge.
+TEST_F(AssignPoints, PiecesContinueAlongTheEdgeAndFillTheThresholdTogether)
+{
+    const double threshold = 0.01;
+    SurfacePart part;
+    part.sampled = 10000;
+    part.edge = 400;
+    part.continued = 200;
+    part.squares = 9600 * 0.005 * 0.005;  // half of the threshold
+    part.smooth_squares = 0.8 * part.squares;
+    EXPECT_TRUE(is_piece(part, threshold));
+    SurfacePart other = part;
+    other.smooth_squares = 0.1 * part.squares;  // noise
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.edge = 2000;  // a tenth of the edge
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.continued = 140;  // less than one and a half sides of a square
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.squares = 9600 * 0.0015 * 0.0015;  // it is flat; only the whole outline says otherwise
+    other.smooth_squares = 0.8 * other.squares;
+    EXPECT_FALSE(is_piece(other, threshold));
+    other.continued = other.edge = 420;
+    EXPECT_TRUE(is_piece(other, threshold));
+}
+
 TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)
 {
     Dice dice(2);

@@ -228,6 +228,15 @@ TEST(Refit, ChangesAreMeasuredInErrors)
     EXPECT_EQ(change_in_errors(from, to, {0, 0, 0, 0}, map), HUGE_VAL);
 }
 
+TEST(Refit, APlaneThatPassesToTheOtherSideHasMoved)
+{
+    const ShapeErrors errors{0.01, 0.001, 0, 0};
+    const Shape from = parse_shape("plane 0 0 0.02 0 0 1");
+    EXPECT_NEAR(change_in_errors(from, parse_shape("plane 0 0 -0.02 0 0 1"), errors, {}), 4, 1e-9);
+    EXPECT_NEAR(change_in_errors(from, parse_shape("plane 5 0 -0.02 0 0 -1"), errors, {}), 4, 1e-9);
+    EXPECT_NEAR(change_in_errors(from, parse_shape("plane 0 5 0.02 0 0 -1"), errors, {}), 0, 1e-9);  // the same
+}
+
 TEST(CoverPoints, OfManyPointsTheCoarseAndTheOutermostAreGiven)
 {
     TemporaryFolder folder;

@@ -32,6 +32,7 @@ TEST(RoundedText, UncertaintiesThatSayNothing)
     EXPECT_EQ(rounded_text(4800567.8123, infinite), "4800568");
     EXPECT_EQ(rounded_text(std::nan(""), 0.1), "nan");
     EXPECT_EQ(rounded_text(infinite, 0.1), "inf");
+    EXPECT_EQ(rounded_text(5e-324, infinite), "0.000000000000000");
     EXPECT_EQ(rounded_text(1e300, 1e-300).substr(0, 3), "100");
 }
 

@@ -35,6 +35,7 @@ struct FitDraft {
     FitPlaces places;
     Primitive primitive;
     std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
+    ReachedFrom reached;                             // how its points are found again
 };
 
 class FitTool : public ClickTool {

@@ -6,6 +6,7 @@
 #include <QAction>
 #include <QApplication>
 #include <QCheckBox>
+#include <QColorDialog>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
@@ -200,6 +201,16 @@ Done pick(TestDriver& driver, const QString& argument)
     return Done::not_yet;
 }
 
+// choose-colour #RRGGBB | cancel: in the open dialog for colours
+Done choose_colour(TestDriver& driver, const QString& colour)
+{
+    auto* dialog = qobject_cast<QColorDialog*>(qApp->activeModalWidget());
+    if (!dialog) return driver.until(false, "a dialog for colours");
+    if (colour != "cancel") dialog->setCurrentColor(QColor(colour));
+    QMetaObject::invokeMethod(dialog, colour == "cancel" ? "reject" : "accept", Qt::QueuedConnection);
+    return Done::yes;
+}
+
 // panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
 Done panel(TestDriver& driver, const QString& argument)
 {
@@ -258,6 +269,7 @@ std::vector<Command> window_commands()
         {"field-button", field_button},
         {"print-field", print_field},
         {"pick", pick},
+        {"choose-colour", choose_colour},
         {"panel", panel},
         {"unfold", unfold},
         {"escape", escape},
