@@ -75,6 +75,10 @@ class Run:
         found = (json.loads(m[1]) for m in re.finditer(r"driver: table (\{.*\})", self.text))
         return [table["rows"] for table in found if table["name"] == name]
 
+    def turns(self):
+        """What the driver's print-turns printed, in order."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: turns (\{.*\})", self.text)]
+
     def cameras(self):
         """What the driver's print-camera printed, by name."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: camera (\{.*\})", self.text))

@@ -142,7 +142,10 @@ class MovedLayers(MeshLabTest):
             print-layers
             trigger Pick Point
             wait-log Pick Point: click a point
+            pause 300
+            watch-turns
             {"".join(f"click {x} {y}{chr(10)}wait-label PickPointMessage ,{chr(10)}print-property pcm_pick{chr(10)}" for x, y in PLACES)}
+            print-turns
             print-camera picked
             screen {self.result("picked.png")}
             quit
@@ -153,6 +156,7 @@ class MovedLayers(MeshLabTest):
         shown = {p: [math.fsum((*(a * b for a, b in zip(row, p)), row[3])) for row in matrix] for p in points}
         left = [q for q in shown.values() if all(low <= c <= high for low, c, high in zip(box[:3], q, box[3:]))]
         self.assertGreater(len(left), 1000)
+        self.assertLess(run.turns()[0]["longest_cpu_ms"], 50, "the window is never blocked for longer")
         self.assertLess(len(left), len(points) / 2)
         camera = Camera(run.cameras()["picked"], origin)
         for place, answer in zip(PLACES, run.properties("pcm_pick")):
