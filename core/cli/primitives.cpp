@@ -92,7 +92,7 @@ Run add_primitives(Options& options)
     options.option("--append", arguments->more, "Further lists, put behind the first").one_value_each();
     options
         .option("-o,--output,--to", arguments->outputs,
-                "Write the primitives to a file: .dxf (a layer each, meshes, outlines and circles), .scr (a script for "
+                "Write the primitives to a file: .dxf (a layer each, meshes and lines), .scr (a script for "
                 "AutoCAD, with true solids), .csv (parameters and their uncertainties), .json (a list)")
         .one_value_each();
     options.option("--unit", arguments->unit, "What one unit of the coordinates is; written, not converted")
