@@ -18,6 +18,7 @@ set(public_headers
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
   pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
   fit/primitive.h fit/shape.h fit/shape_fit.h fit/bounds.h fit/fit_points.h cad/primitive_files.h primitives/primitive_list.h
+  primitives/fit_at.h primitives/detect.h
   measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h
   select/select_points.h select/front_points.h select/grow.h select/set_changes.h select/set_points.h
   cloud/affine.h cloud/attribute.h cloud/clip.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
@@ -28,6 +29,7 @@ set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
   cache/load_times.h cloud/matrix.h cloud/nearest_float.h cloud/polygon.h io/crs/coordinate_system.h view/point_sizes.h filter/filter_report.h filter/normal_orientation.h
   filter/point_values.h filter/result_tree.h filter/voxel_lattice.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h
+  primitives/grow_shape.h primitives/near_points.h
   io/text/text_layout.h system/file.h system/page_allocator.h
   system/tree_folder.h system/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/gpu_radii.h gl/l1_cache.h)

@@ -3,7 +3,6 @@
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/layer_names.h"
 #include "pcm/cad/shape_mesh.h"
-#include "pcm/fit/axis_frame.h"
 
 #include <cmath>
 
@@ -60,41 +59,19 @@ bool draw_plane(DxfFile& dxf, const std::string& layer, const Primitive& primiti
     return !triangles.empty();
 }
 
-// A circle about the axis, or the part of it that is bounded.
-void draw_circle(DxfFile& dxf, const std::string& layer, const Primitive& primitive, double h, double radius, bool part)
+// The axis of a cylinder or cone from end to end, of a torus through its tube's middle, and lines on the surface. Some
+// programs show no faces, and ignore the axes in which DXF gives circles: only those across z are circles.
+void draw_lines(DxfFile& dxf, const std::string& layer, const Primitive& primitive, const MeshOptions& options)
 {
     const Shape& shape = primitive.fit.shape;
     const ShapeBounds& bounds = primitive.bounds;
-    const Vec3d centre = shape.point + h * shape.axis;
-    if (!part || bounds.zero == Vec3d{}) return dxf.circle(layer, centre, shape.axis, radius);
-    const Vec3d from = std::cos(bounds.begin) * bounds.zero + std::sin(bounds.begin) * cross(shape.axis, bounds.zero);
-    dxf.arc(layer, centre, shape.axis, radius, from, bounds.end - bounds.begin);
-}
-
-void draw_lines(DxfFile& dxf, const std::string& layer, const Primitive& primitive, bool arcs)
-{
-    const Shape& shape = primitive.fit.shape;
-    const ShapeBounds& bounds = primitive.bounds;
-    switch (shape.kind) {
-        case ShapeKind::plane:
-            return;
-        case ShapeKind::sphere:
-            for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-                dxf.circle(layer, shape.point, axis, shape.radius);
-            return;
-        case ShapeKind::cylinder:
-        case ShapeKind::cone:
-            dxf.line(layer, shape.point + bounds.from * shape.axis, shape.point + bounds.to * shape.axis);
-            for (const double h : {bounds.from, bounds.to}) {
-                const double radius = shape.kind == ShapeKind::cone ? h * std::tan(shape.second) : shape.radius;
-                if (radius > 0) draw_circle(dxf, layer, primitive, h, radius, arcs);
-            }
-            return;
-        case ShapeKind::torus:
-            break;
-    }
-    dxf.line(layer, shape.point - shape.second * shape.axis, shape.point + shape.second * shape.axis);
-    draw_circle(dxf, layer, primitive, 0, shape.radius, true);
+    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
+        dxf.line(layer, shape.point + bounds.from * shape.axis, shape.point + bounds.to * shape.axis);
+    if (shape.kind == ShapeKind::torus)
+        dxf.line(layer, shape.point - shape.second * shape.axis, shape.point + shape.second * shape.axis);
+    const ShapeLines found = lines_of(shape, bounds, options);
+    for (const ShapeLines::Line& line : found.lines) dxf.polyline(layer, line.corners, line.closed);
+    for (const ShapeLines::Circle& circle : found.circles) dxf.circle(layer, circle.centre, {0, 0, 1}, circle.radius);
 }
 
 }  // namespace
@@ -119,9 +96,10 @@ void write_drawing(const std::filesystem::path& file, DrawingList& list, const C
                                      "corners");
             continue;
         }
-        mesh_shape(primitive.fit.shape, primitive.bounds, {options.chord, options.arcs},
+        const MeshOptions mesh{options.chord, options.arcs};
+        mesh_shape(primitive.fit.shape, primitive.bounds, mesh,
                    [&](const MeshFace& face) { dxf.face(layers[i], face[0], face[1], face[2], face[3]); });
-        draw_lines(dxf, layers[i], primitive, options.arcs);
+        draw_lines(dxf, layers[i], primitive, mesh);
     }
     dxf.finish();
 }

@@ -30,7 +30,8 @@ struct CadReport {
 // By the extension, in source coordinates with all digits; one thread, in bounded memory.
 //
 // - .dxf: a layer per primitive with its name, true colour and nearest indexed colour. Planes as closed polylines in
-//   space and 3DFACEs; the others as closed meshes of 3DFACEs with their circles, arcs and axes.
+//   space and 3DFACEs; the others as closed meshes of 3DFACEs with their axes, and with rims and lines on the surface
+//   as polylines in space, for programs that show no faces. Circles across z are circles.
 // - .scr: a script for AutoCAD and what understands its commands, in the world's coordinates: true solids by CYLINDER,
 //   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
 //   no setting of the program is changed, and its object snaps do not take part.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -72,16 +73,35 @@ void cap(const std::vector<Vec3d>& corners, bool reversed, const Visit& visit)
     }
 }
 
+// The corners of a cylinder's or cone's mesh.
+struct AboutAxis {
+    AboutAxis(const Shape& of, const ShapeBounds& bounds, const MeshOptions& options)
+        : shape(of),
+          from_apex(of.kind == ShapeKind::cone && bounds.from <= 0),
+          chord(options.chord > 0 ? options.chord : radius_at(bounds.to) / 100),
+          fan(of, bounds, !options.arcs, radius_at(bounds.to), chord)
+    {
+        check_faces(fan.count(), 3, chord);
+    }
+    double radius_at(double h) const
+    {
+        return shape.kind == ShapeKind::cone ? h * std::tan(shape.second) : shape.radius;
+    }
+    Vec3d at(std::size_t i, double h) const { return shape.point + (h * shape.axis + radius_at(h) * fan.at(i)); }
+
+    const Shape& shape;
+    bool from_apex;
+    double chord;
+    Fan fan;
+};
+
 void mesh_about_axis(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, const Visit& visit)
 {
     if (!bounds.known(shape.kind)) return;
-    const bool is_cone = shape.kind == ShapeKind::cone;
-    const auto radius_at = [&](double h) { return is_cone ? h * std::tan(shape.second) : shape.radius; };
-    const double largest = radius_at(bounds.to), chord = options.chord > 0 ? options.chord : largest / 100;
-    const Fan fan(shape, bounds, !options.arcs, largest, chord);
-    check_faces(fan.count(), 3, chord);
-    const auto at = [&](std::size_t i, double h) { return shape.point + (h * shape.axis + radius_at(h) * fan.at(i)); };
-    const bool from_apex = is_cone && bounds.from <= 0;
+    const AboutAxis about(shape, bounds, options);
+    const Fan& fan = about.fan;
+    const bool from_apex = about.from_apex;
+    const auto at = [&](std::size_t i, double h) { return about.at(i, h); };
     for (std::size_t i = 0; i < fan.count(); ++i) {
         const Vec3d c = at(i + 1, bounds.to), d = at(i, bounds.to);
         if (from_apex)
@@ -141,6 +161,64 @@ void mesh_torus(const Shape& shape, const ShapeBounds& bounds, const MeshOptions
         for (std::size_t j = 0; j < tube; ++j) corners.push_back(at(last ? fan.count() : 0, j));
         cap(corners, last, visit);
     }
+}
+
+// At the beginning, the quarters and the end of an arc of so many segments.
+std::vector<std::size_t> quarters(std::size_t segments, bool whole)
+{
+    std::vector<std::size_t> places;
+    for (std::size_t k = 0; k < (whole ? 4u : 5u); ++k) places.push_back(k * segments / 4);
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places;
+}
+
+void lines_about_axis(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, ShapeLines& found)
+{
+    if (!bounds.known(shape.kind)) return;
+    const AboutAxis about(shape, bounds, options);
+    const Fan& fan = about.fan;
+    const bool is_upright = shape.axis[0] == 0 && shape.axis[1] == 0;
+    for (const double h : {bounds.from, bounds.to}) {
+        if (h == bounds.from && about.from_apex) continue;
+        if (is_upright && fan.whole()) {
+            found.circles.push_back({shape.point + h * shape.axis, about.radius_at(h)});
+            continue;
+        }
+        std::vector<Vec3d> corners;
+        for (std::size_t i = 0; i < fan.count() + (fan.whole() ? 0 : 1); ++i) corners.push_back(about.at(i, h));
+        found.lines.push_back({std::move(corners), fan.whole()});
+    }
+    for (const std::size_t i : quarters(fan.count(), fan.whole()))
+        found.lines.push_back(
+            {{about.from_apex ? shape.point : about.at(i, bounds.from), about.at(i, bounds.to)}, false});
+}
+
+// A circle of so many corners through two directions.
+ShapeLines::Line ring(const Vec3d& centre, const Vec3d& u, const Vec3d& v, double radius, std::size_t count)
+{
+    std::vector<Vec3d> corners;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double angle = 2 * pi * static_cast<double>(i) / static_cast<double>(count);
+        corners.push_back(centre + radius * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+    return {std::move(corners), true};
+}
+
+void lines_of_torus(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, ShapeLines& found)
+{
+    const double chord = options.chord > 0 ? options.chord : shape.second / 100;
+    const Fan fan(shape, bounds, false, shape.radius + shape.second, chord / 2);
+    const std::size_t tube = segments(shape.second, chord / 2, 2 * pi);
+    check_faces(fan.count(), tube, chord);
+    for (const auto& [out, up] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}) {
+        std::vector<Vec3d> corners;
+        for (std::size_t i = 0; i < fan.count() + (fan.whole() ? 0 : 1); ++i)
+            corners.push_back(shape.point +
+                              ((shape.radius + out * shape.second) * fan.at(i) + up * shape.second * shape.axis));
+        found.lines.push_back({std::move(corners), fan.whole()});
+    }
+    for (const std::size_t i : quarters(fan.count(), fan.whole()))
+        found.lines.push_back(ring(shape.point + shape.radius * fan.at(i), fan.at(i), shape.axis, shape.second, tube));
 }
 
 // Clips ears of a polygon on a grid of integers, on which turns are exact.
@@ -206,17 +284,41 @@ private:
     std::uint32_t first_ = 0;  // a corner that is left
 };
 
+void check(const MeshOptions& options)
+{
+    if (!(options.chord >= 0 && std::isfinite(options.chord)))
+        throw Error(ErrorCode::invalid_argument, {}, "the chord tolerance is not 0 or above");
+}
+
 }  // namespace
 
 void mesh_shape(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, const Visit& visit)
 {
     check(shape);
-    if (!(options.chord >= 0 && std::isfinite(options.chord)))
-        throw Error(ErrorCode::invalid_argument, {}, "the chord tolerance is not 0 or above");
+    check(options);
     if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
         mesh_about_axis(shape, bounds, options, visit);
     if (shape.kind == ShapeKind::sphere) mesh_sphere(shape, options, visit);
     if (shape.kind == ShapeKind::torus) mesh_torus(shape, bounds, options, visit);
+}
+
+ShapeLines lines_of(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options)
+{
+    check(shape);
+    check(options);
+    ShapeLines found;
+    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
+        lines_about_axis(shape, bounds, options, found);
+    if (shape.kind == ShapeKind::sphere) {
+        const double chord = options.chord > 0 ? options.chord : shape.radius / 100;
+        const std::size_t count = segments(shape.radius, chord / 2, 2 * pi);
+        check_faces(count, segments(shape.radius, chord / 2, pi), chord);
+        found.circles.push_back({shape.point, shape.radius});
+        found.lines.push_back(ring(shape.point, {1, 0, 0}, {0, 0, 1}, shape.radius, count));
+        found.lines.push_back(ring(shape.point, {0, 1, 0}, {0, 0, 1}, shape.radius, count));
+    }
+    if (shape.kind == ShapeKind::torus) lines_of_torus(shape, bounds, options, found);
+    return found;
 }
 
 std::vector<std::array<std::uint32_t, 3>> triangulate_outline(const std::vector<Vec3d>& outline, const Vec3d& normal)

@@ -24,6 +24,24 @@ struct MeshOptions {
 void mesh_shape(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options,
                 const std::function<void(const MeshFace&)>& visit);
 
+// Lines in space that show a shape without its faces: rims and straight lines of a cylinder or cone, three great
+// circles of a sphere, circles of a torus. All corners are on the surface. Circles across the z axis are not among
+// them.
+struct ShapeLines {
+    struct Line {
+        std::vector<Vec3d> corners;
+        bool closed;
+    };
+    struct Circle {
+        Vec3d centre;
+        double radius;
+    };
+    std::vector<Line> lines;
+    std::vector<Circle> circles;  // whole ones across the z axis, exactly
+};
+// Throws as mesh_shape() does.
+ShapeLines lines_of(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options);
+
 // Triangles between the corners of a simple polygon in space that is seen along `normal` turning counter-clockwise, by
 // clipping ears: places of corners. None for a polygon that crosses itself or has a corner twice. Takes time by the
 // square of the number of corners.

@@ -1,6 +1,6 @@
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cli/common.h"
-#include "pcm/cli/primitive_output.h"
+#include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
 
 #include <cmath>
@@ -33,7 +33,7 @@ void print(const Primitive& primitive, const std::string& unit)
     const ShapeFit& fit = primitive.fit;
     const ShapeTraits& traits = traits_of(fit.shape.kind);
     std::printf("%s%s\n", primitive.name.c_str(), primitive.hidden ? " (hidden)" : "");
-    std::printf("  %s\n", rounded_shape(fit).c_str());
+    std::printf("  %s\n", place_text(fit).c_str());
     std::string sizes;
     const auto add = [&](const std::string& text) { sizes += (sizes.empty() ? "  " : ", ") + text; };
     if (traits.radius) add(value_text("radius", fit.shape.radius, fit.errors.radius, unit));
@@ -93,7 +93,7 @@ Run add_primitives(Options& options)
     options.option("--append", arguments->more, "Further lists, put behind the first").one_value_each();
     options
         .option("-o,--output,--to", arguments->outputs,
-                "Write the primitives to a file: .dxf (a layer each, meshes, outlines and circles), .scr (a script for "
+                "Write the primitives to a file: .dxf (a layer each, meshes and lines), .scr (a script for "
                 "AutoCAD, with true solids), .csv (parameters and their uncertainties), .json (a list)")
         .one_value_each();
     options.option("--unit", arguments->unit, "What one unit of the coordinates is; written, not converted")

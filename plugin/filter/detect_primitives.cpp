@@ -1,7 +1,9 @@
 // Detect Primitives: all planes, cylinders and spheres of a cloud.
 #include "pcm/primitives/detect.h"
 
+#include "pcm/fit/primitive_text.h"
 #include "pcm/system/error.h"
+#include "pcm/system/rounded_text.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
@@ -29,7 +31,8 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichBool("Planes", true, "Planes", "Detect planes. Default on."));
     parameters.addParam(RichBool("Cylinders", true, "Cylinders", "Detect cylinders. Default on."));
     parameters.addParam(RichBool("Spheres", true, "Spheres", "Detect spheres. Default on."));
-    parameters.addParam(RichInt("LeastPoints", 500, "Least points", "Of a primitive. Default 500."));
+    parameters.addParam(
+        RichInt("LeastPoints", 500, "Least points", "Shapes with fewer points are left out. Default 500."));
     parameters.addParam(
         RichFloat("Threshold", 0, "Threshold",
                   "Largest distance of a point from its surface, source units. 0, the default: from the "
@@ -40,7 +43,9 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichFloat("Step", 0, "Longest step",
                                   "Points farther apart are not of one primitive, source units. 0, the default: as the "
                                   "spacing around each allows."));
-    parameters.addParam(RichInt("Seed", 1, "Seed", "Of the search. Default 1."));
+    parameters.addParam(
+        RichInt("Seed", 1, "Seed",
+                "Start of the random numbers of the search: the same seed gives the same result. Default 1."));
     parameters.addParam(RichString("Box", "", "Box",
                                    "Only points in this box: the smallest x y z and the largest x y z, source "
                                    "coordinates. Empty, the default: all points."));
@@ -49,7 +54,8 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichBool("Labels", false, "Label the points",
                                  "Write which primitive each point belongs to as an attribute: its number in the list, "
                                  "or 0. Into a copy of the tree, or in place. Default off."));
-    parameters.addParam(RichString("Attribute", "primitive", "Attribute", "Of the labels. Default primitive."));
+    parameters.addParam(RichString("Attribute", "primitive", "Attribute",
+                                   "Name of the attribute that gets the labels. Default primitive."));
     add_target_parameters(parameters);
     add_work_parameters(parameters);
 }
@@ -75,6 +81,13 @@ DetectOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
     options.memory_bytes = memory_of(p);
     options.threads = threads_of(p);
     return options;
+}
+
+// ", radius 0.2000"
+std::string radius_text(const ShapeFit& fit)
+{
+    if (!traits_of(fit.shape.kind).radius) return {};
+    return ", radius " + rounded_text(fit.shape.radius, fit.errors.radius);
 }
 
 void label(const FilterRun& run, const PrimitiveCloud& cloud, const DetectReport& found, LabelOptions options)
@@ -125,7 +138,7 @@ void run(const FilterRun& run)
     for (Primitive& primitive : found.primitives) {
         primitive.cloud = name;
         primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
-        run.log(primitive.name + ": " + size_of(primitive, cloud.unit).toStdString() + ", residual " +
+        run.log(primitive.name + ": " + place_text(primitive.fit) + radius_text(primitive.fit) + ", residual " +
                 brief(primitive.fit.rms) + ", " + grouped(primitive.points) + " points");
     }
     run.log(grouped(found.primitives.size()) + " primitives; " + grouped(found.outcome.points_out) + " of " +

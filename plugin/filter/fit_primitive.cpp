@@ -37,10 +37,11 @@ void add_shape_parameters(RichParameterList& parameters)
                    "Places that do not belong to it, x y z of each, in source coordinates: points around "
                    "them take no part. Empty, the default: none."));
     parameters.addParam(RichEnum("Shape", 0, shapes, "Shape",
-                                 "What is fitted. Any: each kind is fitted, and the one that the points are least "
-                                 "probably like by chance is kept. Default Any."));
+                                 "What is fitted. Any: all kinds are fitted, and the one that explains the points "
+                                 "best, with the fewest parameters, is kept. Default Any."));
     parameters.addParam(RichEnum("Estimator", static_cast<int>(Estimator::msac), methods, "Estimator",
-                                 "How samples are drawn and compared. Default MSAC."));
+                                 "How random samples of points are drawn and scored, where some of the points belong "
+                                 "to something else. MSAC suits nearly all scans. Default MSAC."));
     parameters.addParam(
         RichFloat("Threshold", 0, "Threshold",
                   "Largest distance of a point from the surface, source units. 0, the default: from the "
@@ -59,8 +60,8 @@ void add_shape_parameters(RichParameterList& parameters)
                                   "Points farther apart are not connected, source units. 0, the default: from the "
                                   "points' spacing."));
     parameters.addParam(RichEnum("Outline", 0, {"Rectangle", "Convex", "Concave", "Cloud's box"}, "Outline",
-                                 "Which part of a plane there is: the rectangle of least area around its points, their "
-                                 "convex hull, a concave outline, or what the cloud's box cuts. Default Rectangle."));
+                                 "How a plane is bounded: by the rectangle of least area around its points, their "
+                                 "convex hull, a concave outline, or the cloud's box. Default Rectangle."));
 }
 
 void add_search_parameters(RichParameterList& parameters)
@@ -72,13 +73,15 @@ void add_search_parameters(RichParameterList& parameters)
                                   "Smaller radii are not considered, source units. 0, the default: any."));
     parameters.addParam(RichFloat("LargestRadius", 0, "Radius to",
                                   "Larger radii are not considered, source units. 0, the default: any."));
-    parameters.addParam(RichInt("Iterations", 10000, "Samples", "The most samples that are drawn. Default 10000."));
+    parameters.addParam(
+        RichInt("Iterations", 10000, "Samples", "The most samples of points that the search tries. Default 10000."));
     parameters.addParam(RichFloat("Probability", 0.99f, "Probability",
-                                  "That a sample without outliers was drawn; ends the search. Above 0 and below 1. "
-                                  "Default 0.99."));
+                                  "The search ends when, with this probability, one of the samples was of good points "
+                                  "alone. Above 0 and below 1. Default 0.99."));
     parameters.addParam(RichFloat("Seconds", 0, "Time limit",
                                   "Ends the search with the best shape so far, seconds. 0, the default: no limit."));
-    parameters.addParam(RichInt("Seed", 1, "Seed", "Of the random samples. Default 1."));
+    parameters.addParam(
+        RichInt("Seed", 1, "Seed", "Start of the random numbers: the same seed gives the same result. Default 1."));
     parameters.addParam(RichEnum("Backend", 0, {"Own", "PCL"}, "Computed by",
                                  "This program's own search, or the Point Cloud Library's, where its module is "
                                  "installed. Default Own."));
@@ -90,7 +93,8 @@ void add_parameters(RichParameterList& parameters)
     add_shape_parameters(parameters);
     add_search_parameters(parameters);
     add_limit_parameters(parameters);
-    parameters.addParam(RichString("Name", "", "Name", "Of the primitive. Default: its kind and a number."));
+    parameters.addParam(RichString("Name", "", "Name",
+                                   "Name of the primitive in the list. Empty, the default: its kind and a number."));
     add_drawing_parameters(parameters, false);
     parameters.addParam(RichString("PointsOutput", "", "Points to",
                                    "Tree folder (NAME.pct), which is shown in a layer, or file for the points that "

@@ -310,6 +310,27 @@ TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
     EXPECT_LT(faces("c.dxf", options), usual / 2);
 }
 
+// Programs that ignore the axes of circles would draw those of a tilted pipe at another place.
+TEST_F(PrimitiveFiles, ADrawingHasCirclesOnlyAcrossZ)
+{
+    if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";
+    const auto count = [&](const char* name, const Vec3d& axis, const char* entity) {
+        Primitive one = pipe();
+        one.fit.shape.axis = axis;
+        CadOptions options;
+        options.overwrite = true;
+        write_primitives(folder_ / name, {one}, options);
+        std::size_t found = 0;
+        for (const std::string& line : lines_of(folder_ / name)) found += line == entity;
+        return found;
+    };
+    EXPECT_EQ(count("a.dxf", {0, 0, 1}, "CIRCLE"), 2u);
+    EXPECT_EQ(count("a.dxf", {0, 0, 1}, "POLYLINE"), 4u);
+    EXPECT_EQ(count("a.dxf", {0, 0.6, 0.8}, "CIRCLE"), 0u);
+    EXPECT_EQ(count("a.dxf", {0, 0.6, 0.8}, "POLYLINE"), 6u);
+    EXPECT_EQ(count("a.dxf", {0, 0.6, 0.8}, "LINE"), 1u);
+}
+
 TEST_F(PrimitiveFiles, AnOutlineThatCrossesItselfIsALineAlone)
 {
     if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";

@@ -183,6 +183,58 @@ TEST(Outlines, AreDividedIntoTriangles)
     }
 }
 
+TEST(ShapeLines, LieOnTheSurfaceAndAreEdgesOfTheMesh)
+{
+    const std::size_t rims[] = {2, 2, 1, 2, 4}, more[] = {4, 4, 4, 0, 4};  // closed ones along, all others
+    for (std::size_t c = 0; c < std::size(cases); ++c)
+        for (const double chord : {0.0, 0.03}) {
+            const Shape shape = parse_shape(cases[c].shape);
+            ShapeBounds bounds;
+            bounds.from = cases[c].from;
+            bounds.to = cases[c].to;
+            const Mesh mesh(shape, bounds, {chord, false});
+            const ShapeLines found = lines_of(shape, bounds, {chord, false});
+            EXPECT_EQ(found.lines.size(), rims[c] + more[c]) << cases[c].shape;
+            EXPECT_EQ(found.circles.size(), shape.kind == ShapeKind::sphere ? 1u : 0u);
+            for (const ShapeLines::Line& line : found.lines) {
+                ASSERT_GE(line.corners.size(), line.closed ? 8u : 2u);
+                for (const Vec3d& p : line.corners) EXPECT_LT(std::fabs(distance_to(shape, p)), 1e-12);
+                if (shape.kind != ShapeKind::cylinder && shape.kind != ShapeKind::cone) continue;
+                for (std::size_t i = 0; i + (line.closed ? 0 : 1) < line.corners.size(); ++i) {
+                    const Vec3d &a = line.corners[i], &b = line.corners[(i + 1) % line.corners.size()];
+                    EXPECT_TRUE(mesh.edges.count({a, b}) || mesh.edges.count({b, a})) << cases[c].shape;
+                }
+            }
+        }
+}
+
+TEST(ShapeLines, CirclesAreThoseAcrossZ)
+{
+    ShapeBounds bounds;
+    bounds.from = -1;
+    bounds.to = 4;
+    ShapeLines found = lines_of(parse_shape("cylinder 1 2 3 0 0 -1 0.3"), bounds, {});
+    ASSERT_EQ(found.circles.size(), 2u);
+    EXPECT_EQ(found.circles[0].centre, (Vec3d{1, 2, 4}));
+    EXPECT_EQ(found.circles[1].centre, (Vec3d{1, 2, -1}));
+    EXPECT_EQ(found.circles[1].radius, 0.3);
+    EXPECT_EQ(found.lines.size(), 4u);
+    EXPECT_TRUE(lines_of(parse_shape("cylinder 1 2 3 1e-9 0 -1 0.3"), bounds, {}).circles.empty());
+    // A part of the circle: open arcs, and a straight line at both ends of it.
+    bounds.zero = {1, 0, 0};
+    bounds.begin = 0;
+    bounds.end = pi / 2;
+    found = lines_of(parse_shape("cylinder 1 2 3 0 0 1 0.3"), bounds, {0.0001, true});
+    EXPECT_TRUE(found.circles.empty());
+    ASSERT_EQ(found.lines.size(), 7u);
+    for (const ShapeLines::Line& line : found.lines) EXPECT_FALSE(line.closed);
+    EXPECT_LT(length(found.lines[0].corners.front() - Vec3d{1.3, 2, 2}), 1e-12);
+    EXPECT_LT(length(found.lines[0].corners.back() - Vec3d{1, 2.3, 2}), 1e-12);
+    EXPECT_LT(length(found.lines[6].corners.back() - Vec3d{1, 2.3, 7}), 1e-12);
+    EXPECT_THROW(lines_of(parse_shape("sphere 1 2 3 1"), bounds, {-1, false}), Error);
+    EXPECT_THROW(lines_of(parse_shape("sphere 1 2 3 1"), bounds, {1e-30, false}), Error);
+}
+
 TEST(Outlines, ThatCrossThemselvesHaveNoTriangles)
 {
     const Vec3d up{0, 0, 1};

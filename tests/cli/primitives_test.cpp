@@ -31,11 +31,11 @@ TEST_F(PrimitiveCommands, ShowAList)
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_EQ(shown.out,
               "Pipe 1\n"
-              "  cylinder 500000 4800000 0 0 0 1 0.25000\n"
+              "  cylinder through 500000 4800000 0, axis 0 0 1\n"
               "  radius 0.2500 \u00b1 0.0004 m, length 3 m\n"
               "  1,200 inliers, rms 0.002 m\n"
               "Roof (hidden)\n"
-              "  cone 0 0 9 0 0 -1 28.6479\n"
+              "  cone with its apex at 0 0 9, axis 0 0 -1\n"
               "  half angle 28.6 (not determined)\n"
               "  doubtful: too thin\n");
 }

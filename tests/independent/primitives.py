@@ -136,29 +136,31 @@ def check_plane(numpy, shapely, checks, one, entities):
     checks.near("area of their union", shapely.unary_union(parts).symmetric_difference(whole).area, 0, 1e-6)
 
 
-def check_circles(numpy, checks, one, entities):
-    """Circles lie on the surface (a torus': in its tube), arcs where the points are; lines along the axis."""
-    for e in (e for e in entities if e.dxftype() in ("CIRCLE", "ARC")):
-        angles = numpy.radians(numpy.linspace(e.dxf.start_angle, e.dxf.end_angle + 360 * (e.dxf.end_angle < e.dxf.start_angle), 9)
-                               if e.dxftype() == "ARC" else numpy.arange(0, 360, 40))
-        ocs, centre = e.ocs(), e.dxf.center
-        places = [numpy.array(tuple(ocs.to_wcs((centre.x + e.dxf.radius * math.cos(a), centre.y + e.dxf.radius * math.sin(a),
-                                                centre.z)))) for a in angles]
-        expected = one["tube_radius"] if one["kind"] == "torus" else 0
-        for p in places:
-            checks.near(f"a circle of {one['name'][:20]}", distance_and_normal(numpy, one, p)[0], -expected, 1e-6)
-        if e.dxftype() == "ARC":
-            n, zero = numpy.array(one["axis"]), numpy.array(one["bounds"]["zero"])
-            for p, end in ((places[0], "begin"), (places[-1], "end")):
-                angle = one["bounds"][end]
-                d = p - numpy.array(one["point"])
-                side = math.cos(angle) * zero + math.sin(angle) * numpy.cross(n, zero)
-                checks.near("an arc's end", d @ side, numpy.linalg.norm(d), 1e-6)
+def check_lines(numpy, checks, one, entities):
+    """Lines on the surface, which programs without faces show; the axis from end to end; circles only across z."""
+    polylines = [e for e in entities if e.dxftype() == "POLYLINE"]
+    whole = 0
+    for e in polylines:
+        corners = [numpy.array(tuple(v.dxf.location)) for v in e.vertices]
+        whole += e.is_closed and len(corners) > 2
+        for p in corners:
+            checks.near(f"a line of {one['name'][:20]}", distance_and_normal(numpy, one, p)[0], 0, 1e-6)
+    circles = [e for e in entities if e.dxftype() == "CIRCLE"]
+    for e in circles:
+        checks.equal("a circle's axis", tuple(e.dxf.extrusion), (0, 0, 1))
+        for angle in numpy.radians(numpy.arange(0, 360, 40)):
+            p = numpy.array(tuple(e.dxf.center)) + e.dxf.radius * numpy.array((math.cos(angle), math.sin(angle), 0))
+            checks.near(f"a circle of {one['name'][:20]}", distance_and_normal(numpy, one, p)[0], 0, 1e-6)
     kinds = collections.Counter(e.dxftype() for e in entities)
-    arc = one["kind"] == "torus" and "bounds" in one
-    cone_ends = 1 if one["kind"] == "cone" and one["bounds"]["from"] == 0 else 2
-    checks.equal("circles and arcs", (kinds["CIRCLE"], kinds["ARC"]),
-                 (0, 1) if arc else ({"cylinder": 2, "sphere": 3, "cone": cone_ends, "torus": 1}[one["kind"]], 0))
+    ends = 1 if one["kind"] == "cone" and one["bounds"]["from"] == 0 else 2
+    upright = one["kind"] in ("cylinder", "cone") and one["axis"][0] == 0 and one["axis"][1] == 0
+    checks.equal("circles and arcs", (kinds["CIRCLE"], kinds["ARC"]), (ends if upright else one["kind"] == "sphere", 0))
+    expected = {"cylinder": ends, "cone": ends, "sphere": 3}
+    if one["kind"] in expected:
+        checks.equal("rims", whole + len(circles), expected[one["kind"]])
+        checks.equal("straight lines", len(polylines) - whole, 0 if one["kind"] == "sphere" else 4)
+    else:
+        checks.equal("lines of a torus", len(polylines) >= 7, True)
     for e in (e for e in entities if e.dxftype() == "LINE"):
         ends = [numpy.array(tuple(p)) - numpy.array(one["point"]) for p in (e.dxf.start, e.dxf.end)]
         n = numpy.array(one["axis"])
@@ -203,7 +205,7 @@ def check_drawing(pcmlab, checks, numpy, shapely, ezdxf, primitives, folder):
         faces = [[tuple(p) for p in (e.dxf.vtx0, e.dxf.vtx1, e.dxf.vtx2, e.dxf.vtx3)] for e in entities
                  if e.dxftype() == "3DFACE"]
         check_mesh(numpy, checks, one, faces, 0.05)
-        check_circles(numpy, checks, one, entities)
+        check_lines(numpy, checks, one, entities)
         checks.equal("inside of the extents", all(l <= x <= h for f in faces for p in f for l, x, h in zip(low, p, high)), True)
     return sum(len(entities) for entities in by_layer.values())
 

@@ -144,13 +144,14 @@ def check_headers(cmake, work, prefix, with_gl, options):
 def check_readme(cmake, source, pcm, work, options):
     """The README's programs, as they stand there: they compile, and select points of a generated scene."""
     blocks = re.findall(r"^```cpp\n(.*?)^```", (source / "README.md").read_text(), re.MULTILINE | re.DOTALL)
-    assert len(blocks) == 2, len(blocks)
+    assert len(blocks) == 3, len(blocks)
     project = work / "readme"
     project.mkdir()
     text = ("cmake_minimum_required(VERSION 3.16)\nproject(readme LANGUAGES CXX)\n"
             "find_package(pcm 0.1 REQUIRED COMPONENTS core)\n")
     for i, block in enumerate(blocks):
-        (project / f"block{i}.cpp").write_text(f'#include "pcm/point_cloud.h"\n\n#include <cstdio>\n\n'
+        (project / f"block{i}.cpp").write_text(f'#include "pcm/cad/primitive_files.h"\n#include "pcm/point_cloud.h"\n'
+                                               f'#include "pcm/primitives/fit_at.h"\n\n#include <cstdio>\n\n'
                                                f"int main()\n{{\n{block}}}\n")
         text += f"add_executable(block{i} block{i}.cpp)\ntarget_link_libraries(block{i} PRIVATE pcm::core)\n"
     (project / "CMakeLists.txt").write_text(text)
@@ -165,6 +166,18 @@ def check_readme(cmake, source, pcm, work, options):
     assert match and 0 < int(match[1]) <= POINTS and 90 < float(match[2]) < 110, results[0].stdout
     found = json.loads(run(pcm, "query", project / "site.pct", "--where", "height!=0", "--json").stdout)
     assert found["points"] == POINTS, found
+    check_fit(results[2].stdout, project / "scene.truth.json", project / "tank.dxf")
+
+
+def check_fit(line, truth, drawing):
+    """A fitted tank is the generated one, within four standard deviations, and drawn."""
+    match = re.match(r"radius ([\d.]+) \+- ([-e\d.]+)", line)
+    tanks = [p["radius"] for p in json.loads(truth.read_text())["primitives"]
+             if p["kind"] == "cylinder" and p["point"][:2] == [500040, 4800020]]
+    assert match and len(tanks) == 1, (line, tanks)
+    assert abs(float(match[1]) - tanks[0]) < 4 * float(match[2]) + 5e-5 and float(match[2]) < 0.005, (line, tanks)
+    text = drawing.read_text()
+    assert "\n3DFACE\n" in text and "AcDbPolyline" not in text and text.rstrip().endswith("EOF"), text[:200]
 
 
 def check_stripped(prefix):
@@ -273,6 +286,10 @@ def main():
     assert verified["points"] == POINTS and not verified["faults"], verified
     found = json.loads(run(pcm, "query", tree, "--where", "height>=0", "--statistics", "--json").stdout)
     assert found["points"] == sum(p[2] >= 92.5 for p in points) and "cache" in found, found
+
+    drawing = work / "tank.dxf"
+    line = run(work / "examples-build" / "fit_cylinder", tree, "500042.95", "4800020", "96", drawing).stdout
+    check_fit(line, work / "tiny.truth.json", drawing)
 
     if with_gl:
         check_gpu_example(work / "examples-build" / "height_above_plane", pcm, tree, points)

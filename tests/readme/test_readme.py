@@ -1,6 +1,8 @@
 """The commands of README.md work as they stand there, one after the other, and those that select points select some."""
 
+import csv
 import json
+import math
 import os
 import pathlib
 import re
@@ -49,6 +51,32 @@ class Readme(unittest.TestCase):
                     self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
                     self.assertFalse(without_points(result.stdout), result.stdout)
             self.assertTrue((pathlib.Path(folder) / "tour0002.png").is_file())
+            self.check_tutorial(pathlib.Path(folder))
+
+    def check_tutorial(self, folder):
+        """What the way from a scan to a drawing ends with is what was generated, within four standard deviations."""
+        truth = json.loads((folder / "plant.truth.json").read_text(encoding="utf-8"))["primitives"]
+        with open(folder / "plant.csv", newline="", encoding="utf-8") as file:
+            rows = {row["name"]: row for row in csv.DictReader(file)}
+        self.assertEqual(list(rows), ["Tank", "Roof", "Pipe", "Dome"])
+        for name, kind in (("Tank", "cylinder"), ("Roof", "plane"), ("Pipe", "cylinder"), ("Dome", "sphere")):
+            row = rows[name]
+            self.assertEqual((row["kind"], row["verdict"]), (kind, "good"), name)
+            place = [float(row[f"{axis} [m]"]) for axis in "xyz"]
+            if kind == "plane":
+                found = min((one for one in truth if one["kind"] == kind), key=lambda one: math.dist(place, one["point"]))
+                off = sum(n * (a - b) for n, a, b in zip(found["direction"], place, found["point"]))
+                self.assertLess(abs(off), 4 * float(row["sigma_position [m]"]), name)
+                continue
+            found = min((one for one in truth if one["kind"] == kind),
+                        key=lambda one: abs(one["radius"] - float(row["radius [m]"])))
+            self.assertLess(abs(found["radius"] - float(row["radius [m]"])), 4 * float(row["sigma_radius [m]"]), name)
+        drawing = (folder / "plant.dxf").read_text(encoding="utf-8")
+        script = (folder / "plant.scr").read_text(encoding="utf-8")
+        for name in rows:
+            self.assertIn(f"\n  8\n{name}\n", drawing)
+            self.assertIn(f"; {name}\n", script)
+        self.assertEqual((script.count("_.CYLINDER"), script.count("_.SPHERE")), (2, 1))
 
     def test_a_command_that_selects_nothing_is_noticed(self):
         with tempfile.TemporaryDirectory() as folder:

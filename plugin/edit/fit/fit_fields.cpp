@@ -88,13 +88,13 @@ void FitFields::add_number(const FitNumber& row)
 void FitFields::add_choices()
 {
     kind_ = add_choice("Shape", "Shape",
-                       "What is fitted at the clicked place. Any: each kind is fitted, and the one that the points are "
-                       "least probably like by chance is kept, a plane where that does. Default Any.");
+                       "What is fitted at the clicked place. Any: all kinds are fitted, and the one that explains the "
+                       "points best, with the fewest parameters, is kept. Default Any.");
     kind_->addItem("Any", any_kind);
     for (const ShapeTraits& traits : shape_kinds()) kind_->addItem(traits.label, traits.name);
     estimator_ = add_choice("Estimator", "Estimator",
-                            "How samples are drawn and compared, where some of the points belong to something else. "
-                            "Default MSAC.");
+                            "How random samples of points are drawn and scored, where some of the points belong to "
+                            "something else. MSAC suits nearly all scans. Default MSAC.");
     for (const EstimatorTraits& traits : estimators()) {
         estimator_->addItem(traits.label, traits.name);
         estimator_->setItemData(estimator_->count() - 1, traits.description, Qt::ToolTipRole);
@@ -109,7 +109,7 @@ void FitFields::add_choices()
         "again. Off: only those around the clicked places. Default on.",
         grow_);
     outline_ = add_choice("Outline", "Outline",
-                          "Which part of a plane there is: the rectangle of least area around its points, their convex "
+                          "How a plane is bounded: by the rectangle of least area around its points, their convex "
                           "hull, a concave outline that follows gaps, or the polygon in which the cloud's box cuts it. "
                           "Cylinders and cones end where their points end, or at the cloud's box. Default Rectangle.");
     outline_->addItem("Rectangle", name_of(OutlineKind::rectangle));

@@ -62,22 +62,22 @@ std::vector<FitNumber> search_numbers()
          "Larger radii (of a torus: of its tube) are not considered, source units. Default: empty, any.", "any", 0,
          any_length, false, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.largest_radius = number; }},
-        {"Iterations", "Samples", "The most samples that the search draws. Default: empty, 10000.", "10000", 1, 1e9,
-         true, false,
+        {"Iterations", "Samples", "The most samples of points that the search tries. Default: empty, 10000.", "10000",
+         1, 1e9, true, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.iterations = static_cast<std::uint32_t>(number);
          }},
         {"Probability", "Probability",
-         "That a sample without outliers was drawn; the search ends when it is reached. Above 0 and below 1. Default: "
-         "empty, 0.99.",
+         "The search ends when, with this probability, one of the samples was of good points alone. Above 0 and below "
+         "1. Default: empty, 0.99.",
          "0.99", 1e-9, 1 - 1e-9, false, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.probability = number; }},
         {"Seconds", "Time limit", "Ends the search with the best shape so far, seconds. Default: empty, no limit.",
          "none", 0, 1e6, false, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.seconds = number; }},
         {"Seed", "Seed",
-         "Of the random samples: the same seed gives the same result. A whole number. Default: empty, 1.", "1", 0, 1e9,
-         true, false,
+         "Start of the random numbers: the same seed gives the same result. A whole number. Default: empty, 1.", "1", 0,
+         1e9, true, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.seed = static_cast<std::uint64_t>(number);
          }},
