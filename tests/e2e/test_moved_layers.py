@@ -226,21 +226,30 @@ class MovedLayers(MeshLabTest):
             click 0.4 0.5
             wait-label PointCloudSelectMessage grown
             {count}
+            check-cell PointCloudLayers 1 4 on
+            set Select by = Brush
+            draw 0.35 0.42 0.65 0.42
+            wait-label PointCloudSelectMessage brush of radius
+            {count}
             quit
             """)
         self.assertDriven(run)
-        met, everywhere, grown = map(self.count, run.labels("PointCloudSelectCount"))
+        met, everywhere, grown, locked = map(self.count, run.labels("PointCloudSelectCount"))
         for stroke in (met, everywhere):
             self.assertGreater(min(stroke.get("left", 0), stroke.get("right", 0)), 100)
         self.assertGreaterEqual(everywhere["left"], met["left"])
         self.assertGreater(grown["left"], 100)
         self.assertEqual(grown.get("right", everywhere["right"]), everywhere["right"])
+        self.assertNotEqual(locked["left"], grown["left"])
+        self.assertEqual(locked["right"], everywhere["right"])
         pictures = {name: self.result(name + ".png") for name in ("before", "ring", "no-ring", "brush", "green")}
         self.assertEqual(different(pictures["before"], pictures["no-ring"]), 0)
         ring = different(pictures["before"], pictures["ring"]) * 800 * 600
         self.assertGreater(ring, 2 * 150)  # a line of 2 pixels around 2 * pi * 25
         self.assertLess(ring, 6 * 160)
         self.assertGreater(different(pictures["brush"], pictures["green"]), 0.002)
+        kept = "".join(file.read_text() for file in (self.folder / "config").rglob("*.conf"))
+        self.assertIn("SelectedColour=#00ff00", kept)
 
     def test_cancelled_work_changes_nothing_and_points_are_deleted_in_place(self):
         _, tree = self.generate("scene", 500000, "--seed", 3, "--extent", 60)
