@@ -1,14 +1,9 @@
 // CGAL's efficient RANSAC on a sample of a generated site, judged as bench_detect judges ours. See ../README.md.
-#define CGAL_DISABLE_GMP 1
-#define CGAL_DISABLE_MPFR 1
 #include "bench/detect/truth.h"
+#include "bench/fit/cgal_shapes.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
-
-#include <CGAL/Shape_detection/Efficient_RANSAC.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/property_map.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +18,6 @@ namespace {
 
 using namespace pcm;
 using namespace pcm::bench;
-using Kernel = CGAL::Simple_cartesian<double>;
 using Item = std::tuple<Kernel::Point_3, Kernel::Vector_3, std::uint32_t>;  // detect() changes their order
 using Items = std::vector<Item>;
 using Traits = CGAL::Shape_detection::Efficient_RANSAC_traits<Kernel, Items, CGAL::Nth_of_tuple_property_map<0, Item>,
@@ -32,29 +26,6 @@ using Search = CGAL::Shape_detection::Efficient_RANSAC<Traits>;
 using PlaneShape = CGAL::Shape_detection::Plane<Traits>;
 using CylinderShape = CGAL::Shape_detection::Cylinder<Traits>;
 using SphereShape = CGAL::Shape_detection::Sphere<Traits>;
-
-Vec3d of(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
-Vec3d of(const Kernel::Vector_3& v) { return {v.x(), v.y(), v.z()}; }
-
-Shape shape_of(const Search::Shape& found, const Vec3d& origin)
-{
-    Shape shape;
-    if (const auto* plane = dynamic_cast<const PlaneShape*>(&found)) {
-        const Kernel::Plane_3 p = static_cast<Kernel::Plane_3>(*plane);
-        shape.axis = normalised(of(p.orthogonal_vector()));
-        shape.point = origin + of(p.point());
-    } else if (const auto* cylinder = dynamic_cast<const CylinderShape*>(&found)) {
-        shape.kind = ShapeKind::cylinder;
-        shape.axis = normalised(of(cylinder->axis().to_vector()));
-        shape.point = origin + of(cylinder->axis().point());
-        shape.radius = cylinder->radius();
-    } else if (const auto* sphere = dynamic_cast<const SphereShape*>(&found)) {
-        shape.kind = ShapeKind::sphere;
-        shape.point = origin + of(sphere->center());
-        shape.radius = sphere->radius();
-    }
-    return shape;
-}
 
 // Every n-th point, with its true primitive.
 FitPoints sample(const Tree& tree, std::uint64_t every, std::vector<std::uint32_t>& ids)
@@ -110,9 +81,11 @@ int run(const std::string& path, std::uint64_t wanted, double threshold, bool li
     std::vector<Primitive> found;
     Pairs pairs;
     for (const auto& shape : search.shapes()) {
+        const auto ours = shape_of(*shape, points.origin);
+        if (!ours) continue;
         Primitive primitive;
         primitive.label = static_cast<std::uint32_t>(found.size() + 1);
-        primitive.fit.shape = shape_of(*shape, points.origin);
+        primitive.fit.shape = *ours;
         primitive.fit.verdict = FitVerdict::good;
         primitive.points = shape->indices_of_assigned_points().size();
         for (const std::size_t i : shape->indices_of_assigned_points())
