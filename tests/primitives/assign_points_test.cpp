@@ -83,8 +83,8 @@ TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
     options.least_points = 500;
     options.progress = [](double) {};
     const FinalFit result = fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
-    EXPECT_LE(result.primitives.size(), 1u);
-    EXPECT_EQ(result.unbounded, result.primitives.size());
+    ASSERT_EQ(result.primitives.size(), 1u);
+    EXPECT_EQ(result.unbounded, 1u);
 }
 
 TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)
