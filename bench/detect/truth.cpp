@@ -116,10 +116,12 @@ std::vector<True> read_truth(const std::filesystem::path& file)
     return truth;
 }
 
-Score compare(const std::vector<True>& truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
+Score compare(std::vector<True> truth, const std::vector<Primitive>& primitives, const Pairs& pairs,
               std::uint64_t least, bool list)
 {
     Score score;
+    for (True& one : truth) one.points = 0;
+    for (const auto& [pair, points] : pairs) truth.at(pair.second).points += points;
     std::vector<std::vector<std::uint32_t>> found_by(truth.size());
     for (const Primitive& p : primitives) found_by[judge(p, truth, pairs, list, score)].push_back(p.label);
     for (std::uint32_t t = 1; t < truth.size(); ++t) {
@@ -158,10 +160,12 @@ void print(Score& score)
     };
     std::printf("recall %.1f %%, false %.1f %%, true ones in several pieces %d\n",
                 100.0 * recalled / std::max(1, wanted), 100.0 * wrong / std::max(1, found), score.split);
-    std::printf(
-        "within 3 sigma: %d of %d (%.1f %%); worst number of each in sigma: median %.2f, 90 %% %.2f, largest %.2f\n",
-        score.within, score.good, 100.0 * score.within / std::max(1, score.good), quantile(0.5), quantile(0.9),
-        quantile(1));
+    if (score.has_sigmas)
+        std::printf(
+            "within 3 sigma: %d of %d (%.1f %%); worst number of each in sigma: median %.2f, 90 %% %.2f, largest "
+            "%.2f\n",
+            score.within, score.good, 100.0 * score.within / std::max(1, score.good), quantile(0.5), quantile(0.9),
+            quantile(1));
     std::printf("in ground and trees: %d primitives (%d of them good), %llu points\n", score.clutter,
                 score.good_clutter, static_cast<unsigned long long>(score.clutter_points));
     std::sort(score.positions.begin(), score.positions.end());

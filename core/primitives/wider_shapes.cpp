@@ -3,6 +3,7 @@
 #include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace pcm {
@@ -47,8 +48,13 @@ public:
     std::vector<Hypothesis> run()
     {
         std::vector<Hypothesis> bent = take_bent(settled_);
-        const std::vector<Hypothesis> before = bent;
-        bent = those_that_end(std::move(bent));
+        std::vector<Hypothesis> before = bent;
+        const std::vector<Hypothesis> ending = ending_shapes(bent);
+        keep_on(ending, bent);
+        for (Hypothesis& one : take_beside(ending)) {
+            bent.push_back(one);
+            before.push_back(std::move(one));
+        }
         std::vector<Hypothesis> found;
         for (int k = 0; k < doublings && !bent.empty(); ++k) {
             for (Hypothesis& one : bent) one.threshold *= 2;
@@ -67,31 +73,61 @@ public:
     }
 
 private:
-    // Those that the widest threshold may show whole: ground, which continues beyond any, is not tried in between. A
-    // coarse sample is enough for that.
-    std::vector<Hypothesis> those_that_end(std::vector<Hypothesis> bent)
+    // Shapes that the widest threshold may show whole; ground, which continues beyond any, is not among them. A coarse
+    // sample is enough for that.
+    std::vector<Hypothesis> ending_shapes(std::vector<Hypothesis> widest)
     {
-        if (bent.empty()) return bent;
+        std::vector<Hypothesis> ending;
+        if (widest.empty()) return ending;
         sample_ = &options_.coarse;
-        std::vector<Hypothesis> widest = bent;
         for (Hypothesis& one : widest) one.threshold *= 1 << doublings;
         fit_to_wider_parts(widest);
         widest = merged(joined(std::move(widest)), options_.merge);
         const std::vector<Trial> trials = trial(widest);
-        std::vector<Hypothesis> ending;
         for (std::size_t w = 0; w < widest.size(); ++w) {
             const Trial& one = trials[settled_.size() + w];
             if (one.pieces <= one.whole) ending.push_back(widest[w]);
         }
         sample_ = &options_.fine;
-        const auto continues = [&](const Hypothesis& one) {
-            return std::none_of(ending.begin(), ending.end(), [&](const Hypothesis& wide) {
-                return one.box.intersects(reached_box(wide, options_.coarse.assign.reach)) &&
-                       share_on(wide, one.some) >= kept_share;
-            });
-        };
-        bent.erase(std::remove_if(bent.begin(), bent.end(), continues), bent.end());
-        return bent;
+        return ending;
+    }
+
+    // Whether their normals agree where the second has points.
+    bool same_normals(const Hypothesis& wide, const Hypothesis& one) const
+    {
+        const double least = std::cos(std::min(options_.fine.assign.normal_angle, pi / 2));
+        return std::all_of(one.some.begin(), one.some.end(), [&](const Vec3d& p) {
+            return std::fabs(dot(normal_at(wide.shape, p), normal_at(one.shape, p))) >= least;
+        });
+    }
+
+    bool lies_on(const Hypothesis& one, const std::vector<Hypothesis>& wide, double least_share) const
+    {
+        return std::any_of(wide.begin(), wide.end(), [&](const Hypothesis& w) {
+            return one.box.intersects(reached_box(w, options_.coarse.assign.reach)) &&
+                   share_on(w, one.some) >= least_share;
+        });
+    }
+
+    void keep_on(const std::vector<Hypothesis>& wide, std::vector<Hypothesis>& some) const
+    {
+        const auto elsewhere = [&](const Hypothesis& one) { return !lies_on(one, wide, kept_share); };
+        some.erase(std::remove_if(some.begin(), some.end(), elsewhere), some.end());
+    }
+
+    // Takes out of settled_ what the threshold does not cut out, but what a wider shape may contain: an even part of an
+    // uneven floor.
+    std::vector<Hypothesis> take_beside(const std::vector<Hypothesis>& wide)
+    {
+        std::vector<Hypothesis> taken, kept;
+        for (Hypothesis& one : settled_) {
+            const auto alike = [&](const Hypothesis& w) {
+                return w.shape.kind == one.shape.kind && lies_on(one, {w}, joined_share) && same_normals(w, one);
+            };
+            (std::any_of(wide.begin(), wide.end(), alike) ? taken : kept).push_back(std::move(one));
+        }
+        settled_ = std::move(kept);
+        return taken;
     }
 
     // The boxes where points of these may be.

@@ -31,6 +31,16 @@ protected:
         one.threshold = threshold;
         return one;
     }
+    AssignOptions options_of(double cell, std::uint64_t least_points) const
+    {
+        AssignOptions options;
+        options.sample = {tree_->info().levels, cell, 8 * cell};
+        options.normal_angle = 0.6;
+        options.reach = 0.1;
+        options.least_points = least_points;
+        options.progress = [](double) {};
+        return options;
+    }
 
     TemporaryFolder folder_;
     std::shared_ptr<const Tree> tree_;
@@ -41,17 +51,14 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
 {
     std::vector<Vec3d> points;
     for (int i = -50; i < 50; ++i)
-        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i + 0.01, 0.02 * j, i < 0 ? 0.0 : 0.006});
+        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i + 0.03, 0.02 * j, i < 0 ? 0.0 : 0.006});
     make(points);
     const ChosenPoints chosen(tree_, {});
     for (const double cell : {0.01, 0.05})  // each point a cell; cells with points of both
         for (const bool low_first : {true, false}) {
             const double heights[] = {low_first ? 0.0 : 0.006, low_first ? 0.006 : 0.0};
             const std::vector<Hypothesis> hypotheses{level_plane(heights[0], 0.01), level_plane(heights[1], 0.01)};
-            AssignOptions options;
-            options.sample = {tree_->info().levels, cell, 8 * cell};
-            options.normal_angle = 0.6;
-            options.progress = [](double) {};
+            const AssignOptions options = options_of(cell, 0);
             PointLabels labels(*tree_);
             const AssignedPoints assigned = assign_points(chosen, {tree_->info().box}, hypotheses, options, &labels);
             std::size_t wrong = 0;
@@ -63,6 +70,97 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
             }
             EXPECT_EQ(wrong, 0u) << cell << " " << low_first;
         }
+}
+
+// A floor of 2 x 1 with a wall at its end, in two units whose border crosses both.
+TEST_F(AssignPoints, PartsAreJoinedAcrossUnitsAndCornersAreNotInside)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 100; ++i)
+        for (int j = -25; j < 25; ++j) {
+            points.push_back({-0.02 * i, 0.02 * j + 0.005, 0});
+            if (i > 0 && i < 50) points.push_back({0, 0.02 * j + 0.005, 0.02 * i});
+        }
+    for (const double y : {0.01, 0.012, 0.014, 0.016}) points.push_back({-1.981 - y, y, 0});
+    make(points);
+    Hypothesis wall = level_plane(0, 0.01);
+    wall.shape.axis = {1, 0, 0};
+    wall.box = {{0, -2, -2}, {0, 2, 2}};
+    Box3i low = tree_->info().box, high = low;
+    low.max[1] = low.min[1] + (low.max[1] - low.min[1]) / 2;
+    high.min[1] = low.max[1] + 1;
+    const AssignOptions options = options_of(0.05, 500);
+    PointLabels labels(*tree_);
+    const AssignedPoints assigned =
+        assign_points(ChosenPoints(tree_, {}), {low, high}, {level_plane(0, 0.01), wall}, options, &labels);
+    ASSERT_EQ(assigned.parts.size(), 2u);
+    for (const SurfacePart& part : assigned.parts) {
+        EXPECT_NEAR(static_cast<double>(part.points), part.hypothesis == 0 ? 5000 : 2450, 60);
+        EXPECT_GT(part.edge, 15u);  // one cell beside the other surface, or two
+        EXPECT_LT(part.edge, 120u);
+        EXPECT_EQ(part.continued, 0u);
+        EXPECT_NEAR(part.box.extent(1), 0.98, 1e-9);  // of all points, not of the sample's
+        if (part.hypothesis == 0) EXPECT_NEAR(part.box.min[0], -1.997, 1e-9);
+    }
+    for (const PlacedPoint& p : all_points(*tree_)) {
+        const bool inside = labels.get(p.node)[p.number] & interior_label;
+        if (std::max(-p.position[0], p.position[2]) < 0.03) EXPECT_FALSE(inside);
+        if (std::max(-p.position[0], p.position[2]) > 0.4) EXPECT_TRUE(inside);
+    }
+}
+
+TEST_F(AssignPoints, ThePartsOfABendContinueInEachUnit)
+{
+    std::vector<Vec3d> points;
+    for (int i = -100; i < 100; ++i)
+        for (int j = -25; j < 25; ++j) points.push_back({0.02 * i, 0.02 * j, 0.01 * i * i * 0.0004});
+    make(points);  // 0.04 high at the ends
+    Box3i low = tree_->info().box, high = low;
+    low.max[1] = low.min[1] + (low.max[1] - low.min[1]) / 2;
+    high.min[1] = low.max[1] + 1;
+    const AssignOptions options = options_of(0.02, 0);
+    const auto continued = [&](const std::vector<Box3i>& units) {
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), units, {level_plane(0, 0.01)}, options, nullptr);
+        std::uint64_t most = 0;
+        for (const SurfacePart& part : assigned.parts) most = std::max(most, part.continued);
+        return most;
+    };
+    const std::uint64_t whole = continued({tree_->info().box});
+    EXPECT_GT(whole, 60u);
+    EXPECT_NEAR(static_cast<double>(continued({low, high})), static_cast<double>(whole), 10);
+}
+
+TEST_F(AssignPoints, NormalsDecideWithinTheThreshold)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 1000; ++i)
+        for (int j = -3; j <= 3; ++j) points.push_back({0.002 * i, 0, 0.002 * j});  // a strip on edge
+    make(points);
+    PointLabels labels(*tree_);
+    const AssignOptions options = options_of(0.001, 0);
+    assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, &labels);
+    std::size_t given = 0;
+    for (const PlacedPoint& p : all_points(*tree_)) given += labels.get(p.node)[p.number] != 0;
+    EXPECT_EQ(given, 0u);
+}
+
+TEST_F(AssignPoints, StepsJoinWhatIsNoFartherApart)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 50; ++i)
+        for (int j = 0; j < 50; ++j)
+            for (const double x : {0.0, 1.28}) points.push_back({x + 0.02 * i, 0.02 * j, 0});  // 0.3 apart
+    make(points);
+    for (const double step : {0.0, 0.25, 0.32}) {
+        AssignOptions options = options_of(0.01, 100);
+        options.sample.step = step;
+        options.sample.margin = std::max(0.1, 1.01 * step);
+        PointLabels labels(*tree_);
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, &labels);
+        EXPECT_EQ(assigned.parts.size(), step > 0.3 ? 1u : 2u) << step;
+    }
 }
 
 TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
@@ -85,6 +183,34 @@ TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
     const FinalFit result = fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
     ASSERT_EQ(result.primitives.size(), 1u);
     EXPECT_EQ(result.unbounded, 1u);
+}
+
+// Of 10,000 points of the sample 400 are at the edge.
+TEST_F(AssignPoints, PiecesContinueAlongTheEdgeAndFillTheThresholdTogether)
+{
+    const double threshold = 0.01;
+    SurfacePart part;
+    part.sampled = 10000;
+    part.edge = 400;
+    part.continued = 200;
+    part.squares = 9600 * 0.005 * 0.005;  // half of the threshold
+    part.smooth_squares = 0.8 * part.squares;
+    EXPECT_TRUE(is_piece(part, threshold));
+    SurfacePart other = part;
+    other.smooth_squares = 0.1 * part.squares;  // noise
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.edge = 2000;  // a tenth of the edge
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.continued = 140;  // less than one and a half sides of a square
+    EXPECT_FALSE(is_piece(other, threshold));
+    other = part;
+    other.squares = 9600 * 0.0015 * 0.0015;  // it is flat; only the whole outline says otherwise
+    other.smooth_squares = 0.8 * other.squares;
+    EXPECT_FALSE(is_piece(other, threshold));
+    other.continued = other.edge = 420;
+    EXPECT_TRUE(is_piece(other, threshold));
 }
 
 TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)

@@ -356,6 +356,23 @@ TEST_F(Detect, LabelsBecomeAnAttribute)
     EXPECT_THROW(label_primitives(changed, nothing, options), Error);
 }
 
+TEST_F(Detect, LabelsCanBeCancelledAndTheTreeStaysAsItWas)
+{
+    make({scene[3]}, 0.002);
+    const DetectReport report = detect();
+    const std::uint64_t before = tree_->info().generation;
+    for (const double at : {0.0, 0.3, 0.98}) {
+        LabelOptions options;
+        options.target.in_place = true;
+        options.progress = [&](const ProgressUpdate& update) { return update.fraction < at; };
+        EXPECT_THROW(label_primitives(tree_, report, options), Error) << at;
+        const auto tree = Tree::open(tree_->folder());
+        EXPECT_EQ(tree->info().generation, before);
+        EXPECT_FALSE(tree->info().schema.find("primitive"));
+        EXPECT_EQ(tree->data_files().size(), tree_->data_files().size());
+    }
+}
+
 // Caps and outlines are those of all points, not of some.
 TEST_F(Detect, BoundsReachTheOutermostPoints)
 {
@@ -385,6 +402,22 @@ TEST_F(Detect, RougherSurfacesThanMostHaveAWiderThreshold)
     EXPECT_EQ(mug.fit.shape.kind, ShapeKind::cylinder);
     EXPECT_GT(mug.points, 5000u);
     EXPECT_GE(report.outcome.error, table.fit.threshold);
+}
+
+// A floor whose scans lie in layers, some of them whole at the cloud's threshold.
+TEST_F(Detect, AFloorInLayersIsOnePlane)
+{
+    PCM_REQUIRE_SAMPLE("primitives/room_scan1.pcd");
+    build_tree({sample("primitives/room_scan1.pcd")}, folder_ / "room.pct");
+    tree_ = Tree::open(folder_ / "room.pct");
+    const DetectReport report = detect();
+    std::vector<std::uint64_t> floors;
+    for (const Primitive& p : report.primitives)
+        if (p.fit.shape.kind == ShapeKind::plane && std::fabs(p.fit.shape.axis[2]) > 0.99 &&
+            p.fit.shape.point[2] < -1.1)
+            floors.push_back(p.points);
+    ASSERT_EQ(floors.size(), 1u);
+    EXPECT_GT(floors[0], 11500u);
 }
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several

@@ -99,4 +99,57 @@ TEST(Hypotheses, WhatALargerShapeExplainsIsNoneOfItsOwn)
     EXPECT_EQ(count({hypothesis(tank, all, 90), hypothesis(ball, band, 5)}), 2u);
 }
 
+TEST(Hypotheses, WhatIsBroughtTogetherReachesAsFarAsBoth)
+{
+    Hypothesis one = square(0, 0, 100, 0, 1), other = square(5, 0, 100, 0, 2);
+    one.area = 30;
+    other.reach = 0.7;
+    other.threshold = 2 * threshold;
+    MergeOptions options;
+    options.gap = 0.3;
+    options.normal_angle = 0.35;
+    const std::vector<Hypothesis> both = merged({one, other}, options);
+    ASSERT_EQ(both.size(), 1u);
+    EXPECT_EQ(both[0].reach, 0.7);
+    EXPECT_EQ(both[0].threshold, 2 * threshold);
+}
+
+// Few points of the larger one: a fit to all leaves them three deviations off.
+TEST(Hypotheses, BothMustLieOnTheSurfaceThatIsFittedToAll)
+{
+    Hypothesis few = square(0, 0, 100.006, 0, 1);
+    few.some.resize(20);
+    few.area = 30;
+    EXPECT_EQ(count({few, square(5, 0, 100, 0, 2)}), 2u);
+}
+
+TEST(Hypotheses, AStripAcrossASurfaceStays)
+{
+    Dice dice(7);
+    pcm::Shape plane;
+    plane.point = {2, 2, 100};
+    plane.axis = {1, 0, 0};
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 200; ++i) points.push_back({2, dice.between(0, 5), 100 + dice.between(-0.003, 0.003)});
+    EXPECT_EQ(count({square(0, 0, 100, 0, 1), hypothesis(plane, points, 1)}), 2u);
+}
+
+// A ball so large that it is flat here.
+TEST(Hypotheses, NothingIsExplainedBeyondAShapesReach)
+{
+    Dice dice(7);
+    pcm::Shape ball;
+    ball.kind = ShapeKind::sphere;
+    ball.radius = 1e6;
+    ball.point = {10, 0, 100 - 1e6};
+    const auto strip = [&](double from, double to) {
+        std::vector<Vec3d> points;
+        for (int i = 0; i < 200; ++i)
+            points.push_back({dice.between(from, to), dice.between(0, 1), 100 + sigma * dice.normal()});
+        return hypothesis(ball, points, 20);
+    };
+    EXPECT_EQ(count({square(0, 0, 100, 0, 1), strip(1, 4)}), 1u);
+    EXPECT_EQ(count({square(0, 0, 100, 0, 1), strip(4, 24)}), 2u);
+}
+
 }  // namespace
