@@ -1,13 +1,8 @@
 // CGAL's efficient RANSAC on a sample of a generated site, compared as bench_detect compares ours. See ../README.md.
-#define CGAL_DISABLE_GMP 1
-#define CGAL_DISABLE_MPFR 1
 #include "bench/detect/sample.h"
+#include "bench/fit/cgal_shapes.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
-
-#include <CGAL/Shape_detection/Efficient_RANSAC.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/property_map.h>
 
 #include <chrono>
 #include <cstdio>
@@ -20,7 +15,6 @@ namespace {
 
 using namespace pcm;
 using namespace pcm::bench;
-using Kernel = CGAL::Simple_cartesian<double>;
 using Item = std::tuple<Kernel::Point_3, Kernel::Vector_3, std::size_t>;  // detect() changes their order
 using Items = std::vector<Item>;
 using Traits = CGAL::Shape_detection::Efficient_RANSAC_traits<Kernel, Items, CGAL::Nth_of_tuple_property_map<0, Item>,
@@ -29,29 +23,6 @@ using Search = CGAL::Shape_detection::Efficient_RANSAC<Traits>;
 using PlaneShape = CGAL::Shape_detection::Plane<Traits>;
 using CylinderShape = CGAL::Shape_detection::Cylinder<Traits>;
 using SphereShape = CGAL::Shape_detection::Sphere<Traits>;
-
-Vec3d of(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
-Vec3d of(const Kernel::Vector_3& v) { return {v.x(), v.y(), v.z()}; }
-
-Shape shape_of(const Search::Shape& found)
-{
-    Shape shape;
-    if (const auto* plane = dynamic_cast<const PlaneShape*>(&found)) {
-        const Kernel::Plane_3 p = static_cast<Kernel::Plane_3>(*plane);
-        shape.axis = normalised(of(p.orthogonal_vector()));
-        shape.point = of(p.point());
-    } else if (const auto* cylinder = dynamic_cast<const CylinderShape*>(&found)) {
-        shape.kind = ShapeKind::cylinder;
-        shape.axis = normalised(of(cylinder->axis().to_vector()));
-        shape.point = of(cylinder->axis().point());
-        shape.radius = cylinder->radius();
-    } else if (const auto* sphere = dynamic_cast<const SphereShape*>(&found)) {
-        shape.kind = ShapeKind::sphere;
-        shape.point = of(sphere->center());
-        shape.radius = sphere->radius();
-    }
-    return shape;
-}
 
 int run(const std::string& path, const std::string& truth, double threshold, bool list)
 {
@@ -80,7 +51,7 @@ int run(const std::string& path, const std::string& truth, double threshold, boo
     for (const auto& shape : search.shapes()) {
         std::vector<std::size_t> indices;
         for (const std::size_t i : shape->indices_of_assigned_points()) indices.push_back(std::get<2>(items[i]));
-        result.add(shape_of(*shape), indices);
+        if (const auto ours = shape_of(*shape, {})) result.add(*ours, indices);
     }
     result.print(truth, list);
     std::printf("CGAL: %zu points, threshold %.2f mm, %.1f s and %.1f s for normals, peak memory %.0f MB\n",

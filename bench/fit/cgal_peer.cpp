@@ -1,17 +1,11 @@
-#define CGAL_DISABLE_GMP 1
-#define CGAL_DISABLE_MPFR 1
+#include "bench/fit/cgal_shapes.h"
 #include "bench/fit/methods.h"
-
-#include <CGAL/Shape_detection/Efficient_RANSAC.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/property_map.h>
 
 #include <utility>
 
 namespace pcm::bench {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
 using Item = std::pair<Kernel::Point_3, Kernel::Vector_3>;
 using Items = std::vector<Item>;
 using Traits = CGAL::Shape_detection::Efficient_RANSAC_traits<Kernel, Items, CGAL::First_of_pair_property_map<Item>,
@@ -21,36 +15,6 @@ using PlaneShape = CGAL::Shape_detection::Plane<Traits>;
 using CylinderShape = CGAL::Shape_detection::Cylinder<Traits>;
 using SphereShape = CGAL::Shape_detection::Sphere<Traits>;
 using ConeShape = CGAL::Shape_detection::Cone<Traits>;
-
-Vec3d of(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
-Vec3d of(const Kernel::Vector_3& v) { return {v.x(), v.y(), v.z()}; }
-
-std::optional<Shape> shape_of(const Search::Shape& found, const Vec3d& origin)
-{
-    Shape shape;
-    if (const auto* plane = dynamic_cast<const PlaneShape*>(&found)) {
-        const Kernel::Plane_3 p = static_cast<Kernel::Plane_3>(*plane);
-        shape.axis = normalised(of(p.orthogonal_vector()));
-        shape.point = origin + of(p.point());
-    } else if (const auto* cylinder = dynamic_cast<const CylinderShape*>(&found)) {
-        shape.kind = ShapeKind::cylinder;
-        shape.axis = normalised(of(cylinder->axis().to_vector()));
-        shape.point = origin + of(cylinder->axis().point());
-        shape.radius = cylinder->radius();
-    } else if (const auto* sphere = dynamic_cast<const SphereShape*>(&found)) {
-        shape.kind = ShapeKind::sphere;
-        shape.point = origin + of(sphere->center());
-        shape.radius = sphere->radius();
-    } else if (const auto* cone = dynamic_cast<const ConeShape*>(&found)) {
-        shape.kind = ShapeKind::cone;
-        shape.axis = normalised(of(cone->axis()));
-        shape.point = origin + of(cone->apex());
-        shape.second = cone->angle();
-    } else {
-        return {};
-    }
-    return shape;
-}
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 #include "pcm/align/rigid_fit.h"
 
-#include "pcm/align/jacobi.h"
+#include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -96,8 +96,8 @@ void check_spread(const Side& side, const Problem& problem, const FitOptions& op
             for (std::size_t c = 0; c < 3; ++c) spread[r][c] += problem.weights[i] * p[r] * p[c];
     }
     // The values of `spread` are squares: those of thin spreads are summed again across the line.
-    const SymmetricSystem<3> system = symmetric_system<3>(spread);
-    const Vec3d line = system.vectors[0];
+    const Eigensystem<3> system = eigensystem<3>(spread);
+    const Vec3d line = system.vectors[2];
     double along = 0, across = 0;
     for (std::size_t i = 0; i < side.points.size(); ++i) {
         const Vec3d p = side.points[i] / side.size;
@@ -166,14 +166,14 @@ Rotation horn(const Problem& problem, double sign)
         n[a + 1][a + 1] = s[a][a] - s[b][b] - s[c][c];
         n[a + 1][b + 1] = n[b + 1][a + 1] = s[a][b] + s[b][a];
     }
-    const SymmetricSystem<4> system = symmetric_system<4>(n);
-    const auto& v = system.vectors[0];
+    const Eigensystem<4> system = eigensystem<4>(n);
+    const auto& v = system.vectors[3];
     const double largest = std::max(std::fabs(system.values[0]), std::fabs(system.values[3]));
-    return {unit({v[0], {v[1], v[2], v[3]}}), largest > 0 ? (system.values[0] - system.values[1]) / largest : 0};
+    return {unit({v[0], {v[1], v[2], v[3]}}), largest > 0 ? (system.values[3] - system.values[2]) / largest : 0};
 }
 
 // Sum of w (|p|^2 I - p p^T) over the turned points: the normal matrix of a small rotation.
-SymmetricSystem<3> inertia(const Problem& problem, const Matrix3& rotation)
+Eigensystem<3> inertia(const Problem& problem, const Matrix3& rotation)
 {
     SquareMatrix<3> h{};
     for (std::size_t i = 0; i < problem.weights.size(); ++i) {
@@ -182,7 +182,7 @@ SymmetricSystem<3> inertia(const Problem& problem, const Matrix3& rotation)
             for (std::size_t c = 0; c < 3; ++c)
                 h[r][c] += problem.weights[i] * ((r == c ? dot(p, p) : 0) - p[r] * p[c]);
     }
-    return symmetric_system<3>(h);
+    return eigensystem<3>(h);
 }
 
 double scale_of(const Problem& problem, const Matrix3& rotation)
@@ -202,7 +202,7 @@ Quaternion improved(const Problem& problem, Quaternion q, bool with_scale)
     for (int step = 0; step < 3; ++step) {
         const Matrix3 rotation = matrix_of(q);
         const double scale = with_scale ? scale_of(problem, rotation) : 1;
-        const SymmetricSystem<3> system = inertia(problem, rotation);
+        const Eigensystem<3> system = inertia(problem, rotation);
         Vec3d turn{};
         for (std::size_t i = 0; i < problem.weights.size(); ++i) {
             const Vec3d p = times(rotation, problem.moving.points[i]);
@@ -256,7 +256,7 @@ void put_uncertainty(RigidFit& fit, const Problem& problem, const FitOptions& op
     const double freedom = 3 * static_cast<double>(problem.used) - (options.scale ? 7 : 6);
     const double from_residuals = fit.rms * std::sqrt(problem.sum / freedom);
     fit.coordinate_error = std::max(from_residuals, std::sqrt(2.0) * options.pick_error);
-    const SymmetricSystem<3> system = inertia(problem, rotation);
+    const Eigensystem<3> system = inertia(problem, rotation);
     const double arm = fit.scale * problem.moving.size;  // of a turned point, in the fixed cloud's units
     fit.variance_of_shift = 1 / problem.sum;
     for (std::size_t a = 0; a < 3; ++a)
@@ -264,8 +264,8 @@ void put_uncertainty(RigidFit& fit, const Problem& problem, const FitOptions& op
             for (std::size_t c = 0; c < 3; ++c)
                 fit.covariance_of_rotation[r][c] +=
                     system.vectors[a][r] * system.vectors[a][c] / system.values[a] / (arm * arm);
-    fit.weakest_axis = {system.vectors[2][0], system.vectors[2][1], system.vectors[2][2]};
-    fit.angle_error = fit.coordinate_error / (arm * std::sqrt(system.values[2]));
+    fit.weakest_axis = system.vectors[0];
+    fit.angle_error = fit.coordinate_error / (arm * std::sqrt(system.values[0]));
 }
 
 }  // namespace
@@ -289,7 +289,7 @@ double RigidFit::error_at(const Vec3d& moving) const
                 for (std::size_t j = 0; j < 3; ++j)
                     covariance[r][c] += turned[i][r] * covariance_of_rotation[i][j] * turned[j][c];
         }
-    return coordinate_error * std::sqrt(std::max(symmetric_system<3>(covariance).values[0], 0.0));
+    return coordinate_error * std::sqrt(std::max(eigensystem<3>(covariance).values[2], 0.0));
 }
 
 double RigidFit::largest_error(const Box3d& box) const

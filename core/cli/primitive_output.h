@@ -9,7 +9,6 @@
 
 namespace pcm::cli {
 
-
 // All of it, as in a list (cad/primitive_files.h).
 Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.

@@ -1,6 +1,6 @@
 #include "pcm/filter/point_values.h"
 
-#include "pcm/filter/symmetric_eigen.h"
+#include "pcm/cloud/symmetric_eigen.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "pcm/fit/shape.h"
 
 #include "pcm/cloud/exact_products.h"
+#include "pcm/fit/axis_frame.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -40,20 +41,10 @@ AxisPlace axis_place(const Shape& shape, const Vec3d& d)
     return place;
 }
 
-Vec3d any_across(const Vec3d& axis)
-{
-    std::size_t least = 0;
-    for (std::size_t a = 1; a < 3; ++a)
-        if (std::fabs(axis[a]) < std::fabs(axis[least])) least = a;
-    Vec3d unit{};
-    unit[least] = 1;
-    return normalised(cross(axis, unit));
-}
-
 Vec3d direction_across(const Shape& shape, const AxisPlace& place)
 {
     const double q = length(place.across);
-    return q > 0 ? place.across / q : any_across(shape.axis);
+    return q > 0 ? place.across / q : AxisFrame(shape.axis).u;
 }
 
 }  // namespace

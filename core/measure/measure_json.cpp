@@ -92,7 +92,7 @@ Measure measure_of(const Json& json, const std::string& where)
 std::string MeasureList::text() const
 {
     Json json{{"format", format}, {"version", 1}, {"measures", Json::array()}};
-    for (std::size_t i = 0; i < size(); ++i) json["measures"].push_back(json_of(list_[i]));
+    for (std::size_t i = 0; i < size(); ++i) json["measures"].push_back(json_of((*this)[i]));
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -113,7 +113,7 @@ MeasureList MeasureList::parse(const std::string& text)
             if (error.code() == ErrorCode::bad_format) throw;
             refuse(where + ": " + error.what());
         }
-        list.list_.forget_steps();
+        list.forget_steps();
     }
     return list;
 }

@@ -123,27 +123,36 @@ private:
     void connect_far()
     {
         const double step = options_.sample.step;
-        std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> cells;
+        using Points = std::vector<std::uint32_t>;
+        std::map<std::array<std::int64_t, 3>, std::map<std::uint32_t, Points>> cells;  // by part
         const auto cell_of = [&](const Vec3d& p) {
             std::array<std::int64_t, 3> cell{};
             for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<std::int64_t>(std::floor(p[a] / step));
             return cell;
         };
         for (std::uint32_t i = 0; i < sample_.size(); ++i)
-            if (part_[i] != none) cells[cell_of(sample_.at[i])].push_back(i);
+            if (part_[i] != none) cells[cell_of(sample_.at[i])][part_[i]].push_back(i);
         std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
-        const auto join = [&](std::uint32_t i, std::uint32_t j) {
-            const auto parts = std::minmax(part_[i], part_[j]);
-            if (owner_[i] == owner_[j] && parts.first != parts.second && !joined.count(parts) &&
-                squared_distance(sample_.at[i], sample_.at[j]) <= step * step)
+        const auto are_near = [&](const Points& some, const Points& others) {
+            for (const std::uint32_t i : some)
+                for (const std::uint32_t j : others)
+                    if (squared_distance(sample_.at[i], sample_.at[j]) <= step * step) return true;
+            return false;
+        };
+        // Of the points in two cells; most parts are the only ones of their surface there.
+        const auto join = [&](const std::pair<const std::uint32_t, Points>& a,
+                              const std::pair<const std::uint32_t, Points>& b) {
+            const auto parts = std::minmax(a.first, b.first);
+            if (a.first != b.first && parts_[a.first].hypothesis == parts_[b.first].hypothesis &&
+                !joined.count(parts) && are_near(a.second, b.second))
                 joined.insert(parts);
         };
-        for (const auto& [cell, points] : cells)
+        for (const auto& [cell, parts] : cells)
             for (int n = 0; n < 27; ++n) {
                 const auto other = cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
                 if (other == cells.end() || other->first < cell) continue;
-                for (const std::uint32_t i : points)
-                    for (const std::uint32_t j : other->second) join(i, j);
+                for (const auto& a : parts)
+                    for (const auto& b : other->second) join(a, b);
             }
         joined_.insert(joined_.end(), joined.begin(), joined.end());
     }

@@ -19,7 +19,7 @@ void PrimitiveList::add_all(std::vector<Primitive> primitives)
 {
     if (primitives.empty()) return;
     std::unordered_set<std::string> names;
-    for (std::size_t i = 0; i < size(); ++i) names.insert(list_[i].name);
+    for (std::size_t i = 0; i < size(); ++i) names.insert((*this)[i].name);
     for (const Primitive& primitive : primitives) names.insert(primitive.name);
     std::array<std::size_t, 5> next{1, 1, 1, 1, 1};  // of each kind, the first number that may be free
     for (Primitive& primitive : primitives) {
@@ -29,37 +29,15 @@ void PrimitiveList::add_all(std::vector<Primitive> primitives)
             const std::string name = std::string(traits_of(kind).label) + " " + number;
             if (names.insert(name).second) primitive.name = name;
         }
-        check_list_name(primitive.name, "primitive");
     }
-    list_.add(std::move(primitives));
-}
-
-void PrimitiveList::rename(std::size_t index, const std::string& name)
-{
-    Primitive primitive = at(index);
-    primitive.name = name;
-    replace(index, std::move(primitive));
-}
-
-void PrimitiveList::hide(std::size_t index, bool hidden)
-{
-    Primitive primitive = at(index);
-    primitive.hidden = hidden;
-    list_.replace(index, std::move(primitive));
-}
-
-void PrimitiveList::replace(std::size_t index, Primitive primitive)
-{
-    at(index);
-    check_list_name(primitive.name, "primitive");
-    list_.replace(index, std::move(primitive));
+    append(std::move(primitives));
 }
 
 std::vector<Primitive> PrimitiveList::all() const
 {
     std::vector<Primitive> primitives;
     primitives.reserve(size());
-    for (std::size_t i = 0; i < size(); ++i) primitives.push_back(list_[i]);
+    for (std::size_t i = 0; i < size(); ++i) primitives.push_back((*this)[i]);
     return primitives;
 }
 

@@ -1,6 +1,6 @@
 #include "pcm/primitives/surface_sample.h"
 
-#include "pcm/filter/symmetric_eigen.h"
+#include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_points.h"
 #include "pcm/knn/unit_search.h"

@@ -5,18 +5,31 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <cpuid.h>
+#endif
 
 namespace pcm {
 namespace {
 
 constexpr const char* variable = "PCM_SIMD";
 
+#if defined(__x86_64__) && defined(__GNUC__)
+// Clang's __builtin_cpu_supports() does not know it.
+bool has_lzcnt()
+{
+    constexpr unsigned leaf = 0x80000001, bit = 1u << 5;
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __get_cpuid(leaf, &a, &b, &c, &d) != 0 && (c & bit) != 0;
+}
+#endif
+
 SimdLevel detect()
 {
 #if defined(__x86_64__) && defined(__GNUC__)
     const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
                       __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma") &&
-                      __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
+                      __builtin_cpu_supports("popcnt") && has_lzcnt();
     if (!avx2) return SimdLevel::baseline;
     const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&

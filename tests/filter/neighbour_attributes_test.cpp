@@ -1,6 +1,6 @@
 #include "pcm/filter/neighbour_attributes.h"
 
-#include "pcm/filter/symmetric_eigen.h"
+#include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/point_size.h"
@@ -71,7 +71,7 @@ protected:
             const double mean = n.count() ? sum / static_cast<double>(n.count()) : 0;
             ASSERT_NEAR(oracle.value(p, "mean_distance"), mean, tolerance * mean) << i;
             const auto confidence = static_cast<NormalConfidence>(oracle.value(p, "normal_confidence"));
-            const Eigensystem axes = eigensystem(scatter(n));
+            const Eigensystem<3> axes = eigensystem(scatter(n));
             if (n.count() < 2 || axes.values[2] == 0) {
                 ASSERT_EQ(confidence, NormalConfidence::too_few) << i;
                 ASSERT_EQ(normal, (Vec3d{0, 0, 0})) << i;

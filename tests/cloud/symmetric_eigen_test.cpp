@@ -1,4 +1,4 @@
-#include "pcm/filter/symmetric_eigen.h"
+#include "pcm/cloud/symmetric_eigen.h"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ TEST(SymmetricEigen, RotationsSolveEveryMatrix)
         for (const Vec3d& values : spectra)
             for (int turn = 0; turn < 20; ++turn) {
                 const Built built = with_values(size * values, random);
-                const Eigensystem all = eigensystem(built.matrix);
+                const Eigensystem<3> all = eigensystem(built.matrix);
                 for (std::size_t i = 0; i < 3; ++i) {
                     EXPECT_NEAR(all.values[i] / size, values[i], 4e-15 * values[2]);
                     const Vec3d rest = times(built.matrix, all.vectors[i]) - all.values[i] * all.vectors[i];
@@ -61,6 +61,45 @@ TEST(SymmetricEigen, RotationsSolveEveryMatrix)
                         EXPECT_NEAR(dot(all.vectors[i], all.vectors[j]), i == j ? 1 : 0, 1e-14);
                 }
             }
+}
+
+// A 4 x 4 matrix is turned from known eigenvalues by planes' rotations, and solved.
+TEST(SymmetricEigen, LargerMatrices)
+{
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> angle(0, 6.28);
+    const std::array<std::array<double, 4>, 5> all_values{
+        {{1, 2, 3, 4}, {-1, 0, 0, 1}, {1e-12, 1e-6, 1, 1}, {2, 2, 2, 2}, {-3, -3 + 1e-9, 1e-3, 3}}};
+    for (const double size : {1e-60, 1.0, 1e60})
+        for (const auto& values : all_values) {
+            SquareMatrix<4> matrix{};
+            for (std::size_t i = 0; i < 4; ++i) matrix[i][i] = size * values[i];
+            for (std::size_t p = 0; p < 4; ++p)
+                for (std::size_t q = p + 1; q < 4; ++q) {
+                    const double turn = angle(random), c = std::cos(turn), s = std::sin(turn);
+                    for (auto& row : matrix) {
+                        const double x = row[p], y = row[q];
+                        row[p] = c * x - s * y, row[q] = s * x + c * y;
+                    }
+                    for (std::size_t i = 0; i < 4; ++i) {
+                        const double x = matrix[p][i], y = matrix[q][i];
+                        matrix[p][i] = c * x - s * y, matrix[q][i] = s * x + c * y;
+                    }
+                }
+            const Eigensystem<4> system = eigensystem<4>(matrix);
+            for (std::size_t i = 0; i < 4; ++i) {
+                EXPECT_NEAR(system.values[i] / size, values[i], 1e-14);
+                for (std::size_t j = 0; j < 4; ++j) {
+                    double product = 0, image = 0;
+                    for (std::size_t k = 0; k < 4; ++k) {
+                        product += system.vectors[i][k] * system.vectors[j][k];
+                        image += matrix[j][k] * system.vectors[i][k];
+                    }
+                    EXPECT_NEAR(product, i == j ? 1 : 0, 1e-14);
+                    EXPECT_NEAR(image / size, system.values[i] / size * system.vectors[i][j], 2e-14);
+                }
+            }
+        }
 }
 
 TEST(SymmetricEigen, TheSmallestVectorIsThatOfRotations)

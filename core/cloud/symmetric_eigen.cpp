@@ -1,4 +1,4 @@
-#include "pcm/filter/symmetric_eigen.h"
+#include "pcm/cloud/symmetric_eigen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,29 +18,6 @@ SymmetricMatrix scaled(const SymmetricMatrix& m, double by)
     return {m.xx / by, m.xy / by, m.xz / by, m.yy / by, m.yz / by, m.zz / by};
 }
 
-using Matrix = std::array<Vec3d, 3>;
-
-// Makes element (p, q) zero, and turns the vectors (rows of `vectors`) accordingly.
-void rotate(Matrix& a, Matrix& vectors, std::size_t p, std::size_t q)
-{
-    if (a[p][q] == 0) return;
-    const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-    const double t = (theta < 0 ? -1.0 : 1.0) / (std::fabs(theta) + std::hypot(theta, 1.0));
-    const double c = 1 / std::hypot(t, 1.0), s = t * c;
-    const std::size_t r = 3 - p - q;
-    const double pq = a[p][q], pr = a[p][r], qr = a[q][r];
-    a[p][p] -= t * pq;
-    a[q][q] += t * pq;
-    a[p][q] = a[q][p] = 0;
-    a[p][r] = a[r][p] = c * pr - s * qr;
-    a[q][r] = a[r][q] = s * pr + c * qr;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const double v = vectors[p][i], w = vectors[q][i];
-        vectors[p][i] = c * v - s * w;
-        vectors[q][i] = s * v + c * w;
-    }
-}
-
 // The vector of the plane of the two smaller eigenvalues that is nearest to the z axis.
 Vec3d upright(const Vec3d& line)
 {
@@ -50,28 +27,11 @@ Vec3d upright(const Vec3d& line)
 
 }  // namespace
 
-Eigensystem eigensystem(const SymmetricMatrix& matrix)
+Eigensystem<3> eigensystem(const SymmetricMatrix& m)
 {
-    Matrix vectors{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    const double size = largest_element(matrix);
-    if (!(size > 0)) return {{0, 0, 0}, vectors};
-    const SymmetricMatrix m = scaled(matrix, size);
-    Matrix a{{{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}}};
-    // Converges quadratically: 4 to 6 rounds.
-    for (int round = 0; round < 30; ++round) {
-        const double rest = std::fabs(a[0][1]) + std::fabs(a[0][2]) + std::fabs(a[1][2]);
-        if (rest < 1e-200) break;
-        rotate(a, vectors, 0, 1);
-        rotate(a, vectors, 0, 2);
-        rotate(a, vectors, 1, 2);
-    }
-    std::array<std::size_t, 3> order{0, 1, 2};
-    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
-    Eigensystem result;
-    for (std::size_t i = 0; i < 3; ++i) {
-        result.values[i] = a[order[i]][order[i]] * size;
-        result.vectors[i] = normalised(vectors[order[i]]);
-    }
+    Eigensystem<3> result =
+        eigensystem<3>(SquareMatrix<3>{{{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}}});
+    for (Vec3d& vector : result.vectors) vector = normalised(vector);
     return result;
 }
 
@@ -81,7 +41,7 @@ SmallestEigenvector smallest_eigenvector(const SymmetricMatrix& matrix)
     if (!(size > 0)) return {};
     const SymmetricMatrix m = scaled(matrix, size);
     const auto by_rotations = [&] {
-        const Eigensystem all = eigensystem(matrix);
+        const Eigensystem<3> all = eigensystem(matrix);
         const bool line = all.values[1] - all.values[0] <= 1e-13 * all.values[2] && all.values[1] < all.values[2] / 2;
         return SmallestEigenvector{all.values, line ? upright(all.vectors[2]) : all.vectors[0]};
     };
