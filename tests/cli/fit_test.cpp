@@ -83,7 +83,9 @@ TEST_F(FitCommand, IsTheSameWithAllVectorInstructions)
         const std::string name(pcm::name_of(level));
         const Result result = pcmlab("fit --json " + path("surface.pct") + " " + at_, "PCM_SIMD=" + name);
         ASSERT_EQ(result.code, 0) << result.err;
-        const std::string primitive = Json::parse(result.out)["primitive"].dump();
+        Json json = Json::parse(result.out)["primitive"];
+        json.erase("seconds");
+        const std::string primitive = json.dump();
         ASSERT_GT(primitive.size(), 100u);
         if (first.empty()) first = primitive;
         EXPECT_EQ(primitive, first) << name;

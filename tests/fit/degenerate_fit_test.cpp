@@ -215,7 +215,7 @@ TEST(DegenerateFits, ExtremeExtentsGiveTheSameShape)
 // Whose extent is so small that it has no inverse.
 TEST(DegenerateFits, TheLeastNumbersAreAPlane)
 {
-    for (const double scale : {1e-307, 1e-309, 1e-312}) {
+    for (const double scale : {1e-307, 1e-309, 1e-312, 1e-316}) {
         const FitPoints flat = random_points(500, [](double u, double v, double w) {
             return Vec3d{u, v, w > 0.8 ? 0.3 : 0};
         });

@@ -66,6 +66,28 @@ TEST(LeastSquares, EndsWhereStepsWouldChangeNothing)
             }
 }
 
+// Where no point is there by chance, all count alike up to nine tenths of the threshold; else bins show the noise.
+TEST(LeastSquares, AMixtureLearnsWhereThereIsSomethingToLearn)
+{
+    DistanceBins bins;
+    for (std::size_t i = 0; i < DistanceBins::size; ++i) {
+        const double c = 5 * (static_cast<double>(i) + 0.5) / DistanceBins::size;
+        bins.counts[i] = 100 * std::exp(-c * c / 2) + 5;
+    }
+    NoiseMixture all(0.1, 1);
+    EXPECT_FALSE(all.needs_bins());
+    EXPECT_FALSE(all.learn(bins, 0.02));
+    EXPECT_TRUE(all.all_belong());
+    EXPECT_FALSE(NoiseMixture().needs_bins());
+    double points = 0;
+    for (const double count : bins.counts) points += count;
+    NoiseMixture some(0.1, 1 - 5 * DistanceBins::size / points);
+    EXPECT_TRUE(some.needs_bins());
+    EXPECT_TRUE(some.learn(bins, 0.02));
+    EXPECT_FALSE(some.all_belong());
+    EXPECT_NEAR(some.deviation(), 0.02, 0.0002);
+}
+
 TEST(LeastSquares, FactsOfABandAreThoseOfItsOutliers)
 {
     SceneOptions options;
