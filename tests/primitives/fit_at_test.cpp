@@ -427,6 +427,36 @@ TEST_F(FitScan, TangoScene)
     RecordProperty("torus_tube", std::to_string(torus.primitive.fit.shape.second));
 }
 
+// Labels of the file say how many points the table has (141,517), and which are on a box and on two equal cans.
+TEST_F(FitScan, TableBoxAndCans)
+{
+    const std::string name = "primitives/learn33.pcd";
+    PCM_REQUIRE_SAMPLE(name);
+    const auto cloud = open(name);
+    FitAtOptions options;
+    options.kinds = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+    const auto at = [&](const Vec3d& place) { return fit_at(*cloud, {place}, {}, options); };
+    const FittedPrimitive table = at({-0.1163, 0.0772, 0.9320});
+    EXPECT_EQ(table.primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_EQ(table.primitive.fit.verdict, FitVerdict::good) << table.primitive.fit.message;
+    EXPECT_GT(table.points.size(), 138000u);
+    EXPECT_LT(table.points.size(), 143000u);
+    const FittedPrimitive box = at({-0.1198, 0.1547, 0.7030});  // one of its faces, of 15,305 points in all
+    EXPECT_EQ(box.primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_EQ(box.primitive.fit.verdict, FitVerdict::good) << box.primitive.fit.message;
+    EXPECT_GT(box.points.size(), 10500u);
+    EXPECT_LT(box.points.size(), 11500u);
+    options.kinds = {ShapeKind::cylinder};
+    // They stand on the table, and the camera smears their sides: whether they are certain is not.
+    const FittedPrimitive can = at({0.1006, 0.1485, 0.7390}), other = at({0.2059, 0.0767, 0.8480});
+    for (const ShapeFit& fit : {can.primitive.fit, other.primitive.fit}) {
+        ASSERT_TRUE(fit.has_shape());
+        EXPECT_EQ(fit.shape.kind, ShapeKind::cylinder);
+        EXPECT_GT(std::fabs(dot(fit.shape.axis, table.primitive.fit.shape.axis)), 0.995);
+    }
+    EXPECT_NEAR(can.primitive.fit.shape.radius, other.primitive.fit.shape.radius, 0.0015);
+}
+
 Vec3d densest(const std::vector<Vec3d>& points)
 {
     Vec3d best{};
