@@ -86,7 +86,11 @@ void NamedList::item_changed(QTreeWidgetItem* item, int column)
             this, [this, index, text] { emit renamed(index, text); }, Qt::QueuedConnection);
 }
 
-ValueTable::ValueTable(const char* object_name, const QString& heading) { set_up(*this, object_name, {"", heading}); }
+ValueTable::ValueTable(const char* object_name, const QString& heading)
+{
+    set_up(*this, object_name, {"", heading});
+    setWordWrap(true);  // why a fit is doubtful
+}
 
 void ValueTable::show_values(const std::vector<std::pair<QString, QString>>& values)
 {
