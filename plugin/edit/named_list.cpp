@@ -7,7 +7,8 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int least_height = 90;  // pixels
+constexpr int least_height = 90;     // pixels
+constexpr int line_characters = 24;  // of a value
 
 void set_up(QTreeWidget& table, const char* object_name, const QStringList& columns)
 {
@@ -22,7 +23,7 @@ void set_up(QTreeWidget& table, const char* object_name, const QStringList& colu
     table.setMinimumHeight(least_height);
 }
 
-// Three numbers one below the other: side by side they are wider than a panel.
+// Three numbers one below the other, and sentences in lines: they are wider than a panel.
 QString in_lines(const QString& value)
 {
     const QStringList words = value.split(' ');
@@ -32,7 +33,15 @@ QString in_lines(const QString& value)
         word.toDouble(&good);
         numbers = numbers && good;
     }
-    return numbers ? words.join('\n') : value;
+    if (numbers) return words.join('\n');
+    QString lines = words.front();
+    int length = lines.size();
+    for (const QString& word : words.mid(1)) {
+        const bool fits = length + 1 + word.size() <= line_characters;
+        lines += (fits ? ' ' : '\n') + word;
+        length = fits ? length + 1 + word.size() : word.size();
+    }
+    return lines;
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ private:
     std::vector<std::pair<std::string, bool>> shown_;  // names and whether hidden, as last shown
 };
 
-// Names and values of one thing, in two columns. Coordinates take three lines.
+// Names and values of one thing, in two columns. Coordinates take three lines; sentences are broken into lines.
 class ValueTable : public QTreeWidget {
 public:
     ValueTable(const char* object_name, const QString& heading);

@@ -74,6 +74,17 @@ TEST_F(ReachedAgain, ByGrowth)
     EXPECT_GT(near.size(), found.points.size() + 5000) << "the other pipe is near the same surface";
 }
 
+TEST_F(ReachedAgain, NearTheShapeThatGrowthFollowed)
+{
+    // Many points are at the threshold: the shape fitted last, a little beside, has others.
+    FitAtOptions options = cylinder();
+    for (const double threshold : {0.002, 0.003, 0.004}) {
+        options.fit.threshold = threshold;
+        SCOPED_TRACE(threshold);
+        expect_again(fit(options));
+    }
+}
+
 TEST_F(ReachedAgain, OfTheNeighbourhoodAlone)
 {
     FitAtOptions options = cylinder();
