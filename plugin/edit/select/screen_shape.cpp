@@ -12,7 +12,9 @@ ScreenShape rectangle_of(const QPointF& a, const QPointF& b) { return {a, {b.x()
 
 ScreenShape circle_of(const QPointF& centre, double radius)
 {
-    constexpr int corners = 64;
+    constexpr double most_off = 0.25;  // of the polygon from the circle, pixels
+    const int corners =
+        std::clamp(static_cast<int>(std::ceil(pi / std::acos(1 - most_off / std::max(radius, 1.0)))), 12, 360);
     ScreenShape circle;
     for (int i = 0; i < corners; ++i)
         circle.push_back(centre + radius * QPointF(std::cos(2 * pi * i / corners), std::sin(2 * pi * i / corners)));
