@@ -153,9 +153,10 @@ bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const Workin
                 const Vec3d p = points.at(first + i);
                 std::size_t at = 0;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    if (summed)
-                        at = across * at +
-                             std::min(across - 1, static_cast<std::size_t>((p[k] - low[k]) / extent * across));
+                    if (summed) {
+                        const double place = extent > 0 ? (p[k] - low[k]) / extent * across : 0;
+                        at = across * at + std::min(across - 1, static_cast<std::size_t>(place));
+                    }
                     low[k] = std::min(low[k], p[k]);
                     high[k] = std::max(high[k], p[k]);
                 }

@@ -80,6 +80,8 @@ void PickTool::show_point(bool complete)
 {
     Annotation mark;
     mark.marks = {shown_->shown_at};
+    mark.label = label_of(*shown_);
+    mark.label_at = shown_->shown_at;
     mark.on_top = true;
     Annotations::of(*view_->md()).set(owner, {mark});
     if (panel_) panel_->show_point(lines_, complete);

@@ -1,5 +1,6 @@
 #include "plugin/edit/pick/picked_text.h"
 
+#include "pcm/system/rounded_text.h"
 #include "pcm/system/text.h"
 
 namespace pcm::host {
@@ -24,6 +25,14 @@ std::vector<PickedLine> lines_of(const Picked& picked, const QString& layer)
     lines.push_back({"grid step", all_digits(picked.grid_step)});
     lines.push_back({"point", QString("%1 of node %2").arg(picked.point).arg(picked.node)});
     return lines;
+}
+
+QString label_of(const Picked& picked)
+{
+    const char* const axes[] = {"x ", "\ny ", "\nz "};
+    std::string text;
+    for (std::size_t a = 0; a < 3; ++a) text += axes[a] + rounded_text(picked.position[a], picked.spacing / 10);
+    return QString::fromStdString(text);
 }
 
 QString copied_text(const std::vector<PickedLine>& lines)

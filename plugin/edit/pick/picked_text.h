@@ -17,6 +17,9 @@ struct PickedLine {
 // point's number, spacing and grid step in source units, and all attributes.
 std::vector<PickedLine> lines_of(const Picked& picked, const QString& layer);
 
+// Beside the point in the view: source coordinates, a line each, to a hundredth of the points' spacing or finer.
+QString label_of(const Picked& picked);
+
 // Names and values, separated by a tab; one line each.
 QString copied_text(const std::vector<PickedLine>& lines);
 
