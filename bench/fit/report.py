@@ -228,6 +228,8 @@ def write(out):
               "PCL is 1.13 with single-precision coordinates about the points' middle, "
               "with the least squares that its SACSegmentation does at the end (*-raw*: without); its RRANSAC and RMSAC pretest one point (*-default*: a tenth of all, as PCL does unless asked "
               "otherwise, and would then never end: here they end at 10,000 samples). CGAL is 5.5, its largest shape.",
+              "\n```\npackaging/pcl-sdk build/pcl-sdk && apt-get install libcgal-dev\ncmake build/release -DPCM_WITH_PCL=ON -DPCM_BENCH_PEERS=ON && ninja -C build/release bench_fit pcm_pcl\n"
+              f"python3 bench/fit/run.py --bin build/release/bin --out DIR --seeds {seeds}\nbuild/release/bin/bench_fit --kind plane --threshold 0.015     # one scene: the table 8.1\n```\n",
               f"Machine: {info.read_text().strip() if info.exists() else ''}"]
     lines += ["\n## The plane of table 8.1, and the same of cylinder and sphere", *tables_of_methods(out), *endless_table(out)]
     lines += ["\n## Time budgets\n\nLimits of 5 to 2000 samples, 60 % outliers.\n", *(f"![Error against run time]({name})" for name in pictures if name.startswith("curves"))]

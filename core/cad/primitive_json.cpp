@@ -172,7 +172,7 @@ ShapeFit fit_of(const JsonFields& fields)
     ShapeFit fit;
     fit.shape = shape_of(fields);
     fit.verdict = fields.has("verdict") ? chosen(fields, "verdict", FitVerdict::refused) : FitVerdict::good;
-    fit.issue = chosen(fields, "issue", FitIssue::not_converged);
+    fit.issue = chosen(fields, "issue", FitIssue::other_surface);
     fit.message = fields.text("message", false);
     if (fields.has("sigma")) {
         const JsonFields sigma = fields.object("sigma");

@@ -58,6 +58,20 @@ void print_primitive(const Primitive& primitive)
                        time_text(fit.seconds));
 }
 
+std::string rounded_shape(const ShapeFit& fit)
+{
+    const Shape& shape = fit.shape;
+    const ShapeTraits& traits = traits_of(shape.kind);
+    std::string text = traits.name;
+    const auto add = [&](const std::string& numbers) { text += " " + numbers; };
+    add(rounded_text(shape.point, fit.errors.position));
+    if (traits.axis) add(rounded_text(shape.axis, fit.errors.angle));
+    if (traits.radius) add(rounded_text(shape.radius, fit.errors.radius));
+    const double unit = shape.kind == ShapeKind::cone ? degree : 1;
+    if (traits.second) add(rounded_text(shape.second / unit, fit.errors.second / unit));
+    return text;
+}
+
 Json json_of(const Primitive& primitive)
 {
     if (primitive.fit.has_shape()) return Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
@@ -89,6 +103,7 @@ void add_to_list(const std::filesystem::path& file, Primitive& primitive)
     const bool exists = std::filesystem::exists(file, error);
     PrimitiveList list;
     list.add_all(read_list(file));
+    primitive.colour = next_colour(list);
     primitive = list[list.add(primitive)];
     CadOptions options;
     options.overwrite = exists;

@@ -5,8 +5,13 @@
 #include "pcm/fit/primitive.h"
 
 #include <filesystem>
+#include <string>
 
 namespace pcm::cli {
+
+// As text_of(Shape), with the digits that are known: "cylinder 500000.1240 4800000.5601 99.1998 0.000 0.001 1.000
+// 0.2500".
+std::string rounded_shape(const ShapeFit& fit);
 
 // All of it, as in a list (cad/primitive_files.h).
 Json json_of(const Primitive& primitive);

@@ -1,5 +1,6 @@
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cli/common.h"
+#include "pcm/cli/primitive_output.h"
 #include "pcm/measure/measure.h"
 
 #include <cmath>
@@ -32,7 +33,7 @@ void print(const Primitive& primitive, const std::string& unit)
     const ShapeFit& fit = primitive.fit;
     const ShapeTraits& traits = traits_of(fit.shape.kind);
     std::printf("%s%s\n", primitive.name.c_str(), primitive.hidden ? " (hidden)" : "");
-    std::printf("  %s\n", text_of(fit.shape).c_str());
+    std::printf("  %s\n", rounded_shape(fit).c_str());
     std::string sizes;
     const auto add = [&](const std::string& text) { sizes += (sizes.empty() ? "  " : ", ") + text; };
     if (traits.radius) add(value_text("radius", fit.shape.radius, fit.errors.radius, unit));

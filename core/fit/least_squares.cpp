@@ -78,7 +78,7 @@ PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, cons
     DistanceBins bins;
     const NoiseMixture* mixture = weighted ? &best.mixture : nullptr;
     best.sums = sums_of(model, start, points, band, mixture, weighted ? &bins : nullptr);
-    double damping = 0;
+    double damping = 0, gain_before = 0;
     unsigned learned = 0;
     for (unsigned done = 0; done < most_steps; ++done) {
         if (weighted && learned < most_learned && damping == 0 && std::isfinite(band.threshold)) {
@@ -96,17 +96,21 @@ PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, cons
         DistanceBins next_bins;
         const PatchSums sums = sums_of(model, next, points, band, mixture, weighted ? &next_bins : nullptr);
         const double square = mean_square(best.sums);
-        const bool small = gain <= enough * square || size_of(step) < 1e-13;
+        // What is left to gain after this step, where steps shrink as from the one before to it.
+        const double left = damping == 0 && gain < gain_before ? gain * (gain / gain_before) : gain;
+        const bool ended = gain <= enough * square || size_of(step) < 1e-13;
         if (is_proper(model.shape_of(next)) && sums.cost <= best.sums.cost * (1 + 1e-12) + 1e-6 * square) {
             best.patch = next;
             best.sums = sums;
-            best.converged = small && damping <= 1e-6;
+            best.converged = (ended || left <= enough * square) && damping <= 1e-6;
             bins = next_bins;
             if (best.converged) return best;
+            gain_before = damping == 0 ? gain : 0;
             damping = damping > 1e-6 ? damping / 10 : 0;
         } else {
-            best.converged = small || damping > 1e8;
+            best.converged = ended || damping > 1e8;
             if (best.converged) return best;
+            gain_before = 0;
             damping = std::max(1e-4, damping * 10);
         }
     }

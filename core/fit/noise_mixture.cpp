@@ -32,13 +32,14 @@ double reach_of(double square)
     return std::sqrt(low * high);
 }
 
-// Weights fall from this part of the threshold on; about as if it were cut at `tapered_cut`.
-constexpr double taper_from = 0.9, tapered_cut = 0.95;
+// About what falling weights amount to, of the threshold.
+constexpr double tapered_cut = 0.95;
 
 double taper(double part)
 {
-    if (part <= taper_from) return 1;
-    const double x = std::min(1.0, (part - taper_from) / (1 - taper_from));
+    constexpr double from = NoiseMixture::taper_from;
+    if (part <= from) return 1;
+    const double x = std::min(1.0, (part - from) / (1 - from));
     return (1 - x * x) * (1 - x * x);
 }
 
@@ -61,15 +62,16 @@ NoiseMixture::NoiseMixture(double threshold, double share, double deviation)
     : threshold_(threshold), share_(std::clamp(share, 0.05, 1.0)), deviation_(deviation)
 {
     all_ = !(deviation > 0 && share_ <= surely_all && threshold / deviation >= least_reach);
-    make_table();
+    if (!all_) make_table();
 }
 
-bool NoiseMixture::all_belong(double rms)
+bool NoiseMixture::needs_bins() const { return std::isfinite(threshold_) && share_ <= surely_all; }
+
+bool NoiseMixture::let_all_belong(double rms)
 {
     const bool change = !all_;
     all_ = true;
     deviation_ = deviation_of_cut(rms, tapered_cut * threshold_);
-    if (change) make_table();
     return change;
 }
 
@@ -77,7 +79,7 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 {
     double points = 0;
     for (const double count : bins.counts) points += count;
-    if (!std::isfinite(threshold_) || points < least_points || share_ > surely_all) return all_belong(rms);
+    if (!needs_bins() || points < least_points) return let_all_belong(rms);
     double reach = std::clamp(deviation_ > 0 ? threshold_ / deviation_ : 3, least_reach, most_reach);
     constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
     for (int round = 0; round < 20; ++round) {
@@ -90,13 +92,13 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
             belong += part;
             square += part * (at * at + width * width / 12);
         }
-        if (!(belong > 0)) return all_belong(rms);
+        if (!(belong > 0)) return let_all_belong(rms);
         const double next = reach_of(square / belong);
         const bool done = std::fabs(next - reach) < 1e-3 * reach;
         reach = next;
         if (done || reach < least_reach) break;
     }
-    if (reach < least_reach) return all_belong(rms);
+    if (reach < least_reach) return let_all_belong(rms);
     if (!all_ && std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_) return false;
     all_ = false;
     deviation_ = threshold_ / reach;
@@ -106,13 +108,12 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 
 void NoiseMixture::make_table()
 {
-    if (!std::isfinite(threshold_)) return;
     table_step_ = threshold_ / static_cast<double>(table_size);
-    const double reach = all_ ? 1 : threshold_ / deviation_, top = share_ * 2 * reach * gauss(0) / within(reach);
+    const double reach = threshold_ / deviation_, top = share_ * 2 * reach * gauss(0) / within(reach);
     for (std::size_t i = 0; i < table_.size(); ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(table_size), c = part * reach;
         const double noise = top * std::exp(-c * c / 2);
-        table_[i].weight = taper(part) * (all_ ? 1 : noise / (noise + 1 - share_));
+        table_[i].weight = taper(part) * noise / (noise + 1 - share_);
     }
     for (std::size_t i = 0; i < table_size; ++i) {
         Row &row = table_[i], &next = table_[i + 1];

@@ -1,6 +1,8 @@
 // What the distances of the points near a surface are made of: Gaussian noise, and others that are anywhere.
 #pragma once
 
+#include "pcm/fit/block_loops.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -36,16 +38,21 @@ public:
         double weight = 0, grows = 0;  // at the row's distance, and per distance
         double cost = 0;               // twice the integral of weight times distance: the square, of weight 1
     };
-    const std::array<Row, table_size + 1>& table() const { return table_; }
-    double table_step() const { return table_step_; }  // 0 without a threshold: all weights are 1
-    double cost_beyond() const { return table_[table_size].cost; }
+    WeightTable table() const { return {&table_[0].weight, table_size, table_step_, 1 / table_step_}; }
+    bool all_belong() const
+    {
+        return all_;
+    }  // to the surface: there is no table, and weights only fall towards the
+       // threshold, from this part of it on
+    static constexpr double taper_from = 0.9;
+    bool needs_bins() const;  // to learn from
 
 private:
-    bool all_belong(double rms);
+    bool let_all_belong(double rms);
     void make_table();
 
     double threshold_, share_, deviation_ = 0, table_step_ = 0;
-    bool all_ = true;  // belong to the surface
+    bool all_ = true;
     std::array<Row, table_size + 1> table_{};
 };
 

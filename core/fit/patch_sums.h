@@ -38,6 +38,11 @@ struct BandFacts {
 BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,
                    const double* inverse);
 
+// Sets `within` of those of a block to 0 whose normals are farther from the surface's; returns how many. Nothing where
+// the cosine is not above 0, or there are no normals.
+double take_away_other_normals(const Shape& shape, const WorkingPoints& points, double least_cosine, std::size_t first,
+                               std::size_t count, double* within);
+
 void add_to(PatchSums& sums, const PatchBlock& block, std::size_t i);  // one point, of weight 1
 void add_to(PatchSums& sums, const PatchSums& other);
 

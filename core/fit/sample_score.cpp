@@ -74,15 +74,10 @@ SampleScore::Value SampleScore::summed(const Shape& shape, const Value& best)
     const bool many = points_.size() > 4 * first_points, by_count = scoring_ == SampleScoring::count;
     for (std::size_t first = 0; first < points_.size(); first += block) {
         const std::size_t count = distances(shape, first);
-        double squares = 0;
-        std::size_t near = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const double square = distances_[i] * distances_[i];
-            squares += square < limit ? square : limit;
-            near += square <= limit;
-        }
-        value.inliers += near;
-        value.score += by_count ? static_cast<double>(count - near) : squares * each;
+        double squares = 0, near = 0;
+        block_loops().score(distances_.data(), count, limit, &squares, &near);
+        value.inliers += static_cast<std::size_t>(near);
+        value.score += by_count ? static_cast<double>(count) - near : squares * each;
         if (!(value.score < best.score)) return value;
         if (many && first + block == first_points) {
             value.of_first = value.score;

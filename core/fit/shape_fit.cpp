@@ -152,25 +152,20 @@ void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const
 void mark_inliers(const Shape& shape, const WorkingPoints& working, const PatchBand& band, ShapeFit& fit)
 {
     const ShapeModel& model = model_of(shape.kind);
-    const double cosine = band.least_cosine;
+    const BlockLoops& loops = block_loops();
     fit.is_inlier.assign(working.size(), 0);
-    fit.inliers = 0;
-    double distances[patch_block], squares = 0;
+    double inliers = 0, squares = 0;
+    PatchBlock block;
+    BlockWeights weights;
     for (std::size_t first = 0; first < working.size(); first += patch_block) {
         const std::size_t count = std::min(patch_block, working.size() - first);
-        model.distances(shape, &working.x[first], &working.y[first], &working.z[first], count, distances);
-        for (std::size_t k = 0; k < count; ++k) {
-            const std::size_t i = first + k;
-            bool in = std::fabs(distances[k]) <= band.threshold;
-            if (in && cosine > 0 && working.has_normals()) {
-                const Vec3d normal = working.normal(i);
-                in = !(dot(normal, normal) > 0 && std::fabs(dot(normal, normal_at(shape, working.at(i)))) < cosine);
-            }
-            fit.is_inlier[working.index[i]] = in;
-            fit.inliers += in;
-            squares += in ? distances[k] * distances[k] : 0;
-        }
+        model.distances(shape, &working.x[first], &working.y[first], &working.z[first], count, block.distance);
+        inliers += loops.within(block, count, band.threshold, weights);
+        inliers -= take_away_other_normals(shape, working, band.least_cosine, first, count, weights.within);
+        for (std::size_t k = 0; k < count; ++k) fit.is_inlier[working.index[first + k]] = weights.within[k] > 0;
+        squares += loops.squares(block, weights, count);
     }
+    fit.inliers = static_cast<std::uint64_t>(inliers);
     fit.rms = fit.inliers > 0 ? std::sqrt(squares / static_cast<double>(fit.inliers)) * working.unit : 0;
 }
 
@@ -237,9 +232,9 @@ std::optional<Estimator> estimator_of(const std::string& name)
 
 const char* name_of(FitIssue issue)
 {
-    static constexpr const char* names[] = {"none",         "too few points", "not finite", "coincident",
-                                            "collinear",    "coplanar",       "thin arc",   "no consensus",
-                                            "out of range", "not converged"};
+    static constexpr const char* names[] = {"none",         "too few points", "not finite",   "coincident",
+                                            "collinear",    "coplanar",       "thin arc",     "no consensus",
+                                            "out of range", "not converged",  "other surface"};
     return names[static_cast<std::size_t>(issue)];
 }
 

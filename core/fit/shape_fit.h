@@ -81,6 +81,7 @@ enum class FitIssue : std::uint8_t {
     no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it
     out_of_range,  // of the asked radii
     not_converged,
+    other_surface,  // the points are those of another surface: a ring or strip of it, or of a kind that fits far better
 };
 const char* name_of(FitIssue issue);      // "thin arc"
 const char* name_of(FitVerdict verdict);  // "good"

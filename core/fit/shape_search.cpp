@@ -182,8 +182,14 @@ private:
     double sound_normals()
     {
         std::size_t asked = 0, sound = 0;
+        PatchBlock block;
         for (std::size_t i = 0; i < points_.size() && asked < most_asked; ++i) {
-            if (!score_.is_near(result_.shape, i)) continue;
+            const std::size_t of_block = i % patch_block;
+            if (of_block == 0)
+                model_.distances(result_.shape, &points_.x[i], &points_.y[i], &points_.z[i],
+                                 std::min(patch_block, points_.size() - i), block.distance);
+            if (!(std::fabs(block.distance[of_block]) <= options_.threshold)) continue;
+            if (least_cosine_ > 0 && !score_.is_near(result_.shape, i)) continue;
             ++asked;
             sound += std::fabs(dot(normals_.at(i), normal_at(result_.shape, points_.at(i)))) >= std::cos(sound_normal);
         }

@@ -9,14 +9,13 @@
 #pragma once
 
 #include "pcm/cloud/vector.h"
+#include "pcm/fit/block_loops.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace pcm {
-
-inline constexpr std::size_t most_parameters = 7;
 
 struct SurfacePatch {
     Vec3d place{};                             // on the surface

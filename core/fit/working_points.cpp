@@ -1,5 +1,6 @@
 #include "pcm/fit/working_points.h"
 
+#include "pcm/fit/block_loops.h"
 #include "pcm/fit/random_numbers.h"
 
 #include <Eigen/Eigenvalues>
@@ -10,29 +11,9 @@
 namespace pcm {
 namespace {
 
-// Per column, so that vectors add at once; always in this order.
-template <class Term>
-double sum_of(std::size_t count, const Term& term)
-{
-    double sums[4] = {};
-    std::size_t i = 0;
-    for (; i + 4 <= count; i += 4)
-        for (std::size_t lane = 0; lane < 4; ++lane) sums[lane] += term(i + lane);
-    for (; i < count; ++i) sums[i % 4] += term(i);
-    return (sums[0] + sums[2]) + (sums[1] + sums[3]);
-}
-
 double largest_of(const std::vector<double>& column, double shift)
 {
-    double largest[4] = {};
-    std::size_t i = 0;
-    for (; i + 4 <= column.size(); i += 4)
-        for (std::size_t lane = 0; lane < 4; ++lane) {
-            const double away = std::fabs(column[i + lane] - shift);
-            largest[lane] = away > largest[lane] ? away : largest[lane];
-        }
-    for (; i < column.size(); ++i) largest[0] = std::max(largest[0], std::fabs(column[i] - shift));
-    return std::max({largest[0], largest[1], largest[2], largest[3]});
+    return block_loops().largest(column.data(), column.size(), shift);
 }
 
 PointSpread spread_of(const FitPoints& points)
@@ -45,27 +26,22 @@ PointSpread spread_of(const FitPoints& points)
     // Nothing overflows.
     const double part = 1 / largest / n;
     for (std::size_t k = 0; k < 3; ++k)
-        spread.middle[k] = largest * sum_of(points.size(), [&](std::size_t i) { return part * columns[k][i]; });
+        spread.middle[k] = largest * block_loops().sum_scaled(columns[k], points.size(), part);
     spread.extent = std::max({largest_of(points.x, spread.middle[0]), largest_of(points.y, spread.middle[1]),
                               largest_of(points.z, spread.middle[2])});
     if (!(spread.extent > 0)) return spread;
-    const double extent = spread.extent, inverse = 1 / extent;
+    // The least numbers have no inverse.
+    const double factor = std::min(1 / spread.extent, 0x1p1022),
+                 rest = factor < 0x1p1022 ? 1 : 1 / (spread.extent * factor);
     Eigen::Matrix3d products;
     for (int j = 0; j < 3; ++j)
         for (int k = j; k < 3; ++k) {
             const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k);
-            const double p = spread.middle[a], q = spread.middle[b];
-            const double* column = columns[a];
-            const double* other = columns[b];
-            // The least numbers have no inverse.
-            products(j, k) = products(k, j) =
-                std::isfinite(inverse)
-                    ? sum_of(points.size(),
-                             [&](std::size_t i) { return (column[i] - p) * inverse * ((other[i] - q) * inverse); })
-                    : sum_of(points.size(),
-                             [&](std::size_t i) { return (column[i] - p) / extent * ((other[i] - q) / extent); });
+            products(j, k) = products(k, j) = block_loops().sum_products(columns[a], columns[b], points.size(),
+                                                                         spread.middle[a], spread.middle[b], factor);
         }
-    const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(products / n).eigenvalues();
+    const Eigen::Vector3d values =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(products * (rest * rest / n)).eigenvalues();
     for (int k = 0; k < 3; ++k) spread.across[k] = std::sqrt(std::max(0.0, values[k]));
     return spread;
 }
@@ -73,7 +49,7 @@ PointSpread spread_of(const FitPoints& points)
 bool all_finite(const std::vector<double>& column)
 {
     // 0 times what is not finite is NaN.
-    return sum_of(column.size(), [&](std::size_t i) { return 0 * column[i]; }) == 0;
+    return block_loops().sum_scaled(column.data(), column.size(), 0) == 0;
 }
 
 }  // namespace
@@ -121,10 +97,14 @@ WorkingPoints working_points(const FitPoints& points, const PointSpread& spread,
     std::iota(result.index.begin(), result.index.end(), 0u);
     SampleNumbers random(seed ^ 0x5f17);
     for (std::size_t i = n; i > 1; --i) std::swap(result.index[i - 1], result.index[random.below(i)]);
-    const double unit = result.unit;
+    // A power of two, whose inverse multiplies as exactly as it divides; the least ones have none.
+    const double unit = result.unit, inverse = 1 / unit;
     const auto coordinates = [&](const std::vector<double>& from, double shift, std::vector<double>& to) {
         to.resize(n);
-        for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) / unit;
+        if (std::isfinite(inverse))
+            for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) * inverse;
+        else
+            for (std::size_t i = 0; i < n; ++i) to[i] = (from[result.index[i]] - shift) / unit;
     };
     coordinates(points.x, middle[0], result.x);
     coordinates(points.y, middle[1], result.y);

@@ -1,6 +1,7 @@
 #include "pcm/measure/profile.h"
 
 #include "pcm/cloud/exact_products.h"
+#include "pcm/measure/placed_cloud.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -9,6 +10,8 @@
 
 namespace pcm {
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
@@ -24,19 +27,27 @@ void check(const ProfileOptions& options)
         refuse("the lowest height of the profile is above the highest one");
 }
 
-Query query_of(const ProfileOptions& options)
+// Of the points along segment `k`, and perhaps of others nearby.
+Query query_of(const PlacedCloud& cloud, const ProfileOptions& options, const ProfileLine& line, std::size_t k)
 {
     Query query;
+    const Box3d bounds = cloud.bounds();
+    query.region = cloud.own_region(line.around(k, options.width, bounds.min[2], bounds.max[2]));
     query.level = options.level;
     query.where = options.where;
     query.clips = options.clips;
     query.attributes = options.attributes;
-    if (options.lowest || options.highest) {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
+    if ((options.lowest || options.highest) && !options.placement) {
         query.box = Box3d{{-infinity, -infinity, options.lowest.value_or(-infinity)},
                           {infinity, infinity, options.highest.value_or(infinity)}};
     }
     return query;
+}
+
+// A cloud at its place is asked for these heights only.
+bool is_between(double z, const ProfileOptions& options)
+{
+    return !options.placement || (z >= options.lowest.value_or(-infinity) && z <= options.highest.value_or(infinity));
 }
 
 // Progress of part `part` of `parts`.
@@ -112,17 +123,17 @@ Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const Pr
     check(options);
     Outcome outcome;
     outcome.error_meaning = "every point of the cloud is nearer than this to one of the level, source units";
-    if (options.level) outcome.error = level_spacing(*cloud.tree(), *options.level);
-    const Box3d bounds = cloud.info().bounds();
+    const PlacedCloud placed(cloud, options.placement);
+    if (options.level) outcome.error = placed.most_stretch() * level_spacing(*cloud.tree(), *options.level);
     for (std::size_t k = 0; k < line.segments() && cloud.info().points > 0; ++k) {
-        Query query = query_of(options);
-        query.region = line.around(k, options.width, bounds.min[2], bounds.max[2]);
+        Query query = query_of(placed, options, line, k);
         query.progress = part_of(options.progress, k, line.segments());
         PointCursor cursor = cloud.points(query);
         for (PointView view; cursor.getNextData(view);)
             for (std::size_t i = 0; i < view.size(); ++i) {
-                const auto point = line.locate(view.position(i));
+                const auto point = line.locate(placed.position(view, i));
                 if (!point || point->segment != k || std::fabs(point->offset) > options.width / 2) continue;
+                if (!is_between(point->position[2], options)) continue;
                 visit(*point, view, i);
                 ++outcome.points_out;
             }
@@ -161,14 +172,10 @@ ProfileSample read_sample(PointCloud& cloud, const ProfileOptions& options, std:
 // What the index expects at a level: an upper estimate where there are conditions.
 double expected_points(PointCloud& cloud, const ProfileOptions& options, const ProfileLine& line)
 {
-    const Box3d bounds = cloud.info().bounds();
+    const PlacedCloud placed(cloud, options.placement);
     double expected = 0;
-    for (std::size_t k = 0; k < line.segments(); ++k) {
-        Query query = query_of(options);
-        query.progress = {};
-        query.region = line.around(k, options.width, bounds.min[2], bounds.max[2]);
-        expected += cloud.estimate(query).points_expected;
-    }
+    for (std::size_t k = 0; k < line.segments(); ++k)
+        expected += cloud.estimate(query_of(placed, options, line, k)).points_expected;
     return expected;
 }
 

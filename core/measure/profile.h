@@ -8,6 +8,7 @@
 // the right of its direction, negative to the left; what is nearest to a corner lies on the corner's outer side.
 #pragma once
 
+#include "pcm/cloud/affine.h"
 #include "pcm/point_cloud.h"
 
 #include <cstddef>
@@ -24,16 +25,19 @@ struct ProfileOptions {
     std::vector<Vec3d> line;                // two or more points
     double width = 1;                       // source units, 0 or more
     std::optional<double> lowest, highest;  // of the points' z, both included
-    std::optional<std::uint16_t> level;     // the cloud at this level; the whole cloud when absent
-    std::vector<Condition> where;           // all must be met
-    std::vector<Clip> clips;                // all must hold
-    std::vector<std::string> attributes;    // to read; unknown names are an error
+    // Where the cloud stands: line, width, heights and the points found are of that place. Absent: at its source
+    // coordinates. Clips and conditions are on source coordinates and values always.
+    std::optional<Affine> placement;
+    std::optional<std::uint16_t> level;   // the cloud at this level; the whole cloud when absent
+    std::vector<Condition> where;         // all must be met
+    std::vector<Clip> clips;              // all must hold
+    std::vector<std::string> attributes;  // to read; unknown names are an error
     ProgressFunction progress;
 };
 
 struct ProfilePoint {
     double station = 0, offset = 0;  // source units
-    Vec3d position{};                // source coordinates
+    Vec3d position{};                // source coordinates, or what the placement makes of them
     std::uint32_t segment = 0;
 };
 
@@ -62,8 +66,8 @@ using ProfileVisitor = std::function<void(const ProfilePoint& point, const Point
 
 // Calls `visit` for every point of the profile, in no particular order, in bounded memory. Outcome: points_in were
 // read, points_out visited; error: every point of the cloud is nearer than this to one that the level has. Throws
-// Error(invalid_argument) for a wrong line or width and for lowest > highest, Error(cancelled), and what
-// PointCloud::points() throws.
+// Error(invalid_argument) for a wrong line or width, for lowest > highest and for a placement that flattens,
+// Error(cancelled), and what PointCloud::points() throws.
 Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const ProfileVisitor& visit);
 
 // The profile for a plot: of the finest level (no finer than options.level) that has at most `most` points of it, or of

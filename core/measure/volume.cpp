@@ -3,6 +3,7 @@
 #include "pcm/measure/cell_grid.h"
 #include "pcm/measure/height_cells.h"
 #include "pcm/measure/measure_values.h"
+#include "pcm/measure/placed_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -21,9 +22,9 @@ constexpr double points_per_cell = 9;
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
 
-std::vector<Vec3d> polygon_of(PointCloud& cloud, const VolumeOptions& options)
+std::vector<Vec3d> polygon_of(const PlacedCloud& cloud, const VolumeOptions& options)
 {
-    return options.polygon.empty() ? plan_rectangle(cloud.info().bounds()) : options.polygon;
+    return options.polygon.empty() ? plan_rectangle(cloud.bounds()) : options.polygon;
 }
 
 // Checked as the polygon of a measure.
@@ -35,36 +36,54 @@ double plan_area(const std::vector<Vec3d>& polygon)
     return values_of(measure).at(0).value;
 }
 
-Query query_of(const PointCloud& cloud, const VolumeOptions& options, const std::vector<Vec2d>& polygon)
+// Unbounded along z.
+Box3d box_of(const std::vector<Vec2d>& polygon)
 {
-    Query query;
-    query.where = options.where;
-    query.clips = options.clips;
-    if (options.level && cloud.info().levels > 0)
-        query.level = std::min<std::uint16_t>(*options.level, static_cast<std::uint16_t>(cloud.info().levels - 1));
     Box3d box;
     for (const Vec2d& p : polygon) box.extend(Vec3d{p[0], p[1], 0});
     box.min[2] = -infinity;
     box.max[2] = infinity;
-    query.box = box;
+    return box;
+}
+
+Query query_of(const PlacedCloud& cloud, bool is_before, const VolumeOptions& options, const Box3d& box)
+{
+    Query query;
+    if (is_before && options.limits_before) {
+        query.where = options.limits_before->where;
+        query.clips = options.limits_before->clips;
+    } else {
+        query.where = options.where;
+        query.clips = options.clips;
+    }
+    const TreeInfo& info = cloud.cloud().info();
+    if (options.level && info.levels > 0)
+        query.level = std::min<std::uint16_t>(*options.level, static_cast<std::uint16_t>(info.levels - 1));
+    if (cloud.moved())
+        query.region = cloud.own_region(Region::box(box));
+    else
+        query.box = box;
     return query;
 }
 
 // So that a cell has some points: if the index knows of none there, all is one cell.
-double usual_side(PointCloud& cloud, const Query& query)
+double usual_side(const PlacedCloud& cloud, const Query& query, const Box3d& box)
 {
-    const double area = query.box->extent(0) * query.box->extent(1);
-    const double points = std::max(1.0, cloud.estimate(query).points_expected);
+    const double area = box.extent(0) * box.extent(1);
+    const double points = std::max(1.0, cloud.cloud().estimate(query).points_expected);
     return std::sqrt(area * std::min(1.0, points_per_cell / points));
 }
 
 class Volume {
 public:
     Volume(PointCloud& cloud, const VolumeOptions& options)
-        : options_(options), clouds_{&cloud}, polygon_(in_plan(polygon_of(cloud, options)))
+        : options_(options),
+          clouds_{{cloud, options.placement}},
+          polygon_(in_plan(polygon_of(clouds_[0], options))),
+          box_(box_of(polygon_))
     {
-        if (options.before) clouds_.push_back(options.before.get());
-        report_.area = plan_area(polygon_of(cloud, options));
+        if (options.before) clouds_.emplace_back(*options.before, options.placement_before);
+        report_.area = plan_area(polygon_of(clouds_[0], options));
         choose_side();
     }
     VolumeReport run();
@@ -81,8 +100,9 @@ private:
     }
 
     const VolumeOptions& options_;
-    std::vector<PointCloud*> clouds_;
+    std::vector<PlacedCloud> clouds_;
     std::vector<Vec2d> polygon_;
+    Box3d box_;
     HeightPlane base_;  // heights of both clouds are relative to it
     VolumeReport report_;
 };
@@ -92,7 +112,7 @@ void Volume::choose_side()
     base_ = options_.reference;
     if (clouds_.size() > 1) {
         base_ = {};
-        base_.height = clouds_[0]->info().points ? clouds_[0]->info().bounds().min[2] : 0;
+        base_.height = clouds_[0].bounds().min[2];
     }
     report_.side = options_.side;
     if (!(options_.side >= 0) || !std::isfinite(options_.side)) refuse("the side of a cell is negative or not finite");
@@ -100,8 +120,9 @@ void Volume::choose_side()
     const double most = static_cast<double>(options_.memory) / bytes;
     const double least_side = 1.01 * std::sqrt(report_.area / std::max(1.0, most));
     if (report_.side == 0) {
-        for (PointCloud* cloud : clouds_)
-            report_.side = std::max(report_.side, usual_side(*cloud, query_of(*cloud, options_, polygon_)));
+        for (std::size_t k = 0; k < clouds_.size(); ++k)
+            report_.side =
+                std::max(report_.side, usual_side(clouds_[k], query_of(clouds_[k], k == 1, options_, box_), box_));
         while (CellGrid::cells_of(polygon_, report_.side) > most)
             report_.side = std::max(1.2 * report_.side, least_side);
     }
@@ -119,7 +140,8 @@ void Volume::choose_side()
 std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
 {
     std::vector<HeightCell> cells(grid.size());
-    Query query = query_of(*clouds_[number], options_, polygon_);
+    const PlacedCloud& cloud = clouds_[number];
+    Query query = query_of(cloud, number == 1, options_, box_);
     if (options_.progress)
         query.progress = [&, this](const ProgressUpdate& update) {
             ProgressUpdate whole = update;
@@ -128,10 +150,10 @@ std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
             whole.seconds_left = -1;
             return options_.progress(whole);
         };
-    PointCursor cursor = clouds_[number]->points(query);
+    PointCursor cursor = cloud.cloud().points(query);
     for (PointView view; cursor.getNextData(view);)
         for (std::size_t i = 0; i < view.size(); ++i) {
-            const Vec3d p = view.position(i);
+            const Vec3d p = cloud.position(view, i);
             const std::size_t cell = grid.cell_of(p[0], p[1]);
             if (cell == grid.size()) continue;
             cells[cell].add(p[2] - base_.at(p[0], p[1]));
@@ -216,9 +238,9 @@ VolumeReport Volume::run()
     add_cells(grid, surfaces, known);
     for (std::size_t number = 0; number < clouds_.size(); ++number)
         if (report_.points[number] == 0)
-            refuse(
-                "no point of " + clouds_[number]->tree()->folder().string() + " is in the polygon: there is no volume",
-                extent_text(clouds_[number]->info().bounds()));
+            refuse("no point of " + clouds_[number].cloud().tree()->folder().string() +
+                       " is in the polygon: there is no volume",
+                   extent_text(clouds_[number].bounds()));
     if (!(report_.area_counted > 0))
         refuse("no cell has points of both clouds: there is no volume", "take a larger side");
     report_.outcome.points_out = report_.points[0] + report_.points[1];

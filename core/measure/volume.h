@@ -11,6 +11,7 @@
 // So for two clouds, the first after and the second before, `cut` is what was added and `fill` what was taken away.
 #pragma once
 
+#include "pcm/cloud/affine.h"
 #include "pcm/measure/measure.h"
 #include "pcm/point_cloud.h"
 
@@ -44,12 +45,16 @@ struct VolumeOptions {
                                          // point of the cloud on the polygon's edge may count or not
     HeightPlane reference;               // not used with two clouds
     std::shared_ptr<PointCloud> before;  // the second cloud, whose surface is the reference; may be null
-    double side = 0;                     // of a cell, source units; 0: so that a cell has about 9 points
+    // Where the clouds stand: polygon, reference, side and volumes are of that place. Absent: at their source
+    // coordinates. Clips and conditions are on source coordinates and values always.
+    std::optional<Affine> placement, placement_before;
+    double side = 0;  // of a cell, source units; 0: so that a cell has about 9 points
     CellHeight height = CellHeight::mean;
     EmptyCells empty = EmptyCells::left_out;
     std::optional<std::uint16_t> level;               // of both clouds, or their last one; the whole clouds when absent
     std::vector<Condition> where;                     // on both clouds; all must be met
     std::vector<Clip> clips;                          // all must hold
+    std::optional<Selection> limits_before;           // of the second cloud, whose `where` and `clips` hold instead
     std::uint64_t memory = std::uint64_t{512} << 20;  // for the cells; bytes
     ProgressFunction progress;
 };
@@ -79,7 +84,8 @@ struct VolumeReport {
 
 // Streams the points; memory: beside the caches', about 80 bytes a cell (130 with two clouds). Throws
 // Error(invalid_argument) for a polygon that is not one, for a side that makes more cells than fit in the memory (it
-// says which side would), and when no cell counts; Error(cancelled); and what PointCloud::points() throws.
+// says which side would), for a placement that flattens, and when no cell counts; Error(cancelled); and what
+// PointCloud::points() throws.
 VolumeReport measure_volume(PointCloud& cloud, const VolumeOptions& options);
 
 }  // namespace pcm

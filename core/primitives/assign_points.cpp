@@ -63,7 +63,8 @@ public:
         find_continued();
         if (labels) result.looked_at += give_labels(*labels);
         for (std::uint32_t k = 0; k < parts_.size(); ++k)
-            if (parts_[k].points >= options_.least_points || at_border_[k])
+            if (at_border_[k] ||
+                (parts_[k].points >= options_.least_points && parts_[k].sampled >= options_.least_sampled))
                 result.parts.push_back({first_ + k, parts_[k]});
         for (const auto& [a, b] : joined_) result.joined.push_back({first_ + a, first_ + b});
     }

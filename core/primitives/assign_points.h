@@ -33,6 +33,7 @@ struct AssignOptions {
     SampleSettings sample;
     double normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
     std::uint64_t least_points = 0;      // parts with fewer are of no interest
+    std::uint64_t least_sampled = 0;     // nor those with fewer of the sample's points
     bool keep_some = false;              // up to 256 points of each unit's parts
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
@@ -52,8 +53,8 @@ struct AssignedPoints {
 // Of the surfaces within whose threshold it is and whose normal agrees, a point belongs to the nearest, in units of
 // their thresholds; connected by the edges of
 // the samples of the units. The parts do not depend on threads, the labels do; `labels` may be null. Memory: a sample
-// per thread, and per part of at least least_points or at the border of a unit some 150 bytes; cells at borders lie in
-// a scratch file. Throws what reading and `labels` throw.
+// per thread, and per part of interest or at the border of a unit some 150 bytes, with keep_some up to 6 KB; cells at
+// borders lie in a scratch file. Throws what reading and `labels` throw.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels);

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcm {
 namespace {
 
-constexpr double noises = 3;                                                 // an inlier's largest distance
+constexpr double noises = 3;          // an inlier's largest distance
+constexpr double far_less = 0.3;      // noise
+constexpr double most = 0.5;          // of the points
+constexpr double most_radius = 200;   // of the other kind, in the noise: what is less bent may be a scanner's error
+constexpr std::size_t enough = 3000;  // points to compare kinds
 const double gain_on_plane = std::log(2.0), gain_on_curved = std::log(1.2);  // per inlier, of a kind of higher rank
 
 int rank_of(ShapeKind kind)
@@ -29,6 +34,23 @@ std::size_t sample_of(ShapeKind kind)
             return 7;
     }
     return 0;
+}
+
+// Of a shape's bend near a place; infinite for a plane.
+double radius_at(const Shape& shape, const Vec3d& place)
+{
+    switch (shape.kind) {
+        case ShapeKind::plane:
+            break;
+        case ShapeKind::cylinder:
+        case ShapeKind::sphere:
+            return shape.radius;
+        case ShapeKind::cone:
+            return length(cross(place - shape.point, shape.axis)) / std::cos(shape.second);
+        case ShapeKind::torus:
+            return shape.second;
+    }
+    return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -79,6 +101,36 @@ std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitP
         }
         best = of_rank;
         least = least_of_rank;
+    }
+    return best;
+}
+
+std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise,
+                                     const ProgressFunction& progress)
+{
+    std::vector<Vec3d> inliers;
+    for (const Vec3d& p : points)
+        if (distance_to(fit.shape, p) <= fit.threshold) inliers.push_back(p);
+    const std::size_t every = 1 + inliers.size() / enough;
+    std::vector<Vec3d> some;
+    for (std::size_t i = 0; i < inliers.size(); i += every) some.push_back(inliers[i]);
+    const FitPoints compared = FitPoints::of(some);
+    ShapeFitOptions options;
+    options.threshold = 2 * noises * noise;
+    options.progress = progress;
+    std::optional<ShapeKind> best;
+    double least = far_less * fit.noise;
+    for (const ShapeTraits& row : shape_kinds()) {
+        options.kind = row.kind;
+        if (row.kind == fit.shape.kind || !(options.threshold > 0)) continue;
+        const ShapeFit other = fit_shape(compared, options);
+        if (!is_determined(other) || static_cast<double>(other.inliers) < most * static_cast<double>(some.size()) ||
+            !(other.noise < least))
+            continue;
+        if (fit.shape.kind == ShapeKind::plane && !(radius_at(other.shape, some.front()) < most_radius * fit.noise))
+            continue;
+        best = row.kind;
+        least = other.noise;
     }
     return best;
 }

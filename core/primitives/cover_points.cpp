@@ -50,16 +50,14 @@ std::uint16_t level_with(const PointSet& set, std::size_t most)
     return level;
 }
 
-}  // namespace
-
-std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigned threads,
-                                const ProgressFunction& progress, std::size_t most)
+// Of coarse levels, and of each node those farthest from `middle` in the directions.
+std::vector<Vec3d> some_points(const PointSet& set, const std::vector<Vec3d>& directions, const Vec3d& middle,
+                               unsigned threads, const ProgressFunction& progress, std::size_t most)
 {
     const Tree& tree = set.tree();
     const SourceRounding rounding(tree.info());
     const bool all = set.size() <= most;
     const std::uint16_t level = all ? std::uint16_t(0) : level_with(set, most);
-    const std::vector<Vec3d> directions = directions_of(shape);
     std::map<NodeId, std::vector<Vec3d>> parts;
     std::mutex mutex;
     ScanOptions scan;
@@ -77,7 +75,7 @@ std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigne
         std::vector<bool> kept(positions.size(), false);
         for (std::size_t k = 0; k < positions.size(); ++k) kept[k] = found.numbers[k] < coarse;
         for (const Vec3d& direction : directions) {
-            const auto along = [&](const Vec3d& p) { return dot(direction, p - shape.point); };
+            const auto along = [&](const Vec3d& p) { return dot(direction, p - middle); };
             const auto farthest = std::max_element(positions.begin(), positions.end(),
                                                    [&](const Vec3d& a, const Vec3d& b) { return along(a) < along(b); });
             kept[static_cast<std::size_t>(farthest - positions.begin())] = true;
@@ -92,6 +90,20 @@ std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigne
     std::vector<Vec3d> points;
     for (const auto& [node, positions] : parts) points.insert(points.end(), positions.begin(), positions.end());
     return points;
+}
+
+}  // namespace
+
+std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigned threads,
+                                const ProgressFunction& progress, std::size_t most)
+{
+    return some_points(set, directions_of(shape), shape.point, threads, progress, most);
+}
+
+std::vector<Vec3d> coarse_points(const PointSet& set, std::size_t most, unsigned threads,
+                                 const ProgressFunction& progress)
+{
+    return some_points(set, {}, {}, threads, progress, most);
 }
 
 }  // namespace pcm

@@ -16,4 +16,9 @@ namespace pcm {
 std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigned threads = 0,
                                 const ProgressFunction& progress = {}, std::size_t most = 1000000);
 
+// All points of the set; of more than `most` those of the coarse levels with no more, or of the first level: as far
+// apart everywhere. Otherwise as cover_points().
+std::vector<Vec3d> coarse_points(const PointSet& set, std::size_t most, unsigned threads = 0,
+                                 const ProgressFunction& progress = {});
+
 }  // namespace pcm

@@ -299,9 +299,7 @@ private:
     {
         const auto sample = [&](double cells) {
             const double cell = cells * report_.sample;
-            WidenSample some{assign_options(cell, 0.6, 0.65), units_of(cell)};
-            some.assign.least_points = 0;
-            return some;
+            return WidenSample{assign_options(cell, 0.6, 0.65), units_of(cell)};
         };
         WidenOptions widen;
         widen.fine = sample(widen_cells);

@@ -1,8 +1,10 @@
 #include "pcm/primitives/fit_at.h"
 
+#include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/cover_points.h"
 #include "pcm/primitives/local_fit.h"
 #include "pcm/primitives/progress_part.h"
+#include "pcm/primitives/surface_beyond.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -12,13 +14,15 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
-constexpr double most_noise_grown = 3;  // of a surface whose noise differs from place to place
+constexpr std::size_t most_judged = 20000;  // points, for whether they are a piece of another surface
+constexpr double most_noise_grown = 3;      // of a surface whose noise differs from place to place
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -52,7 +56,7 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, 0, 0, false, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, {}};
         LocalFit local = local_fit();
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
@@ -62,6 +66,7 @@ public:
         primitive.estimator = traits_of(options_.fit.estimator).name;
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
+        noise_ = local.noise / 3;
         if (result.local.has_shape()) add_points(local.close, result);
         primitive.points = result.points.size();
         if (!result.points.empty())
@@ -108,11 +113,18 @@ private:
         const ShapeFit& local = result.local;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i)
-            if (local.is_inlier[i]) inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
+            if (local.is_inlier[i]) {
+                inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
+                result.reached.seeds.push_back(result.near.points.source(i));
+            }
         for (auto& [node, numbers] : inliers) {
             std::sort(numbers.begin(), numbers.end());
             result.points.set(node, numbers);
         }
+        result.reached.shape = local.shape;
+        result.reached.threshold = local.threshold;
+        result.reached.normal_angle = options_.fit.normal_angle;
+        result.reached.limit = limit_;
         if (!options_.grow || result.points.empty()) return;
         std::vector<Vec3d> positions;
         for (std::size_t i = 0; i < close.ids.size(); ++i)
@@ -129,7 +141,7 @@ private:
         options.limit = limit_;
         options.memory_bytes = options_.memory_bytes;
         options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.4, 0.9);
+        options.progress = part_of(options_.progress, 0.4, 0.85);
         take(grow_shape(local.shape, result.points, options), result);
     }
 
@@ -154,6 +166,10 @@ private:
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(grown.agreement) + " times those of independent points");
         result.points = std::move(grown.points);
+        result.reached.shape = grown.followed;
+        result.reached.threshold = grown.threshold;
+        result.reached.step = result.step;
+        keep_few_seeds(result.reached);
         grown.fit.iterations = result.local.iterations;
         if (result.local.issue == FitIssue::no_consensus) {
             grown.fit.verdict = result.local.verdict;
@@ -162,13 +178,59 @@ private:
         }
         if (options_.fit.threshold == 0 && grown.fit.verdict == FitVerdict::good &&
             grown.fit.noise > most_noise_grown * result.local.noise) {
-            grown.fit.verdict = FitVerdict::doubtful;
-            grown.fit.issue = FitIssue::no_consensus;
-            grown.fit.message = "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
-                                brief(result.local.noise) +
-                                ": there is another surface close to it; give a threshold, or a smaller step";
+            doubt(grown.fit, FitIssue::no_consensus,
+                  "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
+                      brief(result.local.noise) +
+                      ": there is another surface close to it; give a threshold, or a smaller step");
         }
         result.primitive.fit = std::move(grown.fit);
+        doubt_other_surface(grown.around, grown.noise, result);
+    }
+
+    // `wide`: connected, up to a few thresholds from the shape. The points may be a ring or strip of another surface,
+    // all of it within a wide threshold, or there by chance.
+    void doubt_other_surface(const PointSet& wide, double noise, FittedPrimitive& result) const
+    {
+        ShapeFit& fit = result.primitive.fit;
+        if (fit.verdict != FitVerdict::good || result.points.empty()) return;
+        const std::vector<Vec3d> around =
+            coarse_points(wide, most_judged, options_.threads, part_of(options_.progress, 0.85, 0.87));
+        const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
+        const std::string name = traits_of(fit.shape.kind).name;
+        if (beyond.is_piece(noise_ > 0 ? noise / noise_ : 0)) {
+            doubt(fit, FitIssue::other_surface,
+                  "the surface continues smoothly beside these points, but off the " + name +
+                      ": they are a ring or strip where it touches a surface of another kind; fit that");
+        } else if (const auto other = far_better_kind(result, noise, around)) {
+            doubt(fit, FitIssue::other_surface,
+                  std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name +
+                      ": fit that");
+        } else if (beyond.is_by_chance()) {
+            doubt(fit, FitIssue::no_consensus,
+                  "almost as many points are beside the " + name +
+                      " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
+                      "where the noise is larger");
+        }
+    }
+
+    // Where the noise is larger than that around the places, and no threshold allows for it.
+    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
+                                             const std::vector<Vec3d>& around) const
+    {
+        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > most_noise_grown * noise_)) return {};
+        ShapeFit fit = result.primitive.fit;
+        fit.noise = noise;
+        std::vector<Vec3d> near;
+        for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
+        const auto other = better_kind(fit, near, noise_, part_of(options_.progress, 0.87, 0.88));
+        return other ? other : better_kind(fit, around, noise_, part_of(options_.progress, 0.88, 0.9));
+    }
+
+    static void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
+    {
+        fit.verdict = FitVerdict::doubtful;
+        fit.issue = issue;
+        fit.message = message;
     }
 
     const PointCloud& cloud_;
@@ -176,6 +238,7 @@ private:
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
     Selection limit_;
+    double noise_ = 0;  // of the surface around the places, one standard deviation; 0: unknown
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "pcm/point_cloud.h"
 #include "pcm/primitives/grow_shape.h"
 #include "pcm/primitives/near_points.h"
+#include "pcm/primitives/reached_from.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -32,6 +33,7 @@ struct FitAtOptions {
 struct FittedPrimitive {
     Primitive primitive;  // check primitive.fit.verdict first; without a name
     PointSet points;      // that belong to it; empty when refused
+    ReachedFrom reached;  // how they are reached again
     NearPoints near;      // that were fitted; with several places `radius` is the largest
     ShapeFit local;       // to them
     double step = 0;      // of growth, source units; 0: none

@@ -24,11 +24,20 @@ struct GrowShapeOptions {
     ProgressFunction progress;
 };
 
+// Points up to so many thresholds from a shape are looked at for what lies beside it.
+inline constexpr double beyond_thresholds = 4;
+
 struct GrownShape {
-    ShapeFit
-        fit;  // to all points reached; without is_inlier; errors as of refit.h, and the threshold of the last round
+    // To the points reached, but, where these are most of them, without those beside which the cloud leaves the shape
+    // (inner_points.h): some of them are another surface's. Without is_inlier; errors as of refit.h, and the threshold
+    // of the last round.
+    ShapeFit fit;
+    double noise = 0;        // as fit.noise, of a fit to all points reached
     double agreement = 1;    // RefittedShape::agreement
     PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
+    Shape followed;          // the shape that they are near, of the last round of growth
+    double threshold = 0;    // and within which distance
+    PointSet around;         // reached through points up to beyond_thresholds from it; empty without rounds
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };

@@ -115,7 +115,8 @@ private:
     void gather_close(LocalFit& result)
     {
         result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
-        noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : automatic_threshold(result.close.points);
+        result.noise = automatic_threshold(result.close.points);
+        noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : result.noise;
         for (const Vec3d& place : places_) {
             NearOptions options;
             options.count = core_points;

@@ -36,6 +36,9 @@ struct LocalFit {
     NearPoints near;   // of all places, a point once; thinned where they are many
     NearPoints close;  // the nearest (at most 500) points of each place, at full density
     ShapeFit fit;      // to `near`
+    // Three standard deviations of the close points from their own surface, whatever its shape, source units; 0: they
+    // do not say.
+    double noise = 0;
     std::vector<std::string> notes;
 };
 

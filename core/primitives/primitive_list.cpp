@@ -1,5 +1,6 @@
 #include "pcm/primitives/primitive_list.h"
 
+#include <algorithm>
 #include <array>
 #include <unordered_set>
 #include <utility>
@@ -38,6 +39,23 @@ std::vector<Primitive> PrimitiveList::all() const
     primitives.reserve(size());
     for (std::size_t i = 0; i < size(); ++i) primitives.push_back((*this)[i]);
     return primitives;
+}
+
+std::array<std::uint8_t, 3> next_colour(const PrimitiveList& list)
+{
+    using Colour = std::array<std::uint8_t, 3>;
+    constexpr std::array<Colour, 8> palette{{{255, 200, 0},
+                                             {80, 200, 255},
+                                             {255, 110, 80},
+                                             {120, 220, 90},
+                                             {220, 130, 255},
+                                             {255, 255, 140},
+                                             {70, 230, 200},
+                                             {255, 150, 200}}};
+    std::array<std::size_t, palette.size()> used{};
+    for (std::size_t i = 0; i < list.size(); ++i)
+        for (std::size_t k = 0; k < palette.size(); ++k) used[k] += list[i].colour == palette[k];
+    return palette[static_cast<std::size_t>(std::min_element(used.begin(), used.end()) - used.begin())];
 }
 
 }  // namespace pcm

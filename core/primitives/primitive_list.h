@@ -4,7 +4,9 @@
 #include "pcm/fit/primitive.h"
 #include "pcm/system/undo_list.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,5 +22,8 @@ public:
     void add_all(std::vector<Primitive> primitives);  // one step; none for no primitives
     std::vector<Primitive> all() const;
 };
+
+// For one that is added: of eight colours that differ, the first that the list has least often.
+std::array<std::uint8_t, 3> next_colour(const PrimitiveList& list);
 
 }  // namespace pcm

@@ -42,7 +42,11 @@ public:
     Widening(const ChosenPoints& points, std::vector<Hypothesis> all, const WidenOptions& options)
         : points_(points), options_(options), settled_(std::move(all))
     {
-        options_.fine.assign.keep_some = options_.coarse.assign.keep_some = true;
+        for (AssignOptions* assign : {&options_.fine.assign, &options_.coarse.assign}) {
+            assign->keep_some = true;
+            assign->least_points = 0;  // no labels, no points: only those of the sample count
+            assign->least_sampled = least_sampled;
+        }
     }
 
     std::vector<Hypothesis> run()

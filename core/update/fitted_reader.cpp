@@ -42,6 +42,7 @@ FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::
       rounding_(tree)
 {
     const FileInfo& from = cloud.info();
+    if (from.grid) source_offset_ = from.grid->offset;
     for (const Attribute& attribute : from.schema) {
         const auto slot = tree.schema.find(attribute.name);
         const char* const hint =
@@ -153,11 +154,11 @@ std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
     }
     const double deviation = std::fabs(tree_.grid.to_source(q, axis) - value);
     const double scale = tree_.grid.scale[axis];
-    // The step, the product and the sum are each rounded by half a unit in the last place at most.
-    const double allowed =
-        tree_.position_type == ScalarType::i32
-            ? std::numeric_limits<double>::epsilon() * (std::fabs(static_cast<double>(q) * scale) + std::fabs(value))
-            : scale / 2;
+    // Of both grids the step, the offset, the product and the sum are each rounded by half a unit in the last place at
+    // most. A product is no larger than the value and the offset together.
+    const double offsets = std::fabs(tree_.grid.offset[axis]) + std::fabs(source_offset_[axis]);
+    const double rounding = std::numeric_limits<double>::epsilon() * (3 * std::fabs(value) + 1.5 * offsets);
+    const double allowed = tree_.position_type == ScalarType::i32 ? std::min(rounding, scale / 4) : scale / 2;
     if (deviation > allowed) {
         largest_deviation_ = std::max(largest_deviation_, deviation);
         return std::nullopt;
@@ -195,11 +196,13 @@ void FittedReader::refuse()
     throw Error(
         ErrorCode::invalid_argument, folder_, text,
         tree_.position_type == ScalarType::i32 && !too_far_
-            ? "build a new tree of all the files, or round the new ones to the grid with 'pcmlab convert --scale "
-              "--offset' first"
-        : too_far_ ? "build a new tree of all the files; if the points are no-data values, leave them out with "
-                     "--largest-coordinate, in MeshLab the parameter 'Largest coordinate'"
-                   : "build a new tree of all the files");
+            ? "build a new tree of all the files, or round the new ones to the grid first: pcmlab convert NEW "
+              "ROUNDED.las --scale " +
+                  exact(tree_.grid.scale) + " --offset " + exact(tree_.grid.offset)
+        : too_far_
+            ? std::string("build a new tree of all the files; if the points are no-data values, leave them out with "
+                          "--largest-coordinate, in MeshLab the parameter 'Largest coordinate'")
+            : std::string("build a new tree of all the files"));
 }
 
 }  // namespace pcm

@@ -53,6 +53,7 @@ private:
     const TreeInfo& tree_;
     const std::filesystem::path folder_;
     const bool same_grid_;
+    Vec3d source_offset_{};  // of the cloud's own grid
     FileInfo info_;
     std::vector<std::size_t> slots_;  // of each attribute of the cloud: its number in the tree
     bool same_schema_ = false;

@@ -12,11 +12,16 @@ constexpr int click_px = 3;  // a click does not move farther
 
 }  // namespace
 
+bool ClickTool::is_kept(const QMouseEvent& event) const
+{
+    return event.button() == Qt::RightButton && has_right_click();
+}
+
 void ClickTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
 {
     if (view != view_) return;
     // The camera gets the press when the mouse has moved: it does not jump at clicks.
-    if (event->button() == Qt::LeftButton)
+    if (event->button() == Qt::LeftButton || is_kept(*event))
         pressed_ = std::make_unique<QMouseEvent>(*event);
     else
         guarded([&] { give_to_camera(*view, *event); });
@@ -28,10 +33,10 @@ void ClickTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
     guarded([&] {
         if (pressed_) {
             if ((event->pos() - pressed_->pos()).manhattanLength() <= click_px) return;
-            give_to_camera(*view, *pressed_);
+            if (!is_kept(*pressed_)) give_to_camera(*view, *pressed_);
             pressed_.reset();
         }
-        give_to_camera(*view, *event);
+        if (!has_right_click() || event->buttons() != Qt::MouseButtons(Qt::RightButton)) give_to_camera(*view, *event);
     });
 }
 
@@ -40,10 +45,13 @@ void ClickTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
     if (view != view_) return;
     const auto pressed = std::move(pressed_);
     guarded([&] {
-        if (pressed && event->button() == Qt::LeftButton)
+        if (!pressed || pressed->button() != event->button()) {
+            if (!is_kept(*event)) give_to_camera(*view, *event);
+        } else if (event->button() == Qt::LeftButton) {
             click(event->pos(), event->modifiers());
-        else
-            give_to_camera(*view, *event);
+        } else {
+            right_click();
+        }
     });
 }
 

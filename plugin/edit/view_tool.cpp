@@ -5,6 +5,8 @@
 
 #include <meshlab/glarea.h>
 
+#include <QKeyEvent>
+
 namespace pcm::host {
 
 bool ViewTool::take_view(GLArea& view)
@@ -24,6 +26,12 @@ void ViewTool::guarded(const std::function<void()>& work)
     } catch (...) {
         say(QString::fromStdString(current_error()));
     }
+}
+
+QKeyEvent* ViewTool::shortcut_of(QObject* receiver, QEvent* event) const
+{
+    const bool works = view_ && receiver == view_ && !view_->suspendedEditor;
+    return works && event->type() == QEvent::ShortcutOverride ? static_cast<QKeyEvent*>(event) : nullptr;
 }
 
 void ViewTool::say(const QString& text)

@@ -9,6 +9,7 @@
 #include <functional>
 
 class GLArea;
+class QKeyEvent;
 
 namespace pcm::host {
 
@@ -26,6 +27,9 @@ protected:
     void guarded(const std::function<void()>& work);
     // In the panel and in MeshLab's log; an empty text empties the panel's line alone.
     void say(const QString& text);
+    // Of an event filter of the view: the key that MeshLab is about to take as a shortcut, while the tool works;
+    // accept() leaves it to the view. Null: it is another event.
+    QKeyEvent* shortcut_of(QObject* receiver, QEvent* event) const;
     virtual void say_in_panel(const QString& text) = 0;
 
     GLArea* view_ = nullptr;  // while the tool is on

@@ -6,6 +6,7 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
 #include "plugin/filter/tree_target.h"
+#include "plugin/host/drawn_primitives.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/primitive_book.h"
@@ -124,8 +125,8 @@ void run(const FilterRun& run)
     for (Primitive& primitive : found.primitives) {
         primitive.cloud = name;
         primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
-        run.log(primitive.name + ": " + text_of(primitive.fit.shape) + ", residual " + brief(primitive.fit.rms) + ", " +
-                grouped(primitive.points) + " points");
+        run.log(primitive.name + ": " + size_of(primitive, cloud.unit).toStdString() + ", residual " +
+                brief(primitive.fit.rms) + ", " + grouped(primitive.points) + " points");
     }
     run.log(grouped(found.primitives.size()) + " primitives; " + grouped(found.outcome.points_out) + " of " +
             grouped(found.outcome.points_in) + " points belong to one; threshold " + brief(found.threshold) + ", " +
@@ -133,6 +134,7 @@ void run(const FilterRun& run)
     if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
     PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
     write_drawing(run, found.primitives, cloud.unit);
+    note_matrix(run, cloud);
     if (labelled) label(run, cloud, found, labels);
 }
 

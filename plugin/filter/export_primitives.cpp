@@ -1,5 +1,6 @@
 // Export Primitives: the project's list, or a list in a file, as drawings and tables.
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
@@ -17,6 +18,9 @@ void add_parameters(RichParameterList& parameters)
         RichString("ListFile", "", "List",
                    "A list of primitives (.json) that is written in another format. Empty, the default: "
                    "the list of the project."));
+    parameters.addParam(RichBool("ApplyMatrix", true, "Apply the matrices of layers",
+                                 "Write the project's primitives where the matrices of their layers move the clouds, "
+                                 "as views show them. Matrices that scale, shear or mirror are refused. Default on."));
     add_drawing_parameters(parameters, true);
 }
 
@@ -44,7 +48,14 @@ void run(const FilterRun& run)
     if (book.list().empty())
         throw Error(ErrorCode::invalid_argument, {}, "the project has no primitives",
                     "fit some, or name a list (.json)");
-    write_drawing(run, book.list().all(), unit_of(book));
+    bool moved = false;
+    for (std::size_t i = 0; i < book.list().size(); ++i) moved = moved || book.placement_of(book.list()[i]).has_value();
+    const bool applied = run.parameters.getBool("ApplyMatrix");
+    const bool everything = lower_extension(drawing_of(run.parameters)) == ".json";  // hidden ones too
+    write_drawing(run, applied ? book.placed(everything) : book.list().all(), unit_of(book));
+    if (moved)
+        run.log(applied ? "The primitives are where the matrices of their layers move the clouds."
+                        : "The matrices of layers were not applied.");
 }
 
 }  // namespace
@@ -56,7 +67,8 @@ Filter export_primitives()
         "Export Primitives",
         "Writes the primitives of the project's list, which the tool and filter <i>Fit Primitives</i> and the filter "
         "<i>Detect Primitives</i> make, as DXF, as a script for AutoCAD (SCR), as CSV with standard deviations, or "
-        "as a list (JSON) that reads back; in source coordinates. Hidden ones are left out of drawings and tables.",
+        "as a list (JSON) that reads back; in source coordinates, moved by the matrices of their layers. Hidden ones "
+        "are left out of drawings and tables.",
         F::Measure, add_parameters, run};
 }
 

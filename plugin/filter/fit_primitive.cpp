@@ -185,9 +185,10 @@ void run(const FilterRun& run)
     primitive.cloud = cloud.layer ? cloud_name(*cloud.layer) : cloud.cloud->tree()->folder().string();
     PrimitiveBook& book = PrimitiveBook::of(run.document);
     std::size_t index = 0;
+    primitive.colour = next_colour(book.list());
     book.change([&](PrimitiveList& list) { index = list.add(primitive); });
     const auto points = std::make_shared<const PointSet>(std::move(found->points));
-    book.keep_points(book.list()[index], points);
+    book.keep_points(book.list()[index], points, found->reached);
     const Primitive kept = book.list()[index];
     if (kept.fit.verdict == FitVerdict::doubtful) run.warn(kept.name + " is doubtful: " + kept.fit.message);
     log_primitive(run, kept, cloud.unit);
@@ -197,6 +198,7 @@ void run(const FilterRun& run)
                     QString("%1, %2 points")
                         .arg(QString::fromStdString(kept.name), QString::fromStdString(grouped(points->size()))));
     write_drawing(run, {kept}, cloud.unit);
+    note_matrix(run, cloud);
     write_points(run, *points);
 }
 

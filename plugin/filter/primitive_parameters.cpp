@@ -7,6 +7,7 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/host/drawn_primitives.h"
+#include "plugin/host/placement.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/text.h"
 
@@ -117,6 +118,13 @@ void write_drawing(const FilterRun& run, const std::vector<Primitive>& primitive
     const CadReport report = write_primitives(file, primitives, options);
     log_notes(run, report.notes);
     run.log(file.string() + ": " + grouped(report.written) + (report.written == 1 ? " primitive" : " primitives"));
+}
+
+void note_matrix(const FilterRun& run, const PrimitiveCloud& cloud)
+{
+    const auto tree = cloud.layer ? Registry::instance().find(*cloud.layer) : std::nullopt;
+    if (drawing_of(run.parameters).empty() || !tree || !placement_of(*cloud.layer, *tree)) return;
+    run.log("The file has the cloud's own coordinates, without the matrix of its layer; Export Primitives applies it.");
 }
 
 void log_primitive(const FilterRun& run, const Primitive& primitive, const std::string& unit)

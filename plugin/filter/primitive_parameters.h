@@ -39,6 +39,8 @@ std::filesystem::path drawing_of(const RichParameterList& parameters);  // empty
 void check_drawing(const FilterRun& run);
 // Nothing is written where no file is wanted. `unit` is the one that the cloud states, or empty.
 void write_drawing(const FilterRun& run, const std::vector<Primitive>& primitives, const std::string& unit);
+// After write_drawing(): says so where the cloud's layer has a matrix, which moves nothing in the file.
+void note_matrix(const FilterRun& run, const PrimitiveCloud& cloud);
 
 // All that is known of it.
 void log_primitive(const FilterRun& run, const Primitive& primitive, const std::string& unit);

@@ -42,6 +42,19 @@ void SoloLayers::set(const MeshModel& layer, bool on)
     apply();
 }
 
+bool SoloLayers::is_shown_otherwise(const MeshModel& layer) const
+{
+    const auto found = before_.find(layer.id());
+    return found == before_.end() ? layer.visible : found->second;
+}
+
+void SoloLayers::restore(const std::set<int>& solo, const std::map<int, bool>& otherwise)
+{
+    solo_ = solo;
+    before_ = otherwise;
+    apply();
+}
+
 void SoloLayers::apply()
 {
     for (MeshModel* layer : document_.meshList) {

@@ -23,6 +23,10 @@ public:
 
     bool is_solo(const MeshModel& layer) const { return solo_.count(layer.id()) != 0; }
     void set(const MeshModel& layer, bool on);
+    // Whether the layer is shown while no layer is shown alone.
+    bool is_shown_otherwise(const MeshModel& layer) const;
+    // As a project had it: these are shown alone, and of each layer whether it is shown otherwise.
+    void restore(const std::set<int>& solo, const std::map<int, bool>& otherwise);
 
 private:
     explicit SoloLayers(MeshDocument& document);

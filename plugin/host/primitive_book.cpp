@@ -1,11 +1,14 @@
 #include "plugin/host/primitive_book.h"
 
 #include "pcm/cad/primitive_files.h"
+#include "pcm/fit/moved_primitive.h"
+#include "pcm/system/error.h"
 #include "plugin/host/annotations.h"
 #include "plugin/host/drawn_primitives.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/project_parts.h"
+#include "plugin/host/reached_text.h"
 
 #include <filesystem>
 #include <utility>
@@ -15,9 +18,11 @@ namespace pcm::host {
 namespace {
 
 const char* const element = "PointCloudPrimitives";
+const char* const reached_element = "PointCloudPrimitivePoints";
 const char* const owner = "primitives";
-constexpr std::size_t most_labels = 30;  // with more of them only the selected one has a label
-constexpr int look_ms = 400;             // at the matrices of layers
+constexpr std::size_t most_labels = 30;    // with more of them only the selected one has a label
+constexpr int look_ms = 400;               // at the matrices of layers
+constexpr std::size_t most_seeds = 20000;  // that projects keep, of a primitive
 
 // Of its points: the same shape in the same cloud, whatever its name is.
 std::string key_of(const Primitive& primitive) { return text_of(primitive.fit.shape) + "\n" + primitive.cloud; }
@@ -80,14 +85,15 @@ void PrimitiveBook::select(std::optional<std::size_t> index)
 MeshModel* PrimitiveBook::layer_of(const Primitive& primitive) const
 {
     MeshModel* moved = nullptr;  // the project and its trees may have been moved
-    const auto file = std::filesystem::path(primitive.cloud).filename();
+    const std::filesystem::path path = primitive.cloud;
     for (MeshModel* layer : document_.meshList) {
         if (!layer || !Registry::instance().drawn(*layer)) continue;
         const std::string name = cloud_name(*layer);
         if (name == primitive.cloud) return layer;
-        if (!moved && std::filesystem::path(name).filename() == file) moved = layer;
+        if (!moved && std::filesystem::path(name).filename() == path.filename()) moved = layer;
     }
-    return moved;
+    std::error_code error;
+    return moved && !std::filesystem::exists(path, error) ? moved : nullptr;  // else it is another cloud
 }
 
 std::optional<Affine> PrimitiveBook::placement_of(const Primitive& primitive) const
@@ -95,6 +101,23 @@ std::optional<Affine> PrimitiveBook::placement_of(const Primitive& primitive) co
     const MeshModel* layer = layer_of(primitive);
     const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
     return tree ? host::placement_of(*layer, *tree) : std::nullopt;
+}
+
+std::vector<Primitive> PrimitiveBook::placed(bool hidden_too) const
+{
+    std::vector<Primitive> all = list_.all();
+    for (Primitive& primitive : all) {
+        const auto placement = placement_of(primitive);
+        if (!placement || (primitive.hidden && !hidden_too)) continue;
+        if (!rotation_of(placement->linear))
+            throw Error(
+                ErrorCode::invalid_argument, {},
+                "the matrix of the layer " + layer_of(primitive)->label().toStdString() +
+                    " scales, shears or mirrors " + primitive.name,
+                "undo that, make a moved cloud by Transform Point Cloud and fit there, or hide " + primitive.name);
+        primitive = moved(primitive, *placement);
+    }
+    return all;
 }
 
 bool PrimitiveBook::is_drawn(const Tree& tree) const
@@ -106,10 +129,29 @@ bool PrimitiveBook::is_drawn(const Tree& tree) const
     return false;
 }
 
-void PrimitiveBook::keep_points(const Primitive& primitive, std::shared_ptr<const PointSet> points)
+void PrimitiveBook::keep_points(const Primitive& primitive, std::shared_ptr<const PointSet> points,
+                                std::optional<ReachedFrom> reached)
 {
     points_[key_of(primitive)] = std::move(points);
+    if (reached && !reached->seeds.empty() && reached->seeds.size() <= most_seeds)
+        reached_[key_of(primitive)] = std::move(*reached);
 }
+
+const ReachedFrom* PrimitiveBook::reached(const Primitive& primitive) const
+{
+    const auto found = reached_.find(key_of(primitive));
+    return found == reached_.end() ? nullptr : &found->second;
+}
+
+QString PrimitiveBook::reached_text() const
+{
+    std::map<std::string, ReachedFrom> known;
+    for (std::size_t i = 0; i < list_.size(); ++i)
+        if (const ReachedFrom* from = reached(list_[i])) known[key_of(list_[i])] = *from;
+    return known.empty() ? QString() : text_of(known);
+}
+
+void PrimitiveBook::take_reached(const QString& text) { reached_ = reached_of(text); }
 
 std::shared_ptr<const PointSet> PrimitiveBook::points_of(const Primitive& primitive) const
 {
@@ -165,6 +207,9 @@ void keep_primitives_in_projects()
                           list.add_all(parse_primitives(text.toStdString()));
                           PrimitiveBook::of(document).replace(std::move(list));
                       }});
+    add_project_part(
+        {reached_element, [](MeshDocument& document) { return PrimitiveBook::of(document).reached_text(); },
+         [](MeshDocument& document, const QString& text) { PrimitiveBook::of(document).take_reached(text); }});
 }
 
 }  // namespace pcm::host

@@ -6,6 +6,7 @@
 
 #include "pcm/cloud/affine.h"
 #include "pcm/primitives/primitive_list.h"
+#include "pcm/primitives/reached_from.h"
 #include "pcm/query/point_set.h"
 #include "plugin/host/registry.h"
 
@@ -48,10 +49,21 @@ public:
     MeshModel* layer_of(const Primitive& primitive) const;
     std::optional<Affine> placement_of(const Primitive& primitive) const;
 
+    // The list where the matrices of layers put it, as clouds are exported; hidden ones only on request. Throws
+    // Error(invalid_argument), naming primitive and layer, where a matrix is not rigid.
+    std::vector<Primitive> placed(bool hidden_too) const;
+
     // The points that belong to a primitive, as they were found; null where that is not known: a project was opened, or
     // the cloud has changed.
-    void keep_points(const Primitive& primitive, std::shared_ptr<const PointSet> points);
+    void keep_points(const Primitive& primitive, std::shared_ptr<const PointSet> points,
+                     std::optional<ReachedFrom> reached = {});
     std::shared_ptr<const PointSet> points_of(const Primitive& primitive) const;
+    // How they are found again, which projects keep; null: that is not known.
+    const ReachedFrom* reached(const Primitive& primitive) const;
+    // Of all primitives of the list for which it is known, as a text, and back: take_reached() throws
+    // Error(bad_format).
+    QString reached_text() const;
+    void take_reached(const QString& text);
 
 signals:
     void changed();  // the list or the selection
@@ -66,6 +78,7 @@ private:
     PrimitiveList list_;
     std::optional<std::size_t> selected_;
     std::map<std::string, std::shared_ptr<const PointSet>> points_;  // by cloud and shape
+    std::map<std::string, ReachedFrom> reached_;                     // likewise
     std::map<std::string, std::optional<Affine>> placements_;        // of the clouds, as drawn
     QTimer timer_;  // MeshLab does not say when it changes a layer's matrix
 };

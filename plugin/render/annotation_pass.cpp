@@ -30,33 +30,32 @@ const QImage& AnnotationPass::image_of(const QString& text, double ratio)
     return image;
 }
 
-void AnnotationPass::draw(const MeshDocument& document, const Camera& camera, double ratio, double magnified)
+void AnnotationPass::draw(const MeshDocument& document, const Camera& camera, const SnapshotTile& tile, double ratio)
 {
     const auto& all = Annotations::of(const_cast<MeshDocument&>(document)).all();
-    const auto map = ScreenMap::of(camera);
+    const auto map = ScreenMap::of(tile.whole);
     if (all.empty() || !map) return;
     std::vector<SceneLine> lines;
     std::vector<SceneMark> marks;
     std::vector<std::pair<QString, QPointF>> anchors;
     std::map<QString, QSize> sizes;
-    const double scale = ratio * magnified;
     for (const auto& [owner, annotations] : all)
         for (const Annotation& annotation : annotations) {
             const auto colour = colour_of(annotation.colour);
             const float hidden = annotation.on_top ? 1 : faint;
-            const double width = annotation.width_px * scale;
+            const double width = annotation.width_px * ratio;
             if (annotation.line.size() > 1)
                 lines.push_back({annotation.line, annotation.closed, colour, width, hidden});
-            for (const Vec3d& mark : annotation.marks) marks.push_back({mark, cross_px * scale, colour, width, hidden});
-            if (annotation.label.isEmpty() || magnified != 1) continue;
+            for (const Vec3d& mark : annotation.marks) marks.push_back({mark, cross_px * ratio, colour, width, hidden});
+            if (annotation.label.isEmpty()) continue;
             if (const auto place = map->place_of(annotation.label_at)) {
                 anchors.emplace_back(annotation.label, QPointF((*place)[0], (*place)[1]));
                 sizes[annotation.label] = image_of(annotation.label, ratio).size();
             }
         }
     lines_.draw(camera, lines, marks);
-    for (const PlacedLabel& label : place_labels(anchors, sizes, QSize(camera.width, camera.height)))
-        blend_image(image_of(label.text, ratio), label.place.x(), label.place.y());
+    for (const PlacedLabel& label : place_labels(anchors, sizes, QSize(tile.whole.width, tile.whole.height)))
+        blend_image(image_of(label.text, ratio), label.place.x() - tile.corner.x(), label.place.y() - tile.corner.y());
 }
 
 }  // namespace pcm::host

@@ -6,6 +6,7 @@
 #include "pcm/view/camera.h"
 #include "plugin/host/annotations.h"
 #include "plugin/render/label_places.h"
+#include "plugin/render/snapshot_tile.h"
 
 #include <QImage>
 #include <QString>
@@ -18,9 +19,9 @@ namespace pcm::host {
 class AnnotationPass {
 public:
     // Into the current framebuffer; `camera` is in source coordinates of the document's scene (its origin is the
-    // document's), and of the viewport's size. `ratio` pixels of the screen are one of Qt's. `magnified`: a tile of a
-    // snapshot shows the view so many times larger; lines are as many times as wide, and there are no labels.
-    void draw(const MeshDocument& document, const Camera& camera, double ratio, double magnified);
+    // document's), and of the viewport's size. `ratio` pixels of the picture are one of Qt's. Of a snapshot's tile,
+    // `tile` says which part of the picture it is.
+    void draw(const MeshDocument& document, const Camera& camera, const SnapshotTile& tile, double ratio);
     void release() { lines_.release(); }
 
 private:

@@ -14,15 +14,15 @@ constexpr int info_height = 120;  // MeshLab's own text at the bottom of the vie
 
 }  // namespace
 
-void LegendBox::draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio)
+void LegendBox::draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio, const QPoint& corner)
 {
     picture_ = draw_legends(legends, std::max(0, view.height() - info_height), ratio);
     if (picture_.image.isNull()) return;
     const QSize size = picture_.image.size();
     const int width = static_cast<int>(std::ceil(size.width() / ratio));
     corner_ = QPoint(std::max(0, view.width() - distance - width), distance);
-    blend_image(picture_.image, static_cast<int>(corner_.x() * ratio),
-                static_cast<int>((view.height() - corner_.y()) * ratio) - size.height());
+    blend_image(picture_.image, static_cast<int>(corner_.x() * ratio) - corner.x(),
+                static_cast<int>((view.height() - corner_.y()) * ratio) - size.height() - corner.y());
 }
 
 std::optional<unsigned> LegendBox::class_at(const QPoint& place) const

@@ -4,6 +4,7 @@
 #include "pcm/gl/line_pass.h"
 #include "pcm/view/camera.h"
 #include "plugin/render/settings.h"
+#include "plugin/render/snapshot_tile.h"
 
 #include <string>
 
@@ -15,10 +16,11 @@ double distance_to_pivot(float fov);
 // GL thread with the view's context, a compatibility one.
 class MapOverlay {
 public:
-    // Into the current framebuffer; `camera` is in source coordinates and of the viewport's size. `above_text`: MeshLab
-    // writes its own text at the bottom of the view.
-    void draw(const Camera& camera, double depth, const std::string& unit, const MapSettings& settings, double ratio,
-              bool above_text);
+    // Into the current framebuffer; `camera` is in source coordinates and of the viewport's size. `ratio` pixels of the
+    // picture are one of Qt's. `above_text`: MeshLab writes its own text at the bottom of the view. Of a snapshot's
+    // tile, `tile` says which part of the picture it is.
+    void draw(const Camera& camera, const SnapshotTile& tile, double depth, const std::string& unit,
+              const MapSettings& settings, double ratio, bool above_text);
     void release() { lines_.release(); }
 
 private:

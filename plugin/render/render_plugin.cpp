@@ -2,6 +2,7 @@
 
 #include "plugin/host/bookmarks.h"
 #include "plugin/host/drawn_copy.h"
+#include "plugin/host/layer_marks.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
@@ -47,6 +48,7 @@ PointCloudDecorator::PointCloudDecorator()
     connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
     TreeCache::instance().remove_leftovers();
     keep_bookmarks_in_projects();
+    keep_layer_marks_in_projects();
 }
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const

@@ -4,12 +4,14 @@
 #include "pcm/gl/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/selected_colour.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
 #include "plugin/render/layer_watch.h"
 #include "plugin/render/overlay.h"
 #include "plugin/render/sample_watch.h"
 #include "plugin/render/selection.h"
+#include "plugin/render/snapshot_tile.h"
 
 #include <meshlab/glarea.h>
 
@@ -61,15 +63,6 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
             return now;
     return before;
 }
-
-// A snapshot of several times the view's resolution is drawn in tiles. Each is a part of the view, magnified to the
-// size of the view (glarea.cpp: setView, setTiledView). The vertical scale of the whole view depends on the fov alone.
-double magnification(const pcm::Camera& view, float fov)
-{
-    const double whole = fov <= 5 ? 1 / 1.75 : 1 / std::tan(static_cast<double>(fov) * pi / 360);
-    return view.projection[5] / whole;
-}
-bool is_tile(const pcm::Camera& view, float fov) { return magnification(view, fov) > 1.5; }
 
 // A framebuffer for frames that are not shown; bound during its lifetime.
 class Aside {
@@ -159,13 +152,13 @@ void View::draw_over_clouds(const MapSettings& map)
     if (!origin) return;
     pcm::Camera scene = tile_ ? scene_view() : shown_;
     scene.origin = *origin;
-    if (!tile_) {
-        std::string unit = "source units";
-        for (const auto& [mesh_id, layer] : layers_)
-            if (layer.report) unit = plan_unit(layer.painted->cloud().info().metadata);
-        map_.draw(scene, distance_to_pivot(area_->fov), unit, map, area_->devicePixelRatioF(), area_->infoAreaVisible);
-    }
-    annotations_.draw(*area_->md(), scene, area_->devicePixelRatioF(), tile_ ? magnification(scene, area_->fov) : 1);
+    const SnapshotTile tile = tile_of(scene, area_->fov);
+    const double ratio = area_->devicePixelRatioF() * tile.magnified;
+    std::string unit = "source units";
+    for (const auto& [mesh_id, layer] : layers_)
+        if (layer.report) unit = plan_unit(layer.painted->cloud().info().metadata);
+    map_.draw(scene, tile, distance_to_pivot(area_->fov), unit, map, ratio, area_->infoAreaVisible);
+    annotations_.draw(*area_->md(), scene, tile, ratio);
 }
 
 QString View::describe(const Settings& settings) const
@@ -203,6 +196,9 @@ SceneItem View::item_of(const MeshModel& layer, const TreeLayer& tree, Layer& en
     if (auto clip = clip_of(layer)) item.clips.push_back(std::move(*clip));
     item.selected = SceneState::of(*area_->md()).selection(layer);
     entry.selected = item.selected ? item.selected->size() : 0;
+    if (const auto colour = chosen_selected_colour())
+        item.selected_colour = {static_cast<float>(colour->redF()), static_cast<float>(colour->greenF()),
+                                static_cast<float>(colour->blueF())};
     entry.clip.see(*tree.cloud, item.clips);
     return item;
 }
@@ -235,7 +231,8 @@ void View::draw_scene(const Settings& settings)
         items.push_back(item_of(*layer, *tree, entry, settings));
         drawn.push_back(layer);
     }
-    if (is_tile(view, area_->fov)) {
+    const SnapshotTile tile = tile_of(view, area_->fov);
+    if (tile.is_part()) {
         report_ = draw_tile(view, items, settings.render);
     } else {
         if (tile_) tile_->release();
@@ -248,7 +245,7 @@ void View::draw_scene(const Settings& settings)
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
     log_notices(drawn, settings.style);
-    if (!tile_) draw_legends(drawn, settings.colour);
+    draw_legends(drawn, settings.colour, tile);
     if (report_.repaint) {
         QTimer::singleShot(0, area_, SLOT(update()));
     } else if (report_.refining && !look_again_) {
@@ -288,7 +285,7 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
     return report;
 }
 
-void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings)
+void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings, const SnapshotTile& tile)
 {
     legends_.clear();
     for (std::size_t i = 0; i < drawn.size() && settings.legend; ++i) {
@@ -296,7 +293,7 @@ void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettin
         auto legend = legend_of(report_.clouds[i], height_unit(tree->cloud->info().metadata), settings.hidden_classes);
         if (legend) add_legend(legends_, std::move(*legend), drawn[i]->label());
     }
-    legend_box_.draw(legends_, area_->size(), area_->devicePixelRatioF());
+    legend_box_.draw(legends_, area_->size(), area_->devicePixelRatioF() * tile.magnified, tile.corner);
     if (problem_ == settings.problem) return;
     problem_ = settings.problem;
     if (!problem_.isEmpty()) area_->md()->Log.Log(GLLogStream::WARNING, qPrintable("Point Cloud: " + problem_));

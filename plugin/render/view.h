@@ -78,7 +78,7 @@ private:
     void draw_over_clouds(const MapSettings& map);
     QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
-    void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings);
+    void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings, const SnapshotTile& tile);
     bool click_legend(const QEvent& event);
     void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);

@@ -1,5 +1,6 @@
 // pcmlab fit as a user meets it, on a pipe over a floor.
 
+#include "pcm/system/cpu.h"
 #include "tests/cli/command.h"
 #include "tests/faults.h"
 #include "tests/primitives/shape_cloud.h"
@@ -75,6 +76,20 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
 }
 
 // Of all kinds those that PCL has are fitted.
+TEST_F(FitCommand, IsTheSameWithAllVectorInstructions)
+{
+    std::string first;
+    for (const pcm::SimdLevel level : pcm::simd_levels()) {
+        const std::string name(pcm::name_of(level));
+        const Result result = pcmlab("fit --json " + path("surface.pct") + " " + at_, "PCM_SIMD=" + name);
+        ASSERT_EQ(result.code, 0) << result.err;
+        const std::string primitive = Json::parse(result.out)["primitive"].dump();
+        ASSERT_GT(primitive.size(), 100u);
+        if (first.empty()) first = primitive;
+        EXPECT_EQ(primitive, first) << name;
+    }
+}
+
 TEST_F(FitCommand, TheBackendPclLeavesOutWhatItHasNot)
 {
     const Result result = pcmlab("fit " + path("surface.pct") + " " + at_ + " --shape any --backend pcl");
@@ -160,6 +175,8 @@ TEST_F(FitCommand, AddsToAList)
     const Json json = Json::parse(file);
     ASSERT_EQ(json["primitives"].size(), 3u);
     EXPECT_EQ(json["primitives"][1]["name"], "Floor");
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NE(json["primitives"][i]["colour"], json["primitives"][(i + 1) % 3]["colour"]) << i;
     // What is no list stays as it is.
     std::ofstream(folder_ / "other.json") << "{}";
     refused(at_ + "--add " + path("other.json"), 1, "other.json");

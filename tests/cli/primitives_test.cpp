@@ -31,13 +31,31 @@ TEST_F(PrimitiveCommands, ShowAList)
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_EQ(shown.out,
               "Pipe 1\n"
-              "  cylinder 500000 4800000 0 0 0 1 0.25\n"
+              "  cylinder 500000 4800000 0 0 0 1 0.25000\n"
               "  radius 0.2500 \u00b1 0.0004 m, length 3 m\n"
               "  1,200 inliers, rms 0.002 m\n"
               "Roof (hidden)\n"
-              "  cone 0 0 9 0 0 -1 28.64788975654116\n"
+              "  cone 0 0 9 0 0 -1 28.6479\n"
               "  half angle 28.6 (not determined)\n"
               "  doubtful: too thin\n");
+}
+
+TEST_F(PrimitiveCommands, RoundToWhatIsKnownInTextAlone)
+{
+    std::ofstream(folder_ / "fine.json") << R"({"format":"pcm primitives","version":1,"primitives":[
+        {"name":"Pipe","kind":"cylinder","point":[500000.123456789,4800000.5,0.987654321],"axis":[0.6,0,0.8],
+         "radius":0.123456789,"sigma":{"position":0.002,"angle":0.001,"radius":0.0004}},
+        {"name":"Elbow","kind":"torus","point":[1.23456789,2,3],"axis":[0,0,1],"radius":0.123456789,
+         "tube_radius":0.0123456789,"sigma":{"position":0.01,"angle":0.1,"radius":0.02,"second":0.003}},
+        {"name":"Roof","kind":"cone","point":[1.23456789,2,3],"axis":[0,0,1],"half_angle":0.5123456789,
+         "sigma":{"position":0.01,"angle":0.1,"second":0.01}}]})";
+    const Result shown = pcmlab("primitives " + path("fine.json"));
+    EXPECT_NE(shown.out.find("  cylinder 500000.1235 4800000.5000 0.9877 0.6000 0 0.8000 0.12346\n"), std::string::npos)
+        << shown.out;
+    EXPECT_NE(shown.out.find("  torus 1.235 2.000 3.000 0 0 1.00 0.123 0.0123\n"), std::string::npos) << shown.out;
+    EXPECT_NE(shown.out.find("  cone 1.235 2.000 3.000 0 0 1.00 29.36\n"), std::string::npos) << shown.out;
+    const Result exact = pcmlab("primitives --json " + path("fine.json"));
+    EXPECT_EQ(Json::parse(exact.out)["primitives"][0]["point"][0], 500000.123456789);
 }
 
 TEST_F(PrimitiveCommands, WriteAndAppend)

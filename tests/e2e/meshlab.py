@@ -44,6 +44,10 @@ class Run:
         found = (json.loads(m[1]) for m in re.finditer(r"driver: parameters (\{.*\})", self.text))
         return {values["name"]: values for values in found}
 
+    def docks(self):
+        """The least widths of panels that the driver's print-docks printed, by name."""
+        return {m[1]: int(m[2]) for m in re.finditer(r"driver: dock (\S+) (\d+)", self.text)}
+
     def fields(self):
         """What the driver's print-field printed, in order."""
         return re.findall(r"driver: field [^:]*: (.*)", self.text)
@@ -70,6 +74,10 @@ class Run:
         """The rows of a table that the driver's print-table printed, in order."""
         found = (json.loads(m[1]) for m in re.finditer(r"driver: table (\{.*\})", self.text))
         return [table["rows"] for table in found if table["name"] == name]
+
+    def turns(self):
+        """What the driver's print-turns printed, in order."""
+        return [json.loads(m[1]) for m in re.finditer(r"driver: turns (\{.*\})", self.text)]
 
     def cameras(self):
         """What the driver's print-camera printed, by name."""

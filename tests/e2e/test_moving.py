@@ -269,7 +269,7 @@ class PointCloudsPanel(MeshLabTest):
 
     def test_layers_are_chosen_shown_alone_and_locked(self):
         a, b = self.two_layers()
-        panel, locked = self.result("panel.png"), self.folder / "locked.las"
+        panel, project = self.result("panel.png"), self.folder / "saved.mlp"
         run = self.gui(f"""
             wait-view
             open {a}
@@ -327,9 +327,32 @@ class PointCloudsPanel(MeshLabTest):
             screen {panel}
             press OK
             press Close
+            check-cell PointCloudLayers 1 3 on
+            trigger Save Project As...
+            pause 500
+            pick {project}
+            pause 500
             quit
             """, timeout=400)
         self.assertDriven(run)
+        again = self.gui(f"""
+            wait-view
+            wait-layers 2
+            wait-rows PointCloudLayers 2
+            pause 500
+            print-table PointCloudLayers
+            check-cell PointCloudLayers 1 3 off
+            wait-status 2 clouds
+            print-table PointCloudLayers
+            move-layer 0 100 0 0
+            wait-log its matrix is what it was
+            print-layers
+            quit
+            """, project)
+        self.assertDriven(again)
+        self.assertEqual([[row[2:] for row in rows] for rows in self.tables(again, "PointCloudLayers")],
+                         [[[False, False, True], [True, True, False]], [[True, False, True], [True, False, False]]])
+        self.assertEqual([layer["matrix"][3] for layer in again.layers()], [25, 0])
         first, solo, released = self.tables(run, "PointCloudLayers")
         self.assertEqual([row[1:] for row in first], [["60,000", True, False, False]] * 2)
         self.assertEqual([row[2:4] for row in solo], [[True, True], [False, False]])

@@ -1,6 +1,7 @@
 """What tools make visible: the clip box, and what a map has beside its content."""
 
 import re
+import shutil
 import unittest
 
 from meshlab import FIXED_VIEW, MeshLabTest, different, pcmlab
@@ -77,38 +78,65 @@ class SeeingTools(MeshLabTest):
             self.assertLess(shown, points + 30000, name)
         self.assertIn(" ".join(f"{v:.0f}" for v in box), run.text)
 
+    def snapshot(self, number, name):
+        """Commands that take a picture of the view, and a snapshot of twice its size."""
+        return f"""
+            wait-status full resolution
+            picture {self.result(name + ".png")}
+            trigger Save snapshot
+            set Screen Multiplier = 2
+            press Save
+            wait-log Snapshot saved to ./snapshot{number:02}.png
+            """
+
     def test_a_map_has_a_scale_bar_and_a_grid(self):
+        """Also in a snapshot that is made of tiles, where they are as many times as large."""
         _, tree = self.generate("scene", 100000, "--seed", 3, "--extent", 20, "--origin", ORIGIN)
-        pictures = {name: self.result(name + ".png") for name in ("plain", "bar", "north", "grid", "again")}
+        names = ["plain", "bar", "north", "grid", "legend", "label", "again"]
         run = self.gui(f"""
             wait-view
             {FIXED_VIEW}
             wait-layers 1
             trigger Toggle Orthographic Camera
-            wait-status full resolution
-            picture {pictures["plain"]}
+            parameter MeshLab::PointCloud::Colour = 3
+            parameter MeshLab::PointCloud::Legend = 0
+            {self.snapshot(0, "plain")}
             parameter MeshLab::PointCloud::ScaleBar = 1
-            wait-status full resolution
-            picture {pictures["bar"]}
+            {self.snapshot(1, "bar")}
             parameter MeshLab::PointCloud::NorthArrow = 1
-            wait-status full resolution
-            picture {pictures["north"]}
+            {self.snapshot(2, "north")}
             parameter MeshLab::PointCloud::PlanGrid = 1
-            wait-status full resolution
-            picture {pictures["grid"]}
+            {self.snapshot(3, "grid")}
             parameter MeshLab::PointCloud::ScaleBar = 0
             parameter MeshLab::PointCloud::NorthArrow = 0
             parameter MeshLab::PointCloud::PlanGrid = 0
-            wait-status full resolution
-            picture {pictures["again"]}
+            parameter MeshLab::PointCloud::Legend = 1
+            {self.snapshot(4, "legend")}
+            parameter MeshLab::PointCloud::Legend = 0
+            trigger Measure
+            wait-log Measure: click points
+            field PointCloudMeasureKind = Point
+            click 0.45 0.55
+            wait-rows PointCloudMeasureList 1
+            {self.snapshot(5, "label")}
+            press Delete measure
+            wait-rows PointCloudMeasureList 0
+            {self.snapshot(6, "again")}
             quit
             """, tree)
         self.assertDriven(run)
-        for before, after, least, most in (("plain", "bar", 0.005, 0.1), ("bar", "north", 0.002, 0.05), ("north", "grid", 0.01, 0.5)):
+        pictures = {name: self.result(name + ".png") for name in names}
+        large = {name: self.folder / f"snapshot{i:02}.png" for i, name in enumerate(names)}
+        for name, path in large.items():
+            shutil.copy(path, self.result(name + "-snapshot.png"))
+        for before, after, least, most in (("plain", "bar", 0.005, 0.1), ("bar", "north", 0.002, 0.05), ("north", "grid", 0.01, 0.5),
+                                           ("again", "legend", 0.005, 0.2), ("again", "label", 0.005, 0.1)):
             share = different(pictures[before], pictures[after])
             self.assertGreater(share, least, after)
             self.assertLess(share, most, after)
-        self.assertEqual(different(pictures["plain"], pictures["again"]), 0)
+            self.assertAlmostEqual(different(large[before], large[after]) / share, 1, delta=0.25, msg=after)
+        for pair in (pictures, large):
+            self.assertEqual(different(pair["plain"], pair["again"]), 0)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ def detect(tree, labels=False, copy="", **more):
 
 
 def export(output, listed="", **more):
-    return ("Export Primitives", {"ListFile": text(listed), **drawing(output, **more)})
+    return ("Export Primitives", {"ListFile": text(listed), "ApplyMatrix": flag(True), **drawing(output, **more)})
 
 
 class ServerFitting(MeshLabTest):

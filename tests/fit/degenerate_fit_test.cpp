@@ -212,6 +212,22 @@ TEST(DegenerateFits, ExtremeExtentsGiveTheSameShape)
         }
 }
 
+// Whose extent is so small that it has no inverse.
+TEST(DegenerateFits, TheLeastNumbersAreAPlane)
+{
+    for (const double scale : {1e-307, 1e-309, 1e-312}) {
+        const FitPoints flat = random_points(500, [](double u, double v, double w) {
+            return Vec3d{u, v, w > 0.8 ? 0.3 : 0};
+        });
+        FitPoints points;
+        for (std::size_t i = 0; i < flat.size(); ++i) points.add(Vec3d{1e-307, 0, 0} + scale * flat.source(i));
+        const ShapeFit fit = fit_shape(points, {});
+        ASSERT_EQ(fit.verdict, FitVerdict::good) << scale << fit.message;
+        EXPECT_NEAR(std::fabs(fit.shape.axis[2]), 1, 1e-9) << scale;
+        EXPECT_GT(fit.inliers, 350u) << scale;
+    }
+}
+
 TEST(DegenerateFits, NormalsOfFewPoints)
 {
     for (std::size_t count : {0u, 1u, 2u, 3u, 7u}) {

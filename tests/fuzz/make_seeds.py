@@ -148,6 +148,32 @@ def primitives_seeds():
     yield "empty.json", listed()
 
 
+def pairs_seeds():
+    corners = [(0, 0, 0), (10, 0, 0), (0, 20.5, 0), (3, 4, 5e-3)]
+    rows = ["# moving  fixed  weight"] + [f"{x + 5e5} {y + 48e5:.3f};{z},\t{-y} {x} {z + 1}" for x, y, z in corners]
+    yield "turned.txt", "\r\n".join(rows).encode()
+    yield "weights.txt", "".join(f"{row} {weight}\n" for row, weight in zip(rows[1:], (0, 1, 0.5, 1e-9))).encode()
+    yield "line.txt", "".join(f"{i} {i} 0 {i} {i} 1 # on a line\n" for i in range(4)).encode()
+    yield "far.txt", "".join(f"{x * 1e150} {y} {z} {x} {y} {z * 1e-150}\n" for x, y, z in corners).encode()
+
+
+def measures_seeds():
+    def listed(*measures):
+        return json.dumps({"format": "pcm measures", "version": 1, "measures": measures}).encode()
+
+    def points(count):
+        return [{"position": [5e5 + i * i, 48e5 + 7 * i % 5, i * 0.5], "spacing": 0.1, "grid_step": 1e-3, "cloud": "a.pct"}
+                for i in range(count)]
+
+    counts = {"point": 1, "distance": 3, "height": 2, "angle": 3, "area": 4, "plane": 4, "volume": 4, "profile": 2, "surface": 1}
+    for kind, count in counts.items():
+        more = {"profile": {"width": 2.5}, "surface": {"surface": "cylinder 0 0 0 0 0 1 0.5"},
+                "volume": {"computed": [{"name": "net", "value": -1.5, "uncertainty": 0.1, "unit": "^3"}]}}.get(kind, {})
+        yield f"{kind}.json", listed({"kind": kind, "name": f"{kind} \u00e4", "points": points(count), **more})
+    yield "several.json", listed(*({"kind": "angle", "name": str(i), "hidden": True, "points": points(3)} for i in range(3)))
+    yield "empty.json", listed()
+
+
 def write_e57(folder):
     """E57 files, if the tests' Python packages are installed: the project does not write E57."""
     try:
@@ -169,10 +195,10 @@ def write_e57(folder):
 
 
 BY_HAND = {"las": las_seeds, "ply": ply_seeds, "xyz": text_seeds, "pts": pts_seeds, "ptx": ptx_seeds, "pcd": pcd_seeds,
-           "primitives": primitives_seeds}
+           "primitives": primitives_seeds, "pairs": pairs_seeds, "measures": measures_seeds}
 # Every target of a format is named like its extension; pcmlab writes the seeds of those that it writes.
 CONVERTED = sorted({source.stem[len("fuzz_"):] for source in pathlib.Path(__file__).parent.glob("fuzz_*.cpp")} -
-                   {"index", "chunk", "primitives"})
+                   {"index", "chunk", "primitives", "pairs", "measures"})
 
 
 def write_trees(pcm, scene, folder):

@@ -2,6 +2,7 @@
 #include "pcm/pick/point_picker.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/pick/pick_cone.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -271,6 +272,30 @@ TEST_P(PointPickerTest, FindsWhatConditionsAndClipsLeave)
     if (GetParam() == Cloud::single) return;
     EXPECT_GT(hits, 20);
     EXPECT_GT(changed, 20);
+}
+
+// With the answer known from the beginning, those chunks are looked at that can hold a better one: of each level no
+// splat is larger than the level's limit, however deep its chunk lies below chunks of coarser levels.
+TEST_P(PointPickerTest, LooksAtNoMoreChunksThanTheSizesOfTheirLevelsAsk)
+{
+    PointPicker picker(cloud_->cache());
+    const Tree& tree = *cloud_->tree();
+    std::mt19937_64 random(12);
+    for (int i = 0; i < 200; ++i) {
+        SCOPED_TRACE(i);
+        const PickRay ray = random_ray(random);
+        const PickOptions options;
+        const auto hit = picker.exact(ray, options).hit;
+        if (!hit) continue;
+        const PickCone cone(ray, options, tree.info());
+        std::uint64_t expected = 0;
+        for (NodeId id = 0; id < tree.nodes().size(); ++id) {
+            if (tree.node(id).points == 0) continue;
+            const auto depth = cone.least_depth(tree.box(id), cone.limit(tree.node(id).first_level));
+            expected += depth && *depth <= hit->depth;
+        }
+        EXPECT_EQ(picker.exact(ray, options, hit).chunks, expected);
+    }
 }
 
 // Everything that an occluder or another cloud hides is left out.

@@ -1,10 +1,7 @@
 // Measures in a document's scene: what is drawn, units, moved layers, text.
-#include "plugin/edit/measure/cloud_frame.h"
 #include "plugin/edit/measure/drawn_measures.h"
 #include "plugin/edit/measure/length_unit.h"
 #include "plugin/edit/measure/measure_text.h"
-
-#include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 
@@ -99,35 +96,6 @@ TEST(LengthUnits, AreSaidWhereTheyMeanSomething)
     EXPECT_EQ(common_unit({degrees}).symbol, "");
     EXPECT_TRUE(common_unit({degrees}).warning.contains("degrees"));
     EXPECT_TRUE(common_unit({projected(1, 0), projected(0.3048, 0)}).warning.contains("different"));
-}
-
-TEST(CloudFrames, UprightMatricesAreUndone)
-{
-    const Vec3d centre{500000, 4800000, 100}, p{500012.25, 4800031.5, 103.125};
-    Affine turned = Affine::rotation({0, 0, 1}, 0.7, centre, 2.5);
-    turned.target = turned.target + Vec3d{10, -20, 3};
-    const CloudFrame frame = cloud_frame(nullptr, turned, "layer");
-    EXPECT_DOUBLE_EQ(frame.scale, 2.5);
-    const Vec3d back = frame.to_cloud(frame.to_scene(p));
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(back[k], p[k], 2e-9);
-    const CloudFrame still = cloud_frame(nullptr, std::nullopt, "layer");
-    EXPECT_EQ(still.to_cloud(p), p);
-}
-
-TEST(CloudFrames, TiltedMirroredAndStretchedOnesAreRefused)
-{
-    Affine mirrored, stretched;
-    mirrored.linear[2][2] = -1;
-    stretched.linear[0][0] = 2;
-    for (const Affine& wrong : {Affine::rotation({1, 0, 0}, 0.01, {0, 0, 0}), mirrored, stretched}) {
-        try {
-            cloud_frame(nullptr, wrong, "roof");
-            FAIL();
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
-            EXPECT_NE(std::string(error.what()).find("'roof'"), std::string::npos);
-        }
-    }
 }
 
 }  // namespace

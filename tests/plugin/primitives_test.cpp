@@ -2,6 +2,7 @@
 #include "plugin/edit/fit/fit_settings.h"
 
 #include "pcm/cad/primitive_files.h"
+#include "pcm/cloud/condition.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
 #include "plugin/host/annotations.h"
@@ -178,6 +179,111 @@ TEST_F(PrimitiveBooks, AreKeptInProjects)
     // What cannot be read changes nothing.
     take_parts(QByteArray(file).replace("cylinder", "potato"), document_);
     EXPECT_EQ(book().list().size(), 1u);
+}
+
+TEST_F(PrimitiveBooks, AreMovedWithTheirLayersInDrawings)
+{
+    Primitive hidden = pipe(cloud_name(*layer_));
+    hidden.hidden = true;
+    Primitive elsewhere = pipe("elsewhere.pct");
+    book().change([&](PrimitiveList& list) { list.add_all({pipe(cloud_name(*layer_)), hidden, elsewhere}); });
+    const Vec3d there = pipe("").fit.shape.point;
+    EXPECT_EQ(book().placed(true)[0].fit.shape.point, there);
+    const Vec3d origin = Registry::instance().origin_of(document_).value();
+    Affine quarter = Affine::rotation({1, 0, 0}, pi / 2, there);
+    quarter.target = quarter.target + Vec3d{10, 0, 0};
+    LayerMatrices::of(document_).set(*layer_, matrix_of(quarter, origin), "turned");
+    const auto placed = book().placed(false);
+    EXPECT_LT(length(placed[0].fit.shape.point - there - Vec3d{10, 0, 0}), 0.01);
+    EXPECT_NEAR(std::fabs(placed[0].fit.shape.axis[1]), 1, 1e-6);
+    EXPECT_EQ(placed[0].fit.shape.radius, 2);
+    EXPECT_EQ(placed[1].fit.shape.point, there) << "not written, so it is not moved";
+    EXPECT_NE(book().placed(true)[1].fit.shape.point, there);
+    EXPECT_EQ(placed[2].fit.shape.point, there) << "no layer shows its cloud";
+    EXPECT_EQ(book().list()[0].fit.shape.point, there);
+    LayerMatrices::of(document_).set(*layer_, matrix_of(Affine::rotation({1, 0, 0}, 1, there, 2), origin), "scaled");
+    try {
+        book().placed(false);
+        FAIL();
+    } catch (const Error& error) {
+        const std::string words = error.what();
+        EXPECT_NE(words.find("layer tree scales"), std::string::npos) << words;
+        EXPECT_NE(words.find("Cylinder 1"), std::string::npos) << words;
+    }
+    book().change([](PrimitiveList& list) { list.hide(0, true); });
+    EXPECT_NO_THROW(book().placed(false));
+    EXPECT_THROW(book().placed(true), Error);
+}
+
+TEST_F(PrimitiveBooks, AnotherCloudOfTheSameNameIsNotTheirs)
+{
+    const test::TemporaryFolder other;
+    const fs::path same_name = other / tree_.filename();
+    Primitive primitive = pipe(same_name.string());
+    EXPECT_EQ(book().layer_of(primitive), layer_) << "the project was moved";
+    fs::create_directory(same_name);
+    EXPECT_EQ(book().layer_of(primitive), nullptr) << "it is where it was, and not open";
+}
+
+TEST_F(PrimitiveBooks, HowTheirPointsWereReachedIsKept)
+{
+    const auto cloud = Registry::instance().find(*layer_)->cloud;
+    const auto all = std::make_shared<const PointSet>(PointSet::all_of(cloud->tree()));
+    ReachedFrom from;
+    from.shape = pipe("").fit.shape;
+    from.threshold = 0.1 / 3;
+    from.normal_angle = 0.4;
+    from.step = 0.7;
+    from.seeds = {far_away + Vec3d{0.1, 0.2, 0.3}, far_away};
+    from.limit.clips = {{Region::sphere(far_away, 0.3), true}};
+    from.limit.region = Region::box({far_away, far_away + Vec3d{1, 2, 3}});
+    from.limit.box = Box3d{far_away, far_away + Vec3d{3, 3, 3}};
+    from.limit.where = {parse_condition("classification != 2..4, 7")};
+    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(*layer_))); });
+    book().keep_points(book().list()[0], all, from);
+    const QByteArray file = with_parts("<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n</MeshLabProject>\n", document_);
+    book().replace({});
+    book().take_reached("[]");
+    take_parts(file, document_);
+    const ReachedFrom* const back = book().reached(book().list()[0]);
+    ASSERT_NE(back, nullptr) << file.toStdString();
+    EXPECT_EQ(text_of(back->shape), text_of(from.shape));
+    EXPECT_EQ(back->threshold, from.threshold);
+    EXPECT_EQ(back->normal_angle, from.normal_angle);
+    EXPECT_EQ(back->step, from.step);
+    EXPECT_EQ(back->seeds, from.seeds);
+    ASSERT_EQ(back->limit.clips.size(), 3u);
+    EXPECT_EQ(back->limit.clips[0].region.text(), Region::box(*from.limit.box).text());
+    EXPECT_EQ(back->limit.clips[1].region.text(), from.limit.region->text());
+    EXPECT_EQ(back->limit.clips[2].region.text(), from.limit.clips[0].region.text());
+    EXPECT_TRUE(back->limit.clips[2].outside && !back->limit.clips[0].outside);
+    ASSERT_EQ(back->limit.where.size(), 1u);
+    EXPECT_EQ(back->limit.where[0].text, from.limit.where[0].text);
+    // Of primitives that the list has no more nothing is kept, nor of very many seeds.
+    book().change([](PrimitiveList& list) { list.clear(); });
+    EXPECT_TRUE(book().reached_text().isEmpty());
+    from.seeds.assign(20001, far_away);
+    Primitive many = pipe("many");
+    book().change([&](PrimitiveList& list) { list.add(many); });
+    book().keep_points(book().list()[0], all, from);
+    EXPECT_TRUE(book().reached_text().isEmpty());
+    const QString good = R"({"of": "a", "shape": "sphere 0 0 0 1", "threshold": 1, "normal_angle": 4, "step": 1,)"
+                         R"( "seeds": [[1, 2, 3]], "clips": [], "where": []})";
+    EXPECT_NO_THROW(book().take_reached("[" + good + "]"));
+    for (const auto& [from_text, to_text] :
+         std::vector<std::pair<const char*, const char*>>{{"sphere", "potato"},
+                                                          {"[1, 2, 3]", "[1, 2]"},
+                                                          {"\"step\": 1", "\"step\": -1"},
+                                                          {"\"a\"", "\"\""},
+                                                          {"\"clips\": []", "\"clips\": [{\"region\": \"x\"}]"},
+                                                          {"\"where\": []", "\"where\": [\"=\"]"},
+                                                          {"{", "["}})
+        try {
+            book().take_reached("[" + QString(good).replace(from_text, to_text) + "]");
+            ADD_FAILURE() << from_text;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::bad_format) << error.what();
+        }
 }
 
 TEST(FitSettings, AreTypedAndKept)

@@ -108,6 +108,20 @@ TEST(ScreenShape, ShapesWithoutAreaAreRefused)
     EXPECT_NO_THROW(region_of(rectangle_of({10, 10}, {20, 30}), view, {}));
 }
 
+TEST(ScreenShape, ACircleHasItsRadius)
+{
+    const QPointF centre(120.5, 80);
+    const ScreenShape circle = circle_of(centre, 15);
+    EXPECT_GE(circle.size(), 32u);
+    QPointF middle;
+    for (const QPointF& corner : circle) {
+        EXPECT_NEAR(std::hypot(corner.x() - centre.x(), corner.y() - centre.y()), 15, 1e-12);
+        middle += corner / double(circle.size());
+    }
+    EXPECT_NEAR(middle.x(), centre.x(), 1e-9);
+    EXPECT_NEAR(middle.y(), centre.y(), 1e-9);
+}
+
 TEST(ScreenShape, ABallMovesWithItsCloud)
 {
     const Vec3d origin{500000, 4800000, 100};

@@ -31,6 +31,24 @@ protected:
         one.threshold = threshold;
         return one;
     }
+    // Of the plane z = 0 and one part, to which all points with a label belong.
+    FinalFit fit_all(const std::function<std::uint32_t(const Vec3d&)>& label) const
+    {
+        PointLabels labels(*tree_);
+        AssignedPoints assigned;
+        assigned.parts.resize(1);
+        for (const PlacedPoint& p : all_points(*tree_)) {
+            const std::uint32_t one = label(p.position);
+            labels.set(p.node, {p.number}, &one);
+            assigned.parts[0].box.extend(p.position);
+            assigned.parts[0].points += one != 0;
+        }
+        assigned.part_of = {0};
+        FinalFitOptions options;
+        options.least_points = 500;
+        options.progress = [](double) {};
+        return fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
+    }
     AssignOptions options_of(double cell, std::uint64_t least_points) const
     {
         AssignOptions options;
@@ -151,7 +169,15 @@ TEST_F(AssignPoints, StepsJoinWhatIsNoFartherApart)
     for (int i = 0; i < 50; ++i)
         for (int j = 0; j < 50; ++j)
             for (const double x : {0.0, 1.28}) points.push_back({x + 0.02 * i, 0.02 * j, 0});  // 0.3 apart
+    for (int i = 0; i < 20; ++i) points.push_back({-1.5 + 0.02 * (i % 5), 0.02 * (i / 5), 0});
     make(points);
+    for (const std::uint64_t least_sampled : {0, 100}) {  // without labels there are no numbers of points
+        AssignOptions options = options_of(0.01, 0);
+        options.least_sampled = least_sampled;
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {level_plane(0, 0.01)}, options, nullptr);
+        EXPECT_EQ(assigned.parts.size(), least_sampled > 0 ? 2u : 3u);
+    }
     for (const double step : {0.0, 0.25, 0.32}) {
         AssignOptions options = options_of(0.01, 100);
         options.sample.step = step;
@@ -168,19 +194,7 @@ TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
     std::vector<Vec3d> points;
     for (int i = 0; i < 2000; ++i) points.push_back({0.001 * i, 0, 0});
     make(points);
-    PointLabels labels(*tree_);
-    for (NodeId node = 0; node < tree_->nodes().size(); ++node)
-        labels.set_all(node, std::vector<std::uint32_t>(tree_->node(node).points, 1 | interior_label));
-    AssignedPoints assigned;
-    assigned.parts.resize(1);
-    assigned.parts[0].points = 2000;
-    assigned.parts[0].box.extend(Vec3d{0, 0, 0});
-    assigned.parts[0].box.extend(Vec3d{2, 0, 0});
-    assigned.part_of = {0};
-    FinalFitOptions options;
-    options.least_points = 500;
-    options.progress = [](double) {};
-    const FinalFit result = fit_parts(ChosenPoints(tree_, {}), {level_plane(0, 0.01)}, assigned, labels, options);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
     ASSERT_EQ(result.primitives.size(), 1u);
     EXPECT_EQ(result.unbounded, 1u);
 }
@@ -211,6 +225,47 @@ TEST_F(AssignPoints, PiecesContinueAlongTheEdgeAndFillTheThresholdTogether)
     EXPECT_FALSE(is_piece(other, threshold));
     other.continued = other.edge = 420;
     EXPECT_TRUE(is_piece(other, threshold));
+}
+
+TEST_F(AssignPoints, PointsAtEdgesAreLabelledButNotFittedTo)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 3000; ++i) points.push_back({dice.between(0, 1), dice.between(0, 1), 0.001 * dice.normal()});
+    for (int i = 0; i < 900; ++i) points.push_back({dice.between(1, 1.2), dice.between(0, 1), 0.006});
+    make(points);
+    const auto label = [](const Vec3d& p) { return p[0] < 1 ? 1 | interior_label : 1u; };
+    const FinalFit result = fit_all(label);
+    ASSERT_EQ(result.primitives.size(), 1u);
+    EXPECT_EQ(result.primitives[0].points, 3900u);
+    const ShapeFit& fit = result.primitives[0].fit;
+    EXPECT_LT(distance_to(fit.shape, {0.5, 0.5, 0}), 1e-4);
+    EXPECT_NEAR(fit.errors.position, 0.001 / std::sqrt(3000), 0.2 * 0.001 / std::sqrt(3000));
+}
+
+TEST_F(AssignPoints, ErrorsAreLargerWhereNeighboursLeaveTheSurfaceTogether)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 5000; ++i) {
+        const double x = dice.between(0, 1), y = dice.between(0, 1);
+        points.push_back({x, y, 0.001 * dice.normal() + 0.003 * std::sin(20 * x) * std::cos(17 * y)});
+    }
+    make(points);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
+    ASSERT_EQ(result.primitives.size(), 1u);
+    EXPECT_GT(result.primitives[0].fit.errors.position, 3 * 0.002 / std::sqrt(5000));
+}
+
+TEST_F(AssignPoints, PrimitivesThatLoseTheirPointsInTheFitAreNone)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 700; ++i)
+        points.push_back({dice.between(0, 1), dice.between(0, 1), i < 400 ? 0.0 : 0.05 + 0.001 * i});
+    make(points);
+    const FinalFit result = fit_all([](const Vec3d&) { return 1 | interior_label; });
+    EXPECT_TRUE(result.primitives.empty());
 }
 
 TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)

@@ -418,6 +418,9 @@ TEST_F(Detect, AFloorInLayersIsOnePlane)
             floors.push_back(p.points);
     ASSERT_EQ(floors.size(), 1u);
     EXPECT_GT(floors[0], 11500u);
+    DetectOptions options;  // a threshold that is given is that of all
+    options.threshold = report.threshold;
+    for (const Primitive& p : detect(options).primitives) EXPECT_EQ(p.fit.threshold, options.threshold);
 }
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several

@@ -395,13 +395,27 @@ TEST_F(FitScan, TangoScene)
     const auto cloud = open(name);
     const FittedPrimitive cylinder = fit(*cloud, ShapeKind::cylinder, line(name, 3437));
     EXPECT_EQ(cylinder.primitive.fit.verdict, FitVerdict::good);
-    EXPECT_NEAR(cylinder.primitive.fit.shape.radius, 0.0667, 0.003);
+    EXPECT_NEAR(cylinder.primitive.fit.shape.radius, 0.0667, 0.0032);
+    // The published radius is of all points within 10 mm, among them the table's. Ours leaves these out: it does not
+    // depend on the threshold, while that of all points grows from 62 mm at 2 mm to 87 mm at 15 mm.
+    double least = HUGE_VAL, largest = 0;
+    for (const double threshold : {0.004, 0.007, 0.010, 0.015}) {
+        const double radius = fit(*cloud, ShapeKind::cylinder, line(name, 3437), threshold).primitive.fit.shape.radius;
+        least = std::min(least, radius);
+        largest = std::max(largest, radius);
+    }
+    EXPECT_GT(least, 0.0642);
+    EXPECT_LT(largest, 0.0652);
     EXPECT_LT(length(cross(cylinder.primitive.fit.shape.axis, normalised({-0.0255, 0.8618, 0.5066}))), 0.03);
     const FittedPrimitive sphere = fit(*cloud, ShapeKind::sphere, line(name, 7811), 0.005);  // as its truth
-    EXPECT_EQ(sphere.primitive.fit.verdict, FitVerdict::good);
-    EXPECT_GT(sphere.primitive.fit.shape.radius, 0.0785);
-    EXPECT_LT(sphere.primitive.fit.shape.radius, 0.085);
-    EXPECT_LT(length(sphere.primitive.fit.shape.point - Vec3d{0.100, -0.070, -0.968}), 0.008);
+    const FittedPrimitive by_default = fit(*cloud, ShapeKind::sphere, line(name, 7811));
+    for (const ShapeFit& ball : {sphere.primitive.fit, by_default.primitive.fit}) {
+        EXPECT_EQ(ball.verdict, FitVerdict::good);
+        EXPECT_GT(ball.shape.radius, 0.0785);
+        EXPECT_LT(ball.shape.radius, 0.085);
+        // Of centres the published one has radii from 80.5 to 83 mm: nearer is not known.
+        EXPECT_LT(length(ball.shape.point - Vec3d{0.100, -0.070, -0.968}), 0.0025);
+    }
     const FittedPrimitive cone = fit(*cloud, ShapeKind::cone, line(name, 6637));
     EXPECT_TRUE(cone.primitive.fit.has_shape());
     EXPECT_GT(cone.points.size(), 250u);

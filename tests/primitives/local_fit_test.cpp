@@ -158,12 +158,16 @@ TEST(FitAtGrown, NoiseFarAboveThatOfThePlaceIsDoubtful)
     for (const PlacedPoint& p : all_points(found.points.tree()))
         if (found.points.contains(p.node, p.number))
             ASSERT_LE(distance_to(found.primitive.fit.shape, p.position), found.primitive.fit.threshold);
-    // Who gives a threshold has allowed for it.
-    options.fit.threshold = 0.03;
+    // A threshold that is given allows for it, unless it cuts a piece out of the surface.
+    options.fit.threshold = 0.2;
     options.count = 500;
     const FittedPrimitive wide = fit_at(*cloud, {{0, 0, 30}}, {}, options);
     EXPECT_GT(wide.primitive.fit.noise, 3 * wide.local.noise);
     EXPECT_EQ(wide.primitive.fit.verdict, FitVerdict::good) << wide.primitive.fit.message;
+    options.fit.threshold = 0.03;
+    const FittedPrimitive piece = fit_at(*cloud, {{0, 0, 30}}, {}, options);
+    EXPECT_EQ(piece.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(piece.primitive.fit.issue, FitIssue::other_surface);
     options.fit.threshold = 0;
     options.count = 0;
     // Of the right kind it is good.

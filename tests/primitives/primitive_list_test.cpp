@@ -114,5 +114,24 @@ TEST(PrimitiveLists, TheLastThousandStepsAreKept)
     EXPECT_EQ(list[0].name, "499");
 }
 
+TEST(PrimitiveLists, ColoursDifferWhileThereAreAny)
+{
+    PrimitiveList list;
+    std::set<std::array<std::uint8_t, 3>> colours;
+    const auto add = [&] {
+        Primitive primitive = made(ShapeKind::plane);
+        primitive.colour = next_colour(list);
+        list.add(primitive);
+        return primitive.colour;
+    };
+    for (int i = 0; i < 8; ++i) colours.insert(add());
+    EXPECT_EQ(colours.size(), 8u);
+    const auto ninth = add();
+    EXPECT_EQ(ninth, list[0].colour);
+    const auto third = list[2].colour;
+    list.remove(2);
+    EXPECT_EQ(add(), third) << "the one that is free";
+}
+
 }  // namespace
 }  // namespace pcm

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace {
 
@@ -106,6 +107,34 @@ TEST(FittedReader, AnotherOffsetWholeStepsAway)
     EXPECT_LT(fitted.position_error(), 1e-12);
 }
 
+// Offsets that are much larger than the coordinates: what cancels in q * scale + offset leaves rounding of its own.
+TEST(FittedReader, OffsetsFarFromTheCoordinates)
+{
+    std::mt19937_64 random(4);
+    const double offsets[] = {0, 1000, 123456.78, -7654321.12, 9e6, 1.2e7}, steps[] = {0.01, 0.001, 0.00025};
+    for (const double step : steps)
+        for (const double of_tree : offsets)
+            for (const double of_file : offsets) {
+                if (std::fabs(of_file - of_tree) / step > 2e9) continue;
+                TreeInfo tree = tree_of(schema_of({intensity}));
+                tree.grid = {{step, step, step}, {of_tree, of_tree, of_tree}};
+                const Grid from{tree.grid.scale, {of_file, of_file, of_file}};
+                MemoryCloud cloud = random_cloud(schema_of({intensity}), from, 2000, 6);
+                const auto apart = static_cast<std::int64_t>(std::llround((of_file - of_tree) / step));
+                std::vector<std::int64_t> expected;
+                for (auto& q : cloud.points.grid_xyz[0]) {
+                    const auto near = static_cast<std::int64_t>(random() % 6000);  // of the tree's offset
+                    q = static_cast<std::int32_t>(near - apart);
+                    expected.push_back(near);
+                }
+                for (std::size_t axis : {1, 2}) cloud.points.grid_xyz[axis] = cloud.points.grid_xyz[0];
+                MemoryCloud fitted;
+                ASSERT_NO_THROW(fitted = read_fitted(cloud, tree)) << step << " " << of_tree << " " << of_file;
+                for (std::size_t i = 0; i < expected.size(); ++i)
+                    ASSERT_EQ(fitted.points.grid_xyz[0][i], expected[i]) << step << " " << of_tree << " " << of_file;
+            }
+}
+
 TEST(FittedReader, RefusesPositionsBetweenTheSteps)
 {
     MemoryCloud cloud = random_cloud({}, std::nullopt, 100, 5);
@@ -118,6 +147,7 @@ TEST(FittedReader, RefusesPositionsBetweenTheSteps)
     const std::string text = refusal(cloud, tree_of({}));
     EXPECT_NE(text.find("2 of the 100 new points"), std::string::npos) << text;
     EXPECT_NE(text.find("up to 0.004 away"), std::string::npos) << text;
+    EXPECT_NE(text.find("--scale 0.01 0.01 0.01 --offset 1000 2000 -50"), std::string::npos) << text;
     cloud.points.xyz[1][50] = 1e9;
     EXPECT_NE(refusal(cloud, tree_of({})).find("beyond its range"), std::string::npos);
 }

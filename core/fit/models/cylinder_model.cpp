@@ -21,13 +21,7 @@ std::size_t solve(const SampledPoint* sample, Shape* solutions)
 
 void distances(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count, double* out)
 {
-    const Vec3d o = shape.point, a = shape.axis;
-    const double r = shape.radius;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
-        const double cx = a[1] * dz - a[2] * dy, cy = a[2] * dx - a[0] * dz, cz = a[0] * dy - a[1] * dx;
-        out[i] = std::sqrt(cx * cx + cy * cy + cz * cz) - r;
-    }
+    block_loops().cylinder.distances(models::numbers_of(shape), x, y, z, count, out);
 }
 
 SurfacePatch patch_at(const Shape& shape, const Vec3d& middle)
@@ -49,23 +43,7 @@ Shape shape_of(const SurfacePatch& patch)
 void differentiate(const SurfacePatch& patch, const double* x, const double* y, const double* z, std::size_t count,
                    PatchBlock& out)
 {
-    const Vec3d o = patch.place, n = patch.n, a = patch.a, b = patch.b;
-    const double k = patch.curvature;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
-        const double en = n[0] * dx + n[1] * dy + n[2] * dz, eb = b[0] * dx + b[1] * dy + b[2] * dz,
-                     ea = a[0] * dx + a[1] * dy + a[2] * dz;
-        const double square = en * en + eb * eb;
-        const double q = 2 * en + k * square, inside = 1 + k * q, w = std::sqrt(inside > 1e-24 ? inside : 1e-24);
-        const double one = 1 / (1 + w), inverse = 1 / w;
-        const double gn = (1 + k * en) * inverse, gb = k * eb * inverse;  // the gradient
-        out.distance[i] = q * one;
-        out.by[0][i] = -gn;
-        out.by[1][i] = eb * gn - en * gb;  // turned about a
-        out.by[2][i] = ea * gb;            // about n
-        out.by[3][i] = -ea * gn;           // about b
-        out.by[4][i] = (square * (1 + w) - q * (en + k * square) * inverse) * one * one;
-    }
+    block_loops().cylinder.differentiate(models::numbers_of(patch), x, y, z, count, out);
 }
 
 SurfacePatch moved(const SurfacePatch& patch, const double* step)

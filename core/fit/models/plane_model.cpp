@@ -15,8 +15,7 @@ std::size_t solve(const SampledPoint* sample, Shape* solutions)
 
 void distances(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count, double* out)
 {
-    const Vec3d p = shape.point, n = shape.axis;
-    for (std::size_t i = 0; i < count; ++i) out[i] = n[0] * (x[i] - p[0]) + n[1] * (y[i] - p[1]) + n[2] * (z[i] - p[2]);
+    block_loops().plane.distances(models::numbers_of(shape), x, y, z, count, out);
 }
 
 SurfacePatch patch_at(const Shape& shape, const Vec3d& middle)
@@ -29,14 +28,7 @@ Shape shape_of(const SurfacePatch& patch) { return {ShapeKind::plane, patch.plac
 void differentiate(const SurfacePatch& patch, const double* x, const double* y, const double* z, std::size_t count,
                    PatchBlock& out)
 {
-    const Vec3d o = patch.place, n = patch.n, a = patch.a, b = patch.b;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
-        out.distance[i] = n[0] * dx + n[1] * dy + n[2] * dz;
-        out.by[0][i] = -1;
-        out.by[1][i] = b[0] * dx + b[1] * dy + b[2] * dz;     // turned about a
-        out.by[2][i] = -(a[0] * dx + a[1] * dy + a[2] * dz);  // turned about b
-    }
+    block_loops().plane.differentiate(models::numbers_of(patch), x, y, z, count, out);
 }
 
 SurfacePatch moved(const SurfacePatch& patch, const double* step)

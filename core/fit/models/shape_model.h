@@ -12,16 +12,9 @@ namespace pcm {
 
 inline constexpr std::size_t most_sampled = 4;  // points of a minimal sample
 inline constexpr std::size_t most_solutions = 4;
-inline constexpr std::size_t patch_block = 256;  // points that are differentiated at once
 
 struct SampledPoint {
     Vec3d place{}, normal{};
-};
-
-// Distances of a block of points and their derivatives by the parameters.
-struct PatchBlock {
-    alignas(64) double distance[patch_block];
-    alignas(64) double by[most_parameters][patch_block];
 };
 
 struct ShapeModel {
@@ -53,6 +46,9 @@ bool is_proper(const Shape& shape);
 // For the models.
 namespace models {
 
+// As the loops take them.
+ShapeNumbers numbers_of(const Shape& shape);
+PatchNumbers numbers_of(const SurfacePatch& patch);
 Vec3d unit_across(const Vec3d& axis);
 // Turned about an axis of any length by that many radians; the frame stays orthonormal.
 void turn(SurfacePatch& patch, const Vec3d& rotation);

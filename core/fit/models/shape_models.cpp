@@ -22,6 +22,18 @@ bool is_proper(const Shape& shape)
 
 namespace models {
 
+ShapeNumbers numbers_of(const Shape& shape)
+{
+    const Vec3d &p = shape.point, &a = shape.axis;
+    return {{p[0], p[1], p[2]}, {a[0], a[1], a[2]}, shape.radius, shape.second};
+}
+
+PatchNumbers numbers_of(const SurfacePatch& patch)
+{
+    const Vec3d &o = patch.place, &a = patch.a, &n = patch.n, &b = patch.b;
+    return {{o[0], o[1], o[2]}, {a[0], a[1], a[2]}, {n[0], n[1], n[2]}, {b[0], b[1], b[2]}, patch.curvature};
+}
+
 Vec3d unit_across(const Vec3d& axis)
 {
     std::size_t least = 0;

@@ -24,12 +24,7 @@ std::size_t solve(const SampledPoint* sample, Shape* solutions)
 
 void distances(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count, double* out)
 {
-    const Vec3d c = shape.point;
-    const double r = shape.radius;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double dx = x[i] - c[0], dy = y[i] - c[1], dz = z[i] - c[2];
-        out[i] = std::sqrt(dx * dx + dy * dy + dz * dz) - r;
-    }
+    block_loops().sphere.distances(models::numbers_of(shape), x, y, z, count, out);
 }
 
 SurfacePatch patch_at(const Shape& shape, const Vec3d& middle)
@@ -52,19 +47,7 @@ Shape shape_of(const SurfacePatch& patch)
 void differentiate(const SurfacePatch& patch, const double* x, const double* y, const double* z, std::size_t count,
                    PatchBlock& out)
 {
-    const Vec3d o = patch.place, n = patch.n, a = patch.a, b = patch.b;
-    const double k = patch.curvature;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double dx = x[i] - o[0], dy = y[i] - o[1], dz = z[i] - o[2];
-        const double along = n[0] * dx + n[1] * dy + n[2] * dz, square = dx * dx + dy * dy + dz * dz;
-        const double q = 2 * along + k * square, inside = 1 + k * q, w = std::sqrt(inside > 1e-24 ? inside : 1e-24);
-        const double one = 1 / (1 + w), inverse = 1 / w;
-        out.distance[i] = q * one;
-        out.by[0][i] = -(1 + k * along) * inverse;
-        out.by[1][i] = (b[0] * dx + b[1] * dy + b[2] * dz) * inverse;
-        out.by[2][i] = -(a[0] * dx + a[1] * dy + a[2] * dz) * inverse;
-        out.by[3][i] = (square * (1 + w) - q * (along + k * square) * inverse) * one * one;
-    }
+    block_loops().sphere.differentiate(models::numbers_of(patch), x, y, z, count, out);
 }
 
 SurfacePatch moved(const SurfacePatch& patch, const double* step)

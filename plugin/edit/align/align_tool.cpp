@@ -3,20 +3,12 @@
 #include "plugin/edit/align/align_marks.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
-#include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
 
 #include <QKeyEvent>
-#include <QMouseEvent>
 
 namespace pcm::host {
-
-namespace {
-
-constexpr int click_px = 4;  // a longer way of the mouse is no click
-
-}  // namespace
 
 bool AlignTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
@@ -39,41 +31,9 @@ void AlignTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDat
     if (view != view_) return;
     show_marks(AlignSession::of(document), false);
     if (panel_) panel_->hide();
+    forget_press();
     view_->unsetCursor();
     view_ = nullptr;
-}
-
-void AlignTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    if (event->button() == Qt::LeftButton) {
-        pressed_ = true;
-        dragged_ = false;
-        pressed_at_ = event->pos();
-    }
-    give_to_camera(*view, *event);
-}
-
-void AlignTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    if (pressed_ && (event->pos() - pressed_at_).manhattanLength() > click_px) dragged_ = true;
-    // The camera stays where it is while the button may still be released as a click.
-    if (!pressed_ || dragged_) give_to_camera(*view, *event);
-}
-
-void AlignTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
-{
-    if (view != view_) return;
-    give_to_camera(*view, *event);
-    if (event->button() != Qt::LeftButton || !pressed_) return;
-    pressed_ = false;
-    if (!dragged_) pick_at(pressed_at_);
-}
-
-void AlignTool::wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view)
-{
-    if (view == view_) give_to_camera(*view, *event);
 }
 
 void AlignTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
@@ -84,16 +44,13 @@ void AlignTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
     session.remove(session.selected() >= 0 ? session.selected() : int(session.pairs().size()) - 1);
 }
 
-void AlignTool::pick_at(const QPoint& place)
+void AlignTool::click(const QPoint& place, Qt::KeyboardModifiers)
 {
-    try {
-        pick(*view_, place, *this, [this](const PickAnswer& answer) {
-            if (!view_ || !view_->md() || !panel_ || !answer.final) return;
-            panel_->say(answer.point ? AlignSession::of(*view_->md()).take(*answer.point) : answer.message);
-        });
-    } catch (...) {  // Qt does not allow exceptions in event handlers
-        if (panel_) panel_->say(QString::fromStdString(current_error()));
-    }
+    pick(*view_, place, *this, [this](const PickAnswer& answer) {
+        if (!view_ || !view_->md() || !panel_ || !answer.final) return;
+        guarded(
+            [&] { panel_->say(answer.point ? AlignSession::of(*view_->md()).take(*answer.point) : answer.message); });
+    });
 }
 
 }  // namespace pcm::host

@@ -2,18 +2,16 @@
 
 #include "pcm/system/text.h"
 #include "plugin/edit/fit/fit_fields.h"
+#include "plugin/edit/named_list.h"
 #include "plugin/host/drawn_primitives.h"
 
 #include <QGridLayout>
-#include <QHeaderView>
 #include <QLabel>
 #include <QMenu>
 #include <QPixmap>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScrollArea>
-#include <QSignalBlocker>
-#include <QTreeWidget>
 #include <QVBoxLayout>
 
 #include <algorithm>
@@ -24,22 +22,10 @@ namespace {
 
 constexpr int progress_steps = 1000;
 constexpr int least_width = 280;  // pixels
+constexpr int residual_digits = 3;
 const char* const how_to =
     "Click a point of a surface. Ctrl+click adds a place that belongs to it; Shift+click or Alt+click one that does "
     "not. Dragging and the wheel move the camera.";
-
-QTreeWidget* table(const char* name, const QStringList& columns)
-{
-    auto* made = new QTreeWidget;
-    made->setObjectName(name);
-    made->setHeaderLabels(columns);
-    made->setRootIsDecorated(false);
-    made->setAlternatingRowColors(true);
-    made->header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
-    made->header()->setStretchLastSection(true);
-    made->setMinimumHeight(110);
-    return made;
-}
 
 QIcon square(const QColor& colour)
 {
@@ -107,18 +93,13 @@ void FitPanel::add_draft(QVBoxLayout& column)
 
 void FitPanel::add_list(QVBoxLayout& column)
 {
-    list_ = table("PointCloudFitList", {"Name", "Size", "Residual", "Points"});
+    list_ = new NamedList("PointCloudFitList", {"Name", "Size", "Residual", "Points"});
     list_->setToolTip(
         "The primitives of the project. The tick shows one in views; a double click on a name changes it. Residual: "
         "root mean square of its points' distances.");
-    list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
-    connect(list_, &QTreeWidget::itemChanged, this, &FitPanel::item_changed);
-    connect(list_, &QTreeWidget::itemSelectionChanged, this, [this] {
-        const auto chosen = list_->selectedItems();
-        emit selected(chosen.empty() ? -1 : list_->indexOfTopLevelItem(chosen.front()));
-    });
-    list_->header()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
-    list_->header()->setSectionResizeMode(2, QHeaderView::ResizeToContents);
+    connect(list_, &NamedList::renamed, this, &FitPanel::renamed);
+    connect(list_, &NamedList::hidden, this, &FitPanel::hidden);
+    connect(list_, &NamedList::chosen, this, &FitPanel::selected);
     column.addWidget(list_, 3);
     auto* buttons = new QGridLayout;
     buttons->setHorizontalSpacing(4);
@@ -134,8 +115,10 @@ void FitPanel::add_list(QVBoxLayout& column)
     add_button(*buttons, 2, 0, Button::remove, "Delete",
                "Deletes the selected primitive from the list, not its points; Undo brings it back.");
     add_button(*buttons, 2, 1, Button::clear, "Delete all", "Deletes all primitives; Undo brings them back.");
+    add_button(*buttons, 2, 2, Button::copy, "Copy",
+               "Copies all that is known of the selected primitive, or of all, as text. Ctrl+C in the view.");
     column.addLayout(buttons);
-    values_ = table("PointCloudFitValues", {"", "Selected primitive"});
+    values_ = new ValueTable("PointCloudFitValues", "Selected primitive");
     values_->setToolTip(
         "All that is known of the selected primitive, with standard deviations. Angles are in degrees, lengths in the "
         "unit of the coordinates.");
@@ -167,29 +150,27 @@ void FitPanel::add_points_menu(QGridLayout& rows, int row, int column)
 
 void FitPanel::show_list(const PrimitiveList& list, std::optional<std::size_t> selected, const std::string& unit)
 {
-    const QSignalBlocker silent(list_);
-    list_->clear();
-    shown_.clear();
+    std::vector<NamedList::Row> rows;
+    const QString after = unit.empty() ? QString() : " " + QString::fromStdString(unit);
     for (std::size_t i = 0; i < list.size(); ++i) {
         const Primitive& primitive = list[i];
-        auto* item = new QTreeWidgetItem(list_);
-        item->setText(0, QString::fromStdString(primitive.name));
-        item->setText(1, size_of(primitive, unit));
-        item->setText(2, QString::fromStdString(brief(primitive.fit.rms) + (unit.empty() ? "" : " " + unit)));
-        item->setText(3, QString::fromStdString(grouped(primitive.points)));
-        item->setIcon(0, square(colour_of(primitive)));
-        for (int column = 1; column < 4; ++column) item->setToolTip(column, item->text(column));
-        item->setCheckState(0, primitive.hidden ? Qt::Unchecked : Qt::Checked);
-        item->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemIsUserCheckable | Qt::ItemIsEditable);
-        item->setSelected(selected == i);
-        if (selected == i) list_->setCurrentItem(item);
-        shown_.emplace_back(primitive.name, primitive.hidden);
+        const QString size = size_of(primitive, unit);
+        const QString rms = QString::number(primitive.fit.rms, 'g', residual_digits);
+        const QString points = QString::fromStdString(grouped(primitive.points));
+        // The standard deviation and the unit are among the values, and would be half of the panel's width here.
+        rows.push_back({primitive.name,
+                        primitive.hidden,
+                        {size.section(QString(" ± "), 0, 0), rms, points},
+                        square(colour_of(primitive)),
+                        {size, rms + after, points}});
     }
+    list_->show_rows(rows, selected);
     const bool some = selected.has_value();
     for (const Button button : {Button::look_at, Button::colour, Button::remove}) buttons_[button]->setEnabled(some);
     points_->setEnabled(some);
     buttons_[Button::clear]->setEnabled(!list.empty());
     buttons_[Button::save]->setEnabled(!list.empty());
+    buttons_[Button::copy]->setEnabled(!list.empty());
     buttons_[Button::undo]->setEnabled(list.can_undo());
     buttons_[Button::redo]->setEnabled(list.can_redo());
     show_values(some ? &list[*selected] : nullptr, unit);
@@ -197,28 +178,7 @@ void FitPanel::show_list(const PrimitiveList& list, std::optional<std::size_t> s
 
 void FitPanel::show_values(const Primitive* primitive, const std::string& unit)
 {
-    values_->clear();
-    if (!primitive) return;
-    for (const auto& [name, value] : lines_of(*primitive, unit)) {
-        auto* item = new QTreeWidgetItem(values_, {name, value});
-        item->setToolTip(1, value);
-    }
-}
-
-void FitPanel::item_changed(QTreeWidgetItem* item, int column)
-{
-    const int index = list_->indexOfTopLevelItem(item);
-    if (index < 0 || column != 0) return;
-    const auto& [name, was_hidden] = shown_[static_cast<std::size_t>(index)];
-    const bool is_hidden = item->checkState(0) == Qt::Unchecked;
-    // The tool shows the list anew, in which this item does not survive.
-    const QString text = item->text(0);
-    if (is_hidden != was_hidden)
-        QMetaObject::invokeMethod(
-            this, [this, index, is_hidden] { emit hidden(index, is_hidden); }, Qt::QueuedConnection);
-    else if (text != QString::fromStdString(name))
-        QMetaObject::invokeMethod(
-            this, [this, index, text] { emit renamed(index, text); }, Qt::QueuedConnection);
+    values_->show_values(primitive ? lines_of(*primitive, unit) : std::vector<std::pair<QString, QString>>());
 }
 
 void FitPanel::show_found(const QString& text, bool some)

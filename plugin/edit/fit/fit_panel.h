@@ -18,13 +18,13 @@ class QGridLayout;
 class QLabel;
 class QProgressBar;
 class QPushButton;
-class QTreeWidget;
-class QTreeWidgetItem;
 class QVBoxLayout;
 
 namespace pcm::host {
 
 class FitFields;
+class NamedList;
+class ValueTable;
 
 class FitPanel : public QDockWidget {
     Q_OBJECT
@@ -39,6 +39,7 @@ public:
         clear,
         undo,
         redo,
+        copy,
         save,
         select_points,
         to_layer,
@@ -70,15 +71,14 @@ private:
     void add_list(QVBoxLayout& column);
     void add_points_menu(QGridLayout& rows, int row, int column);
     void show_values(const Primitive* primitive, const std::string& unit);
-    void item_changed(QTreeWidgetItem* item, int column);
 
     FitFields* fields_ = nullptr;
     QLabel *found_ = nullptr, *words_ = nullptr;
     QProgressBar* progress_ = nullptr;
-    QTreeWidget *list_ = nullptr, *values_ = nullptr;
+    NamedList* list_ = nullptr;
+    ValueTable* values_ = nullptr;
     QPushButton* points_ = nullptr;
     std::map<Button, QPushButton*> buttons_;
-    std::vector<std::pair<std::string, bool>> shown_;  // names and whether hidden, as the list shows them
 };
 
 }  // namespace pcm::host

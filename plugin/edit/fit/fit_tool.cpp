@@ -19,8 +19,6 @@
 #include <QMouseEvent>
 #include <QVariantMap>
 
-#include <array>
-
 namespace pcm::host {
 
 namespace {
@@ -28,15 +26,6 @@ namespace {
 const char* const draft_owner = "fit draft";
 const QColor draft_colour(90, 220, 255);
 constexpr double filled_by_primitive = 0.7;  // of the view
-// Of accepted primitives, one after the other.
-constexpr std::array<std::array<std::uint8_t, 3>, 8> colours{{{255, 200, 0},
-                                                              {80, 200, 255},
-                                                              {255, 110, 80},
-                                                              {120, 220, 90},
-                                                              {220, 130, 255},
-                                                              {255, 255, 140},
-                                                              {70, 230, 200},
-                                                              {255, 150, 200}}};
 QString counted(std::size_t count, const char* what)
 {
     return QString("%1 %2%3").arg(count).arg(what).arg(count == 1 ? "" : "s");
@@ -52,7 +41,7 @@ Box3d box_in_scene(const PrimitiveBook& book, const Primitive& primitive)
 
 }  // namespace
 
-FitTool::FitTool() : ClickTool("Fit Primitives"), picks_(std::make_unique<QObject>())
+FitTool::FitTool() : ListTool("Fit Primitives"), picks_(std::make_unique<QObject>())
 {
     connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
@@ -188,7 +177,11 @@ void FitTool::fit()
         return;
     }
     const MeshModel* layer = view_->md()->getMesh(wanted_->mesh_id);
-    if (!layer) return wanted_.reset();
+    if (!layer) {
+        wanted_.reset();
+        publish(draft_ ? "draft" : "idle");
+        return say("the layer of the clicked cloud was removed");
+    }
     FitAtOptions options;
     try {
         options = options_of(panel_->settings());
@@ -242,6 +235,7 @@ void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
     draft.places = places;
     draft.primitive = std::move(found.primitive);
     draft.primitive.cloud = cloud_name(layer);
+    draft.reached = std::move(found.reached);
     draft.points = std::make_shared<const PointSet>(std::move(found.points));
     draft_ = std::move(draft);
     scene.select(layer, draft_->points,
@@ -297,12 +291,13 @@ void FitTool::accept()
     if (!draft_) return say("there is nothing to accept: click a surface");
     if (wanted_) throw Error(ErrorCode::invalid_argument, {}, "the shape is being fitted", "wait until it is done");
     Primitive primitive = std::move(draft_->primitive);
-    primitive.colour = colours[book().list().size() % colours.size()];
+    primitive.colour = next_colour(book().list());
     const auto points = draft_->points;
+    const ReachedFrom reached = std::move(draft_->reached);
     draft_.reset();  // its points stay selected
     std::size_t index = 0;
     book().change([&](PrimitiveList& list) { index = list.add(std::move(primitive)); });
-    book().keep_points(book().list()[index], points);
+    book().keep_points(book().list()[index], points, reached);
     book().select(index);
     show_draft();
     publish("idle");
@@ -377,6 +372,10 @@ void FitTool::press(FitPanel::Button button)
             return book().change([](PrimitiveList& list) { list.undo(); });
         case Button::redo:
             return book().change([](PrimitiveList& list) { list.redo(); });
+        case Button::copy:
+            if (book().list().empty()) return say("nothing to copy: the list is empty");
+            copy(selected);
+            return say("copied");
         case Button::save:
             return write();
         default:

@@ -6,8 +6,8 @@
 // list. GUI thread.
 #pragma once
 
-#include "plugin/edit/click_tool.h"
 #include "plugin/edit/fit/fit_panel.h"
+#include "plugin/edit/list_tool.h"
 #include "plugin/edit/select/selection_uses.h"
 #include "plugin/edit/worker.h"
 #include "plugin/host/picker.h"
@@ -35,9 +35,10 @@ struct FitDraft {
     FitPlaces places;
     Primitive primitive;
     std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
+    ReachedFrom reached;                             // how its points are found again
 };
 
-class FitTool : public ClickTool {
+class FitTool : public ListTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
@@ -46,12 +47,6 @@ public:
     ~FitTool() override;
     bool StartEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
-
-    void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
-
-protected:
-    // Esc and other keys that MeshLab has as shortcuts.
-    bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private:
     enum class Way { first, add, take_away };
@@ -72,13 +67,15 @@ private:
     void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
     void keep_draft(const FitPlaces& places, FittedPrimitive& found);
     void show_draft();
-    void accept();
-    bool cancel();     // what runs, or the draft; false if there is neither
-    bool take_back();  // the last place that was added or taken away
-    void discard();    // the draft; what was selected before is selected again
+    void press_key(ListKey key) override;
+    void accept() override;
+    bool cancel() override;
+    bool take_back() override;  // the last place that was added or taken away
+    void discard();             // the draft; what was selected before is selected again
 
     // In fit_uses.cpp.
     void write();
+    void copy(std::optional<std::size_t> index) const;  // nothing: all
     void choose_colour(std::size_t index);
     void with_points(std::size_t index, const std::function<void(MeshModel& layer)>& then);
     void use_points(FitPanel::Button button);

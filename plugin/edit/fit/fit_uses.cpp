@@ -2,6 +2,7 @@
 #include "pcm/cad/primitive_files.h"
 #include "pcm/fit/shape_lines.h"
 #include "pcm/primitives/grow_shape.h"
+#include "pcm/primitives/reached_from.h"
 #include "pcm/system/error.h"
 #include "plugin/edit/fit/fit_tool.h"
 #include "plugin/edit/measure/length_unit.h"
@@ -12,9 +13,11 @@
 
 #include <meshlab/glarea.h>
 
+#include <QClipboard>
 #include <QColorDialog>
 #include <QFileDialog>
 #include <QFileInfo>
+#include <QGuiApplication>
 
 #include <utility>
 
@@ -42,6 +45,21 @@ Selection around(const Primitive& primitive)
     return selection;
 }
 
+// Those that were reached when it was fitted; all near the surface where that is not known, as of shapes that were
+// detected, or where the cloud has none of them any more.
+PointSet points_again(const std::shared_ptr<const Tree>& tree, const Primitive& primitive,
+                      const std::optional<ReachedFrom>& reached, const ProgressFunction& progress)
+{
+    if (reached) {
+        ReachOptions options;
+        options.progress = progress;
+        PointSet points = reach_again(tree, *reached, options);
+        if (!points.empty()) return points;
+    }
+    return points_on_shape(tree, primitive.fit.shape, primitive.fit.threshold, any_normal, around(primitive), 0,
+                           progress);
+}
+
 }  // namespace
 
 void FitTool::write()
@@ -56,14 +74,28 @@ void FitTool::write()
     // The dialog asks before it replaces the file that was typed, and no other.
     options.overwrite = !QFileInfo(file).suffix().isEmpty();
     if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');
-    const CadReport report = write_primitives(file.toStdString(), book().list().all(), options);
+    const bool everything = QFileInfo(file).suffix().toLower() == "json";  // hidden ones too
+    const CadReport report = write_primitives(file.toStdString(), book().placed(everything), options);
     QStringList words{QString("wrote %1 primitives to %2").arg(report.written).arg(file)};
     for (const std::string& note : report.notes) words << QString::fromStdString(note);
     bool moved = false;
     for (std::size_t i = 0; i < book().list().size(); ++i)
         moved = moved || book().placement_of(book().list()[i]).has_value();
-    if (moved) words << "in the clouds' own coordinates, without the matrices of layers";
+    if (moved) words << "moved as the matrices of their layers move the clouds";
     say(words.join("; "));
+}
+
+void FitTool::copy(std::optional<std::size_t> index) const
+{
+    QString text;
+    for (std::size_t i = 0; i < book().list().size(); ++i) {
+        if (index && *index != i) continue;
+        const Primitive& primitive = book().list()[i];
+        text += QString::fromStdString(primitive.name) + "\n";
+        for (const auto& [name, value] : lines_of(primitive, unit_))
+            text += "  " + name + ": " + QString(value).replace('\n', ' ') + "\n";
+    }
+    QGuiApplication::clipboard()->setText(text);
 }
 
 void FitTool::choose_colour(std::size_t index)
@@ -98,15 +130,16 @@ void FitTool::with_points(std::size_t index, const std::function<void(MeshModel&
                 .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
         if (then) then(*shown);
     };
-    if (const auto known = book().points_of(primitive)) return select(known);
+    if (const auto points = book().points_of(primitive)) return select(points);
     if (worker_.is_running())
         throw Error(ErrorCode::invalid_argument, {}, "a shape is being fitted", "wait until it is done, or press Esc");
     const auto found = std::make_shared<std::shared_ptr<const PointSet>>();
+    const ReachedFrom* const known = book().reached(primitive);
+    const auto reached = known ? std::make_optional(*known) : std::nullopt;
     panel_->show_progress(std::make_pair(QString("Finding points"), 0.0));
     worker_.start(
-        [primitive, found, shared = tree->cloud->tree()](const ProgressFunction& progress) {
-            *found = std::make_shared<const PointSet>(points_on_shape(
-                shared, primitive.fit.shape, primitive.fit.threshold, any_normal, around(primitive), 0, progress));
+        [primitive, reached, found, shared = tree->cloud->tree()](const ProgressFunction& progress) {
+            *found = std::make_shared<const PointSet>(points_again(shared, primitive, reached, progress));
         },
         [this, primitive, found, select](std::exception_ptr failure) {
             if (panel_) panel_->show_progress(std::nullopt);

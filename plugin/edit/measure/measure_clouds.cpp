@@ -5,6 +5,8 @@
 #include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/measure/profile_window.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/registry.h"
 #include "plugin/host/shown_points.h"
 
 #include <meshlab/glarea.h>
@@ -23,12 +25,19 @@ namespace {
 constexpr std::size_t most_plotted = 2'000'000;         // about 100 MB, and half a second to draw
 constexpr double default_width = 10, default_cell = 4;  // times the spacing
 
-double scaled(const MeasureValue& value, double scale, double number)
+TreeLayer drawn_tree(const MeshModel& layer)
 {
-    return value.unit == "^3"   ? number * scale * scale * scale
-           : value.unit == "^2" ? number * scale * scale
-           : value.unit.empty() ? number * scale
-                                : number;
+    auto tree = Registry::instance().drawn(layer);
+    if (tree) return *std::move(tree);
+    throw Error(ErrorCode::invalid_argument, {},
+                "the layer '" + layer.label().toStdString() + "' shows no point cloud");
+}
+
+std::vector<Vec3d> positions_of(const Measure& measure)
+{
+    std::vector<Vec3d> positions;
+    for (const MeasuredPoint& point : measure.points) positions.push_back(point.position);
+    return positions;
 }
 
 }  // namespace
@@ -69,9 +78,11 @@ void MeasureTool::plot(const Measure& measure)
 {
     MeshModel& layer = layer_of(measure);
     auto data = std::make_shared<ProfileData>();
-    data->frame = cloud_frame(layer);
-    data->options.line = data->frame.to_cloud(measure.points);
-    data->options.width = measure.width / data->frame.scale;
+    const TreeLayer tree = drawn_tree(layer);
+    data->cloud = tree.cloud;
+    data->options.placement = placement_of(layer, tree);
+    data->options.line = positions_of(measure);
+    data->options.width = measure.width;
     const Query shown = shown_points(*view_, layer);
     data->options.where = shown.where;
     data->options.clips = shown.clips;
@@ -106,16 +117,15 @@ void MeasureTool::write_points(const std::shared_ptr<const ProfileData>& data, c
            shown = QPointer<ProfileWindow>(&window)](const ProgressFunction& progress) -> CloudWork::Result {
               ProfileOptions options = data->options;
               options.progress = progress;
-              for (const Attribute& attribute : data->frame.cloud->info().schema)
+              for (const Attribute& attribute : data->cloud->info().schema)
                   options.attributes.push_back(attribute.name);
               ProfileFileOptions file_options;
               file_options.overwrite = typed;
-              const Outcome outcome = write_profile(*data->frame.cloud, options, file.toStdString(), file_options);
-              return [this, outcome, file, shown, moved = data->frame.placement.has_value()] {
-                  const QString words =
-                      QString("wrote %1 points to %2%3")
-                          .arg(QString::fromStdString(grouped(outcome.points_out)), file,
-                               moved ? ", in the cloud's own coordinates, without the layer's matrix" : "");
+              const Outcome outcome = write_profile(*data->cloud, options, file.toStdString(), file_options);
+              return [this, outcome, file, shown, moved = options.placement.has_value()] {
+                  const QString words = QString("wrote %1 points to %2%3")
+                                            .arg(QString::fromStdString(grouped(outcome.points_out)), file,
+                                                 moved ? ", moved by the layer's matrix" : "");
                   say(words);
                   if (shown) shown->say(words);
               };
@@ -125,9 +135,10 @@ void MeasureTool::write_points(const std::shared_ptr<const ProfileData>& data, c
 void MeasureTool::find_volume(const Measure& measure)
 {
     MeshModel& layer = layer_of(measure);
-    const CloudFrame frame = cloud_frame(layer);
+    const TreeLayer tree = drawn_tree(layer);
     VolumeOptions options;
-    options.polygon = frame.to_cloud(measure.points);
+    options.placement = placement_of(layer, tree);
+    options.polygon = positions_of(measure);
     const Query shown = shown_points(*view_, layer);
     options.where = shown.where;
     options.clips = shown.clips;
@@ -138,26 +149,20 @@ void MeasureTool::find_volume(const Measure& measure)
     if (compared) {
         MeshModel* const other = view_->md()->getMesh(*compared);
         if (!other) throw Error(ErrorCode::invalid_argument, {}, "the layer to compare with is no longer there");
-        const CloudFrame before = cloud_frame(*other);
-        if (frame.placement || before.placement)
-            throw Error(ErrorCode::invalid_argument, {}, "a layer of the two has a matrix",
-                        "Make a new tree of it with the filter Transform Point Cloud, and compare that.");
+        const TreeLayer before = drawn_tree(*other);
         options.before = before.cloud;
+        options.placement_before = placement_of(*other, before);
+        options.limits_before = shown_points(*view_, *other).selection();
     } else {
-        const Vec3d first = measure.points.front().position;
-        options.reference.height = frame.to_cloud(Vec3d{first[0], first[1], level})[2];
+        options.reference.height = level;
     }
     const double spacing = measure.points.front().spacing;
-    options.side = panel_->cell().value_or(default_cell * spacing) / frame.scale;
-    begin("Volume", [this, frame, options, measure, level, compared](const ProgressFunction& progress) {
+    options.side = panel_->cell().value_or(default_cell * spacing);
+    begin("Volume", [this, cloud = tree.cloud, options, measure, level, compared](const ProgressFunction& progress) {
         VolumeOptions running = options;
         running.progress = progress;
-        const VolumeReport report = measure_volume(*frame.cloud, running);
+        const VolumeReport report = measure_volume(*cloud, running);
         std::vector<MeasureValue> values = report.values();
-        for (MeasureValue& value : values) {
-            value.uncertainty = scaled(value, frame.scale, value.uncertainty);
-            value.value = scaled(value, frame.scale, value.value);
-        }
         if (!compared) values.push_back({"level", level, 0, ""});
         return CloudWork::Result([this, measure, values] { take_volume(measure, values); });
     });

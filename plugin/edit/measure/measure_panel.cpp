@@ -4,18 +4,17 @@
 #include "pcm/system/text.h"
 #include "plugin/edit/measure/draft.h"
 #include "plugin/edit/measure/measure_text.h"
+#include "plugin/edit/named_list.h"
 #include "plugin/host/text.h"
 
 #include <QComboBox>
 #include <QGridLayout>
-#include <QHeaderView>
 #include <QLabel>
 #include <QLineEdit>
 #include <QLocale>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSignalBlocker>
-#include <QTreeWidget>
 #include <QVBoxLayout>
 
 #include <cmath>
@@ -39,18 +38,6 @@ std::optional<double> number_in(const QLineEdit& field, const char* label, bool 
             ErrorCode::invalid_argument, {},
             std::string(label) + ": '" + text.toStdString() + "' is no number" + (above_zero ? " above 0" : ""));
     return value;
-}
-
-QTreeWidget* table(const char* name, const QStringList& columns)
-{
-    auto* made = new QTreeWidget;
-    made->setObjectName(name);
-    made->setHeaderLabels(columns);
-    made->setRootIsDecorated(false);
-    made->setAlternatingRowColors(true);
-    made->header()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
-    made->header()->setStretchLastSection(true);
-    return made;
 }
 
 }  // namespace
@@ -135,7 +122,7 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
     auto* buttons = new QGridLayout;
     add_button(*buttons, 0, 0, Button::end, "End measure",
                "Ends the line or polygon. Enter, a double click or the right button in the view.");
-    add_button(*buttons, 0, 1, Button::cancel, "Cancel",
+    add_button(*buttons, 0, 2, Button::cancel, "Cancel",
                "Discards the points clicked so far, or stops what runs. Esc.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;
@@ -147,34 +134,35 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
 
 void MeasurePanel::add_list(QVBoxLayout& column)
 {
-    list_ = table("PointCloudMeasureList", {"Name", "Value"});
+    list_ = new NamedList("PointCloudMeasureList", {"Name", "Value"});
     list_->setToolTip(
         "The measures of the project. The tick shows a measure in views; a double click on a name "
         "changes it.");
-    list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
-    connect(list_, &QTreeWidget::itemChanged, this, &MeasurePanel::item_changed);
-    connect(list_, &QTreeWidget::itemSelectionChanged, this, [this] {
-        const auto chosen = list_->selectedItems();
-        emit selected(chosen.empty() ? -1 : list_->indexOfTopLevelItem(chosen.front()));
-    });
+    connect(list_, &NamedList::renamed, this, &MeasurePanel::renamed);
+    connect(list_, &NamedList::hidden, this, &MeasurePanel::hidden);
+    connect(list_, &NamedList::chosen, this, &MeasurePanel::selected);
     column.addWidget(list_, 3);
     auto* buttons = new QGridLayout;
+    buttons->setHorizontalSpacing(4);
     add_button(*buttons, 0, 0, Button::look_at, "Jump to", "The camera looks at the selected measure.");
     add_button(
-        *buttons, 0, 1, Button::plot, "Compute",
+        *buttons, 0, 2, Button::plot, "Compute",
         "Plots the points of the selected profile in a window, or finds the selected volume again, with Against, "
         "Level and Cell as they are now.");
-    add_button(*buttons, 0, 2, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.");
-    add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
-    add_button(*buttons, 1, 1, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
-    add_button(*buttons, 1, 2, Button::clear, "Delete all", "Deletes all measures; Undo brings them back.");
-    add_button(*buttons, 2, 0, Button::copy, "Copy",
+    add_button(*buttons, 0, 4, Button::copy, "Copy",
                "Copies the selected measure, or all of them, as text. Ctrl+C in the view.");
-    add_button(*buttons, 2, 1, Button::save, "Export measures",
+    add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
+    add_button(*buttons, 1, 2, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(*buttons, 1, 4, Button::clear, "Delete all", "Deletes all measures; Undo brings them back.");
+    constexpr int half = 3;  // of the columns
+    add_button(*buttons, 2, 0, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.",
+               half);
+    add_button(*buttons, 2, half, Button::save, "Export measures",
                "Writes all measures to a file, in source coordinates: CSV, GeoJSON, DXF, or JSON, which the command "
-               "pcmlab measure reads.");
+               "pcmlab measure reads.",
+               half);
     column.addLayout(buttons);
-    values_ = table("PointCloudMeasureValues", {"", "Selected measure"});
+    values_ = new ValueTable("PointCloudMeasureValues", "Selected measure");
     values_->setToolTip(
         "All numbers of the selected measure, with their standard deviations. Angles are in degrees, "
         "others in the unit of the coordinates.");
@@ -182,13 +170,14 @@ void MeasurePanel::add_list(QVBoxLayout& column)
 }
 
 QPushButton* MeasurePanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
-                                      const char* tooltip)
+                                      const char* tooltip, int span)
 {
     auto* widget = buttons_[button] = new QPushButton(text);
     widget->setToolTip(tooltip);
     widget->setFocusPolicy(Qt::NoFocus);  // Enter and Esc stay the view's
     connect(widget, &QPushButton::clicked, this, [this, button] { emit pressed(button); });
-    rows.addWidget(widget, row, column);
+    widget->setMinimumWidth(40);
+    rows.addWidget(widget, row, column, 1, span);
     return widget;
 }
 
@@ -207,20 +196,10 @@ void MeasurePanel::show_fields()
 
 void MeasurePanel::show_list(const MeasureList& list, std::optional<std::size_t> selected, const std::string& unit)
 {
-    const QSignalBlocker silent(list_);
-    list_->clear();
-    shown_.clear();
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        auto* item = new QTreeWidgetItem(list_);
-        item->setText(0, QString::fromStdString(list[i].name));
-        item->setText(1, value_of(list[i], unit));
-        item->setToolTip(1, item->text(1));
-        item->setCheckState(0, list[i].hidden ? Qt::Unchecked : Qt::Checked);
-        item->setFlags(Qt::ItemIsEnabled | Qt::ItemIsSelectable | Qt::ItemIsUserCheckable | Qt::ItemIsEditable);
-        item->setSelected(selected == i);
-        if (selected == i) list_->setCurrentItem(item);
-        shown_.emplace_back(list[i].name, list[i].hidden);
-    }
+    std::vector<NamedList::Row> rows;
+    for (std::size_t i = 0; i < list.size(); ++i)
+        rows.push_back({list[i].name, list[i].hidden, {value_of(list[i], unit)}});
+    list_->show_rows(rows, selected);
     const bool some = selected.has_value();
     buttons_[Button::look_at]->setEnabled(some);
     buttons_[Button::remove]->setEnabled(some);
@@ -236,37 +215,19 @@ void MeasurePanel::show_list(const MeasureList& list, std::optional<std::size_t>
 
 void MeasurePanel::show_values(const Measure* measure, const std::string& unit)
 {
-    values_->clear();
-    if (!measure) return;
-    const auto add = [this](const QString& name, const QString& value) {
-        auto* item = new QTreeWidgetItem(values_, {name, value});
-        item->setToolTip(1, value);
-    };
-    try {
-        for (const MeasureValue& value : values_of(*measure))
-            add(QString::fromStdString(value.name), QString::fromStdString(text_of(value, unit)));
-    } catch (...) {
-        add("no value", QString::fromStdString(current_error()));
+    std::vector<std::pair<QString, QString>> lines;
+    if (measure) {
+        try {
+            for (const MeasureValue& value : values_of(*measure))
+                lines.emplace_back(QString::fromStdString(value.name), QString::fromStdString(text_of(value, unit)));
+        } catch (...) {
+            lines.emplace_back("no value", QString::fromStdString(current_error()));
+        }
+        if (measure->width > 0) lines.emplace_back("width", QString::fromStdString(exact(measure->width) + " " + unit));
+        for (std::size_t i = 0; i < measure->points.size(); ++i)
+            lines.emplace_back(QString("point %1").arg(i + 1), coordinates_of(measure->points[i]));
     }
-    if (measure->width > 0) add("width", QString::fromStdString(exact(measure->width) + " " + unit));
-    for (std::size_t i = 0; i < measure->points.size(); ++i)
-        add(QString("point %1").arg(i + 1), coordinates_of(measure->points[i]));
-}
-
-void MeasurePanel::item_changed(QTreeWidgetItem* item, int column)
-{
-    const int index = list_->indexOfTopLevelItem(item);
-    if (index < 0 || column != 0) return;
-    const auto& [name, was_hidden] = shown_[static_cast<std::size_t>(index)];
-    const bool is_hidden = item->checkState(0) == Qt::Unchecked;
-    // The tool shows the list anew, in which this item does not survive.
-    const QString text = item->text(0);
-    if (is_hidden != was_hidden)
-        QMetaObject::invokeMethod(
-            this, [this, index, is_hidden] { emit hidden(index, is_hidden); }, Qt::QueuedConnection);
-    else if (text != QString::fromStdString(name))
-        QMetaObject::invokeMethod(
-            this, [this, index, text] { emit renamed(index, text); }, Qt::QueuedConnection);
+    values_->show_values(lines);
 }
 
 void MeasurePanel::show_clouds(const std::vector<Cloud>& clouds)

@@ -17,11 +17,12 @@ class QLabel;
 class QLineEdit;
 class QProgressBar;
 class QPushButton;
-class QTreeWidget;
-class QTreeWidgetItem;
 class QVBoxLayout;
 
 namespace pcm::host {
+
+class NamedList;
+class ValueTable;
 
 class MeasurePanel : public QDockWidget {
     Q_OBJECT
@@ -66,24 +67,23 @@ signals:
 
 private:
     QPushButton* add_button(QGridLayout& rows, int row, int column, Button button, const char* text,
-                            const char* tooltip);
+                            const char* tooltip, int span = 2);
     QLineEdit* add_field(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
     QComboBox* add_choice(QGridLayout& rows, const char* name, const char* label, const char* tooltip);
     void add_fields(QVBoxLayout& column);
     void add_list(QVBoxLayout& column);
     void show_fields();
     void show_values(const Measure* measure, const std::string& unit);
-    void item_changed(QTreeWidgetItem* item, int column);
 
     QComboBox *kind_ = nullptr, *cloud_ = nullptr, *compared_ = nullptr;
     QLineEdit *width_ = nullptr, *level_ = nullptr, *cell_ = nullptr;
-    QTreeWidget *list_ = nullptr, *values_ = nullptr;
+    NamedList* list_ = nullptr;
+    ValueTable* values_ = nullptr;
     QLabel *hint_ = nullptr, *words_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QWidget* fields_ = nullptr;
     std::map<Button, QPushButton*> buttons_;
-    std::map<QWidget*, std::vector<QWidget*>> rows_;   // of each field: its label too
-    std::vector<std::pair<std::string, bool>> shown_;  // names and whether hidden, as the list shows them
+    std::map<QWidget*, std::vector<QWidget*>> rows_;  // of each field: its label too
 };
 
 }  // namespace pcm::host

@@ -65,7 +65,7 @@ QString so_far(const Draft& draft, const std::string& unit)
 
 }  // namespace
 
-MeasureTool::MeasureTool() : ViewTool("Measure"), picks_(std::make_unique<QObject>())
+MeasureTool::MeasureTool() : ListTool("Measure"), picks_(std::make_unique<QObject>())
 {
     connect(&work_, &CloudWork::progressed, this, [this](const QString& stage, double fraction) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
@@ -107,11 +107,11 @@ bool MeasureTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLShare
 void MeasureTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext*)
 {
     if (view != view_) return;
-    cancel();
+    stop();
     disconnect(&MeasureBook::of(document), nullptr, this, nullptr);
     view->removeEventFilter(this);
     view->setMouseTracking(tracked_mouse_);
-    pressed_.reset();
+    forget_press();
     MeasureBook::of(document).select(std::nullopt);
     if (panel_) panel_->hide();
     view_ = nullptr;
@@ -155,7 +155,7 @@ void MeasureTool::show_panel()
 
 void MeasureTool::change_kind()
 {
-    cancel();
+    stop();
     draft_ = Draft(panel_->kind());
     panel_->show_hint(hint_of(draft_.kind()));
     view_->setFocus();
@@ -175,7 +175,7 @@ void MeasureTool::show_draft()
     panel_->propose_cell(points.front().spacing > 0 ? QString::fromStdString(cell) : QString());
 }
 
-void MeasureTool::click(const QPoint& place)
+void MeasureTool::click(const QPoint& place, Qt::KeyboardModifiers)
 {
     const auto number = draft_.click();
     if (!number) return say("the measure is not complete yet: a click has not been answered");
@@ -210,6 +210,13 @@ void MeasureTool::end()
 }
 
 bool MeasureTool::cancel()
+{
+    const bool did = stop();
+    if (did) say("cancelled");
+    return did;
+}
+
+bool MeasureTool::stop()
 {
     const bool did = !draft_.empty() || work_.running();
     work_.cancel();
@@ -289,7 +296,7 @@ void MeasureTool::press(MeasurePanel::Button button)
         case Button::end:
             return end();
         case Button::cancel:
-            cancel();
+            stop();
             return;
         case Button::look_at:
             if (selected) look_at(*view_, book().list()[*selected].points);

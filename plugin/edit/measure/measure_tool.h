@@ -4,12 +4,11 @@
 // measures. GUI thread; profiles and volumes are computed on a thread of their own.
 #pragma once
 
+#include "plugin/edit/list_tool.h"
 #include "plugin/edit/measure/cloud_work.h"
 #include "plugin/edit/measure/draft.h"
 #include "plugin/edit/measure/measure_panel.h"
 #include "plugin/host/picker.h"
-
-#include "plugin/edit/view_tool.h"
 
 #include <QPointer>
 
@@ -25,7 +24,7 @@ class MeasureBook;
 class ProfileWindow;
 struct ProfileData;
 
-class MeasureTool : public ViewTool {
+class MeasureTool : public ListTool {
     Q_OBJECT
     Q_INTERFACES(MeshEditInterface)
 
@@ -36,14 +35,11 @@ public:
     void EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDataContext* shared) override;
     void Decorate(MeshModel&, GLArea* view, QPainter* painter) override;
 
-    void mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
+    // Also the place of the cursor, for the line to it.
     void mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view) override;
-    void wheelEvent(QWheelEvent* event, MeshModel&, GLArea* view) override;
-    void keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view) override;
 
 protected:
-    // Moves without a button, double clicks, and Esc, which MeshLab has as a shortcut.
+    // Moves without a button, and double clicks.
     bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private:
@@ -58,12 +54,17 @@ private:
     void press(MeasurePanel::Button button);
     void change_kind();
 
-    void click(const QPoint& place);
+    void click(const QPoint& place, Qt::KeyboardModifiers modifiers) override;
+    bool has_right_click() const override { return true; }
+    void right_click() override { end(); }
+    void press_key(ListKey key) override;
+    void accept() override { end(); }
     void take(int click, const PickAnswer& answer);
     void end();
-    bool cancel();  // what is being made or computed; false if nothing is
+    bool cancel() override;  // also what is computed
+    bool stop();             // the same without words
     void clear_draft();
-    bool take_back();
+    bool take_back() override;
     void finish();  // makes a measure of the complete draft
     void keep(Measure measure);
     void write();
@@ -83,7 +84,6 @@ private:
     std::unique_ptr<QObject> picks_;  // parent of the contexts of picks that are not answered
     std::optional<int> first_layer_;  // that the draft's first point was picked on
     CloudWork work_;
-    std::unique_ptr<QMouseEvent> pressed_;  // has not moved far enough for a drag
     QPoint mouse_;
     bool tracked_mouse_ = false;
 };

@@ -57,7 +57,7 @@ QString words_of(const ProfileData& data, const ProfileSample& sample)
                      " of level %1, of more than a plot holds: every point of the cloud is nearer than %2 to one "
                      "of them. Exported files have all points.")
                      .arg(*sample.level)
-                     .arg(QString::fromStdString(brief(sample.outcome.error * data.frame.scale)));
+                     .arg(QString::fromStdString(brief(sample.outcome.error)));
     if (!data.options.where.empty() || !data.options.clips.empty())
         words += sample.level ? " Hidden points are left out." : ", without those that the view hides";
     return words;
@@ -69,17 +69,16 @@ void read_profile(ProfileData& data, std::size_t most, const ProgressFunction& p
 {
     ProfileOptions options = data.options;
     options.progress = progress;
-    const Schema& schema = data.frame.cloud->info().schema;
+    const Schema& schema = data.cloud->info().schema;
     const bool rgb = find(schema, "rgb", 3) != nullptr;
     if (rgb)
         options.attributes = {"rgb"};
     else if (find(schema, "classification", 1))
         options.attributes = {"classification"};
-    const ProfileSample sample = sample_profile(*data.frame.cloud, options, most);
+    const ProfileSample sample = sample_profile(*data.cloud, options, most);
     data.points.clear();
     data.points.reserve(sample.points.size());
-    for (const ProfilePoint& point : sample.points)
-        data.points.push_back({point.station * data.frame.scale, data.frame.to_scene(point.position)[2], grey});
+    for (const ProfilePoint& point : sample.points) data.points.push_back({point.station, point.position[2], grey});
     give_colours(data, sample, rgb);
     data.words = words_of(data, sample);
 }

@@ -2,18 +2,18 @@
 #pragma once
 
 #include "pcm/measure/profile.h"
-#include "plugin/edit/measure/cloud_frame.h"
 #include "plugin/edit/measure/profile_plot.h"
 
 #include <QString>
 
+#include <memory>
 #include <vector>
 
 namespace pcm::host {
 
 struct ProfileData {
-    CloudFrame frame;
-    ProfileOptions options;  // in the cloud's own coordinates, as for files; without progress
+    std::shared_ptr<PointCloud> cloud;
+    ProfileOptions options;  // in the scene, where the layer's matrix puts the cloud; without progress
     QString title, unit;
     std::vector<PlotPoint> points;  // station and height in the scene
     QString words;                  // how many points, and what is left out

@@ -101,12 +101,10 @@ void PickTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
 
 bool PickTool::eventFilter(QObject* receiver, QEvent* event)
 {
-    if (receiver == view_ && view_ && !view_->suspendedEditor && event->type() == QEvent::ShortcutOverride &&
-        static_cast<QKeyEvent*>(event)->matches(QKeySequence::Copy)) {
-        event->accept();
-        return true;
-    }
-    return QObject::eventFilter(receiver, event);
+    QKeyEvent* const key = shortcut_of(receiver, event);
+    if (!key || !key->matches(QKeySequence::Copy)) return QObject::eventFilter(receiver, event);
+    event->accept();
+    return true;
 }
 
 void PickTool::publish(const PickAnswer& answer)

@@ -10,6 +10,15 @@ namespace pcm::host {
 
 ScreenShape rectangle_of(const QPointF& a, const QPointF& b) { return {a, {b.x(), a.y()}, b, {a.x(), b.y()}}; }
 
+ScreenShape circle_of(const QPointF& centre, double radius)
+{
+    constexpr int corners = 64;
+    ScreenShape circle;
+    for (int i = 0; i < corners; ++i)
+        circle.push_back(centre + radius * QPointF(std::cos(2 * pi * i / corners), std::sin(2 * pi * i / corners)));
+    return circle;
+}
+
 bool has_area(const ScreenShape& shape)
 {
     if (shape.size() < 3) return false;

@@ -16,6 +16,7 @@ namespace pcm::host {
 using ScreenShape = std::vector<QPointF>;  // corners of a polygon, Qt's pixels of the view
 
 ScreenShape rectangle_of(const QPointF& a, const QPointF& b);
+ScreenShape circle_of(const QPointF& centre, double radius);  // a polygon whose corners lie on it
 
 // Whether it has an area to speak of: three corners, and not all of them within a pixel of a line along x or y.
 bool has_area(const ScreenShape& shape);

@@ -5,9 +5,12 @@
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/selected_colour.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
+
+#include <QColorDialog>
 
 namespace pcm::host {
 
@@ -68,6 +71,8 @@ void SelectTool::press(SelectPanel::Button button)
         case Button::stop:
             cancel();
             return;
+        case Button::colour:
+            return choose_colour();
         case Button::to_layer:
             return use(SelectionUse::to_layer);
         case Button::to_file:
@@ -79,6 +84,17 @@ void SelectTool::press(SelectPanel::Button button)
         case Button::save:
             return use(SelectionUse::save);
     }
+}
+
+void SelectTool::choose_colour()
+{
+    const QColor now = chosen_selected_colour().value_or(usual_selected_colour);
+    const QPointer<GLArea> alive(view_);
+    const QColor chosen =
+        QColorDialog::getColor(now, panel_, "Colour of selected points", QColorDialog::DontUseNativeDialog);
+    if (!chosen.isValid() || !alive || !view_) return;
+    choose_selected_colour(chosen, *view_->md());
+    panel_->show_colour(chosen);
 }
 
 // The current layer's selection, else the only one.

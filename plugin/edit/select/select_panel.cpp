@@ -99,9 +99,11 @@ void SelectPanel::add_ways(QGridLayout& rows)
     reach_ = add_choice(rows, "Depth", {"Through the cloud", "Front only"},
                         "Whether a rectangle or polygon selects all points that it covers, or only those that are "
                         "visible from here, in front of all others. Default Through the cloud.");
-    layers_ = add_choice(rows, "Layers", {"Current layer", "All shown layers"},
-                         "Which clouds a selection is made in: the current layer (the one that is clicked, for brush "
-                         "and grow), or all that the view shows and that are not locked. Default Current layer.");
+    layers_ =
+        add_choice(rows, "Layers", {"Current layer", "All shown layers"},
+                   "Which clouds a selection is made in: the current layer (for a brush, those that it meets), or "
+                   "all that the view shows and that are not locked. Growing stays in the cloud that is clicked. "
+                   "Default Current layer.");
     brush_ = add_field(rows, "Brush radius", "15",
                        "Pixels of the screen: points within a ball of this radius around the surface under the cursor "
                        "are selected. 1 to 1000, default 15.");
@@ -145,7 +147,9 @@ void SelectPanel::add_uses(QGridLayout& rows)
     add_button(rows, row++, 2, Button::stop, "Stop", "Ends what is running; the selection stays as it was. Key: Esc.");
     buttons_[Button::stop]->hide();
     add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
-    add_button(rows, row++, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
+    add_button(rows, row++, 2, Button::colour, "Colour...",
+               "The colour in which views show selected points. It is kept for later sessions. Default #ff400d.");
     add_button(rows, row, 0, Button::to_layer, "To a layer",
                "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
     add_button(rows, row, 1, Button::to_file, "To a file",
@@ -182,6 +186,14 @@ std::optional<double> SelectPanel::distance() const
 }
 
 QString SelectPanel::where() const { return where_->text().trimmed(); }
+
+void SelectPanel::show_colour(const QColor& colour)
+{
+    QPixmap sample(32, 12);
+    sample.fill(colour);
+    buttons_[Button::colour]->setIcon(sample);
+    buttons_[Button::colour]->setIconSize(sample.size());
+}
 
 void SelectPanel::show_count(const QString& text) { count_->setText(text); }
 

@@ -4,6 +4,7 @@
 
 #include "pcm/query/point_set.h"
 
+#include <QColor>
 #include <QDockWidget>
 
 #include <map>
@@ -31,6 +32,7 @@ public:
         undo,
         redo,
         stop,
+        colour,
         to_layer,
         to_file,
         remove,
@@ -50,6 +52,7 @@ public:
     std::optional<double> distance() const;  // of growing, source units; nothing: from the points' spacing
     QString where() const;
 
+    void show_colour(const QColor& colour);  // of selected points
     void show_count(const QString& text);
     void show_attributes(const QStringList& names);
     void show_steps(const QString& undo, const QString& redo);  // words of the steps; null: there is none

@@ -191,10 +191,13 @@ void SelectTool::finish_stroke()
     const QString radius =
         QString::fromStdString(brief(least) == brief(most) ? brief(least) : brief(least) + " to " + brief(most));
     std::vector<MeshModel*> layers;
-    for (MeshModel* layer : shown_layers(*view_))
-        if (panel_->all_layers() ||
-            std::any_of(balls.begin(), balls.end(), [&](const auto& picked) { return picked.first == layer->id(); }))
-            layers.push_back(layer);
+    if (panel_->all_layers())
+        layers = layers_for_shapes();
+    else
+        for (MeshModel* layer : shown_layers(*view_))
+            if (std::any_of(balls.begin(), balls.end(),
+                            [&](const auto& picked) { return picked.first == layer->id(); }))
+                layers.push_back(layer);
     select(layers, "brush of radius " + radius + " source units", [&](const MeshModel& layer) -> Choose {
         const auto placement = placement_of(layer, *Registry::instance().drawn(layer));
         std::vector<Ball> mine;

@@ -7,6 +7,7 @@
 #include "plugin/host/annotations.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/selected_colour.h"
 #include "plugin/host/shown_points.h"
 #include "plugin/host/text.h"
 
@@ -85,6 +86,7 @@ bool SelectTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLShared
             if (view_) guarded([&] { reset(); });
         });
     }
+    panel_->show_colour(chosen_selected_colour().value_or(usual_selected_colour));
     show_dock(*view, *panel_);
     connect(&SceneState::of(document), &SceneState::selection_changed, this, &SelectTool::selection_changed,
             Qt::UniqueConnection);
@@ -109,6 +111,7 @@ void SelectTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDa
     disconnect(&SceneState::of(document), nullptr, this, nullptr);
     view->removeEventFilter(this);
     view->setMouseTracking(tracked_mouse_);
+    hover_.reset();
     Annotations::of(document).set(owner, {});
     if (panel_) panel_->hide();
     publish({});
@@ -146,17 +149,28 @@ void SelectTool::show()
     panel_->show_steps(last ? state.undo_words(*last) : QString(), next ? state.redo_words(*next) : QString());
 }
 
-// The shape between the near and the far plane, so that it is seen from here.
+ScreenShape SelectTool::brush_ring() const
+{
+    if (!hover_ || panel_->shape() != SelectPanel::Shape::brush) return {};
+    try {
+        return circle_of(*hover_, panel_->brush_px());
+    } catch (const Error&) {  // what is typed is no radius; a click says so
+        return {};
+    }
+}
+
+// The shape and the brush's ring between the near and the far plane, so that they are seen from here.
 void SelectTool::draw()
 {
     const auto map = map_of(*view_);
     std::vector<Annotation> drawing;
     ScreenShape corners = shape_;
     if (cursor_) corners.push_back(*cursor_);
-    if (map && corners.size() > 1) {
+    for (const ScreenShape& shape : {corners, brush_ring()}) {
+        if (!map || shape.size() < 2) continue;
         Annotation line;
-        for (const QPointF& corner : corners) line.line.push_back(map->place_at(corner));
-        line.closed = corners.size() > 2;
+        for (const QPointF& corner : shape) line.line.push_back(map->place_at(corner));
+        line.closed = shape.size() > 2;
         line.on_top = true;
         line.colour = operation_ == SetOperation::subtract ? QColor(60, 140, 255) : QColor(255, 90, 30);
         drawing.push_back(line);
@@ -188,6 +202,7 @@ void SelectTool::mousePressEvent(QMouseEvent* event, MeshModel&, GLArea* view)
     using Shape = SelectPanel::Shape;
     guarded([&] {
         if (event->button() != Qt::LeftButton) {
+            hover_at(std::nullopt);
             camera_turns_ = event->button() == Qt::RightButton;
             if (!camera_turns_) return give_to_camera(*view, *event);
             return give_to_camera(*view, with_left_button(*event));
@@ -213,6 +228,7 @@ void SelectTool::mouseMoveEvent(QMouseEvent* event, MeshModel&, GLArea* view)
             if (camera_turns_) return give_to_camera(*view, with_left_button(*event));
             return give_to_camera(*view, *event);
         }
+        hover_at(event->pos());
         const QPointF moved = event->pos() - pressed_at_;
         const double far = std::hypot(moved.x(), moved.y());
         if (far > click_px) dragged_ = true;
@@ -285,10 +301,21 @@ void SelectTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
     });
 }
 
+void SelectTool::hover_at(std::optional<QPointF> place)
+{
+    if (panel_->shape() != SelectPanel::Shape::brush) place.reset();
+    if (place == hover_) return;
+    hover_ = place;
+    draw();
+}
+
 bool SelectTool::eventFilter(QObject* receiver, QEvent* event)
 {
-    if (receiver != view_ || !view_ || view_->suspendedEditor) return QObject::eventFilter(receiver, event);
+    if (receiver != view_ || !view_) return QObject::eventFilter(receiver, event);
+    if (view_->suspendedEditor || event->type() == QEvent::Leave) guarded([&] { hover_at(std::nullopt); });
+    if (view_->suspendedEditor) return QObject::eventFilter(receiver, event);
     if (event->type() == QEvent::MouseMove && static_cast<QMouseEvent*>(event)->buttons() == Qt::NoButton) {
+        guarded([&] { hover_at(QPointF(static_cast<QMouseEvent*>(event)->pos())); });
         if (panel_->shape() == SelectPanel::Shape::lasso && !shape_.empty())
             guarded([&] {
                 cursor_ = static_cast<QMouseEvent*>(event)->pos();

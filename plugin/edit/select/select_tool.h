@@ -51,6 +51,8 @@ private:
     }
     void show();
     void draw();
+    void hover_at(std::optional<QPointF> place);
+    ScreenShape brush_ring() const;  // around the cursor; empty: none is shown
     void publish(const QString& state);
     void press(SelectPanel::Button button);
     void undo(bool again);
@@ -70,6 +72,7 @@ private:
                 const std::function<Choose(const MeshModel&)>& choice);
     void take(const std::vector<SelectionResult>& results, const QString& words);
     void count();
+    void choose_colour();
     void use(SelectionUse what);
     void selection_changed();
 
@@ -80,6 +83,7 @@ private:
 
     ScreenShape shape_;              // being drawn
     std::optional<QPointF> cursor_;  // the corner that follows the mouse
+    std::optional<QPointF> hover_;   // where the mouse is, while it does not move the camera
     bool left_down_ = false, dragged_ = false, camera_turns_ = false;
     QPoint pressed_at_;
     SetOperation operation_ = SetOperation::replace;  // when the shape was begun

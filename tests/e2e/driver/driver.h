@@ -40,12 +40,13 @@ public:
     int frame() const;       // number of the view's last frame with clouds
     QString log() const;
 
-    bool first_try = true;          // the current command has not returned not_yet before
-    QElapsedTimer waiting;          // since the first try of the current command
-    QElapsedTimer started, opened;  // since MeshLab's start; since the last command `open`
-    int frame_before = 0;           // the last frame before a command that waits for a new one
-    int opening = 0;                // files that MeshLab has not finished opening
-    QString message;                // text of the last message box
+    bool first_try = true;                             // the current command has not returned not_yet before
+    QElapsedTimer waiting;                             // since the first try of the current command
+    QElapsedTimer started, opened;                     // since MeshLab's start; since the last command `open`
+    int frame_before = 0;                              // the last frame before a command that waits for a new one
+    int opening = 0;                                   // files that MeshLab has not finished opening
+    QString message;                                   // text of the last message box
+    Qt::KeyboardModifiers modifiers = Qt::NoModifier;  // of the mouse events of tools
     std::unique_ptr<PaintWitness> witness;
 
 private slots:

@@ -10,9 +10,14 @@
 #include <QJsonObject>
 #include <QMainWindow>
 #include <QScreen>
+#include <QTimer>
 #include <QVariantMap>
 
+#include <time.h>
+
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace {
@@ -129,6 +134,50 @@ Done print_parameters(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
+// The longest time between two turns of the window's event loop, and what of it the window's thread computed; the rest
+// it waited, for the graphics card or for a processor.
+struct Turns {
+    QTimer timer;
+    QElapsedTimer since;
+    double before_cpu = 0, longest_ms = 0, longest_cpu_ms = 0;
+
+    static double cpu_ms()
+    {
+        timespec time{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        return double(time.tv_sec) * 1e3 + double(time.tv_nsec) / 1e6;
+    }
+    Turns()
+    {
+        timer.setTimerType(Qt::PreciseTimer);
+        timer.setInterval(1);
+        since.start();
+        before_cpu = cpu_ms();
+        QObject::connect(&timer, &QTimer::timeout, [this] {
+            longest_ms = std::max(longest_ms, double(since.nsecsElapsed()) / 1e6);
+            longest_cpu_ms = std::max(longest_cpu_ms, cpu_ms() - before_cpu);
+            since.restart();
+            before_cpu = cpu_ms();
+        });
+        timer.start();
+    }
+};
+std::unique_ptr<Turns> turns;
+
+// watch-turns: from now on, until print-turns
+Done watch_turns(TestDriver&, const QString&)
+{
+    turns = std::make_unique<Turns>();
+    return Done::yes;
+}
+
+Done print_turns(TestDriver&, const QString&)
+{
+    say("turns " + compact({{"longest_ms", turns->longest_ms}, {"longest_cpu_ms", turns->longest_cpu_ms}}));
+    turns.reset();
+    return Done::yes;
+}
+
 // count-paints: from now on, until print-paints
 Done count_paints(TestDriver& driver, const QString&)
 {
@@ -187,6 +236,8 @@ std::vector<Command> output_commands()
         {"print-camera", print_camera},
         {"print-boxes", print_boxes},
         {"print-parameters", print_parameters},
+        {"watch-turns", watch_turns},
+        {"print-turns", print_turns},
         {"count-paints", count_paints},
         {"print-paints", print_paints},
         {"picture", picture},

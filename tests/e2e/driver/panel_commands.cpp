@@ -4,6 +4,7 @@
 #include <meshlab/glarea.h>
 
 #include <QApplication>
+#include <QCheckBox>
 #include <QComboBox>
 #include <QJsonArray>
 #include <QJsonDocument>
@@ -30,7 +31,7 @@ T* named(TestDriver& driver, const QString& name)
     driver.fail("no widget '" + name + "' of this kind");
 }
 
-// field NAME = VALUE: a field or a choice
+// field NAME = VALUE: a field, a choice, or a box to tick (on, off)
 Done field(TestDriver& driver, const QString& argument)
 {
     const QString name = argument.section('=', 0, 0).trimmed(), value = argument.section('=', 1).trimmed();
@@ -42,6 +43,8 @@ Done field(TestDriver& driver, const QString& argument)
         if (!edit->isVisible()) driver.fail("'" + name + "' is hidden");
         edit->setText(value);
         QMetaObject::invokeMethod(edit, "editingFinished");
+    } else if (auto* tick = qobject_cast<QCheckBox*>(widget)) {
+        tick->setChecked(value == "on");
     } else {
         driver.fail("'" + name + "' is of an unknown kind");
     }
@@ -108,6 +111,14 @@ Done window_picture(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// expect-no-widget NAME
+Done expect_no_widget(TestDriver& driver, const QString& name)
+{
+    for (const QWidget* widget : qApp->allWidgets())
+        if (widget->objectName() == name) driver.fail("there is a widget '" + name + "'");
+    return Done::yes;
+}
+
 }  // namespace
 
 std::vector<Command> panel_commands()
@@ -120,5 +131,6 @@ std::vector<Command> panel_commands()
         {"rename-row", rename_row},
         {"key", key},
         {"window-picture", window_picture},
+        {"expect-no-widget", expect_no_widget},
     };
 }

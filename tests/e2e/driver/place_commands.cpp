@@ -38,7 +38,7 @@ Done click_place(TestDriver& driver, const QString& argument)
     const QPoint at = pixel_of(driver, {number(0), number(1), number(2)});
     for (const auto type : {QEvent::MouseButtonPress, QEvent::MouseButtonRelease}) {
         QMouseEvent event(type, at, driver.area()->mapToGlobal(at), Qt::LeftButton,
-                          type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, Qt::NoModifier);
+                          type == QEvent::MouseButtonPress ? Qt::LeftButton : Qt::NoButton, driver.modifiers);
         qApp->sendEvent(driver.area(), &event);
     }
     return Done::yes;

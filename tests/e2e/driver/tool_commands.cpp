@@ -13,14 +13,12 @@
 
 namespace {
 
-Qt::KeyboardModifiers modifiers = Qt::NoModifier;
-
 void send(TestDriver& driver, QEvent::Type type, const QPoint& at, Qt::MouseButton which)
 {
     const bool hovers = which == Qt::NoButton;
     const auto button = type == QEvent::MouseMove ? Qt::NoButton : which;
     const auto buttons = hovers || type == QEvent::MouseButtonRelease ? Qt::NoButton : which;
-    QMouseEvent event(type, at, driver.area()->mapToGlobal(at), button, buttons, modifiers);
+    QMouseEvent event(type, at, driver.area()->mapToGlobal(at), button, buttons, driver.modifiers);
     qApp->sendEvent(driver.area(), &event);
 }
 
@@ -31,13 +29,13 @@ QPoint place_of(const TestDriver& driver, const QString& text, int first = 0)
                   int(text.section(' ', first + 1, first + 1).toDouble() * driver.area()->height()));
 }
 
-// modifiers Shift+Ctrl | none: of the mouse events of the following commands of this file
-Done set_modifiers(TestDriver&, const QString& names)
+// modifiers Shift+Ctrl | none: of the following clicks and drags of tools
+Done set_modifiers(TestDriver& driver, const QString& names)
 {
-    modifiers = Qt::NoModifier;
-    if (names.contains("Shift")) modifiers |= Qt::ShiftModifier;
-    if (names.contains("Ctrl")) modifiers |= Qt::ControlModifier;
-    if (names.contains("Alt")) modifiers |= Qt::AltModifier;
+    driver.modifiers = Qt::NoModifier;
+    if (names.contains("Shift")) driver.modifiers |= Qt::ShiftModifier;
+    if (names.contains("Ctrl")) driver.modifiers |= Qt::ControlModifier;
+    if (names.contains("Alt")) driver.modifiers |= Qt::AltModifier;
     return Done::yes;
 }
 

@@ -110,6 +110,16 @@ Done move_layer(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
+// layer-matrix ID M0 ... M15: row by row
+Done layer_matrix(TestDriver& driver, const QString& argument)
+{
+    MeshModel* layer = driver.document()->getMesh(argument.section(' ', 0, 0).toInt());
+    if (!layer) driver.fail("no layer " + argument);
+    for (int i = 0; i < 16; ++i) layer->cm.Tr.V()[i] = argument.section(' ', i + 1, i + 1).toFloat();
+    driver.area()->update();
+    return Done::yes;
+}
+
 // paint-layer ID FIRST COUNT: makes vertices red as an edit tool does it, which MeshLab does not notice
 Done paint_layer(TestDriver& driver, const QString& argument)
 {
@@ -166,6 +176,7 @@ std::vector<Command> view_commands()
         {"lose-focus", lose_focus},
         {"show-layer", show_layer},
         {"move-layer", move_layer},
+        {"layer-matrix", layer_matrix},
         {"paint-layer", paint_layer},
         {"view-size", view_size},
     };

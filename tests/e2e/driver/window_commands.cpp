@@ -6,6 +6,7 @@
 #include <QAction>
 #include <QApplication>
 #include <QCheckBox>
+#include <QColorDialog>
 #include <QComboBox>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
@@ -120,6 +121,7 @@ Done set(TestDriver& driver, const QString& argument)
     if (!widget) return driver.until(false, "a field '" + parameter + "'");
     if (auto* edit = qobject_cast<QLineEdit*>(widget)) {
         edit->setText(value);
+        QMetaObject::invokeMethod(edit, "textEdited", Q_ARG(QString, value));
         QMetaObject::invokeMethod(edit, "editingFinished");
     } else if (auto* combo = qobject_cast<QComboBox*>(widget)) {
         if (combo->findText(value) < 0) driver.fail("'" + parameter + "' offers no '" + value + "'");
@@ -199,6 +201,16 @@ Done pick(TestDriver& driver, const QString& argument)
     return Done::not_yet;
 }
 
+// choose-colour #RRGGBB | cancel: in the open dialog for colours
+Done choose_colour(TestDriver& driver, const QString& colour)
+{
+    auto* dialog = qobject_cast<QColorDialog*>(qApp->activeModalWidget());
+    if (!dialog) return driver.until(false, "a dialog for colours");
+    if (colour != "cancel") dialog->setCurrentColor(QColor(colour));
+    QMetaObject::invokeMethod(dialog, colour == "cancel" ? "reject" : "accept", Qt::QueuedConnection);
+    return Done::yes;
+}
+
 // panel NAME = VALUE: a setting in the panel "Point Cloud"; NAMEOn is the check box of a number that can be off.
 Done panel(TestDriver& driver, const QString& argument)
 {
@@ -217,6 +229,14 @@ Done panel(TestDriver& driver, const QString& argument)
     } else {
         driver.fail("'" + name + "' is of an unknown kind");
     }
+    return Done::yes;
+}
+
+// print-docks: how wide each panel of the window is at least, pixels
+Done print_docks(TestDriver& driver, const QString&)
+{
+    for (const QDockWidget* dock : driver.window()->findChildren<QDockWidget*>())
+        say(QString("dock %1 %2").arg(dock->objectName()).arg(dock->minimumSizeHint().width()));
     return Done::yes;
 }
 
@@ -257,7 +277,9 @@ std::vector<Command> window_commands()
         {"field-button", field_button},
         {"print-field", print_field},
         {"pick", pick},
+        {"choose-colour", choose_colour},
         {"panel", panel},
+        {"print-docks", print_docks},
         {"unfold", unfold},
         {"escape", escape},
         {"quit", quit},

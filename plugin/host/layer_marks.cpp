@@ -1,0 +1,105 @@
+#include "plugin/host/layer_marks.h"
+
+#include "pcm/system/error.h"
+#include "plugin/host/layer_matrix.h"
+#include "plugin/host/layer_visibility.h"
+#include "plugin/host/project_parts.h"
+
+#include <QFileInfo>
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+#include <QTimer>
+
+#include <vector>
+
+namespace pcm::host {
+
+namespace {
+
+constexpr int look_again_ms = 50;
+
+struct Marks {
+    QString file;
+    bool locked = false, solo = false, shown = true;  // shown: when no layer is shown alone
+};
+
+QString file_of(const MeshModel& layer) { return QFileInfo(layer.fullName()).fileName(); }
+
+[[noreturn]] void refuse(const char* what)
+{
+    throw Error(ErrorCode::bad_format, {}, std::string("the marks of layers ") + what);
+}
+
+std::vector<Marks> parse(const QString& text)
+{
+    const QJsonDocument json = QJsonDocument::fromJson(text.toUtf8());
+    if (!json.isObject()) refuse("are not JSON");
+    if (json.object()["version"].toInt() != 1) refuse("have a version that is not 1");
+    if (!json.object()["layers"].isArray()) refuse("have no list 'layers'");
+    std::vector<Marks> all;
+    for (const QJsonValue& value : json.object()["layers"].toArray()) {
+        const QJsonObject one = value.toObject();
+        if (!one["file"].isString()) refuse("have a layer without a 'file'");
+        all.push_back(
+            {one["file"].toString(), one["locked"].toBool(), one["solo"].toBool(), one["shown"].toBool(true)});
+    }
+    return all;
+}
+
+void apply(MeshDocument& document, const std::vector<Marks>& all)
+{
+    std::map<int, bool> shown;
+    std::set<int> solo;
+    std::vector<bool> used(all.size(), false);
+    for (MeshModel* layer : document.meshList) {
+        if (!layer) continue;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (used[i] || all[i].file != file_of(*layer)) continue;
+            used[i] = true;
+            if (all[i].locked) LayerMatrices::of(document).lock(*layer, true);
+            if (all[i].solo) solo.insert(layer->id());
+            shown[layer->id()] = all[i].shown;
+            break;
+        }
+    }
+    if (!solo.empty()) SoloLayers::of(document).restore(solo, shown);
+}
+
+void apply_when_open(MeshDocument& document, const std::vector<Marks>& all)
+{
+    if (!document.isBusy()) return apply(document, all);
+    QTimer::singleShot(look_again_ms, &document, [&document, all] { apply_when_open(document, all); });
+}
+
+}  // namespace
+
+QString layer_marks(MeshDocument& document)
+{
+    const LayerMatrices& matrices = LayerMatrices::of(document);
+    const SoloLayers& solo = SoloLayers::of(document);
+    QJsonArray layers;
+    bool any = false;
+    for (const MeshModel* layer : document.meshList) {
+        if (!layer) continue;
+        QJsonObject one{{"file", file_of(*layer)}};
+        if (matrices.is_locked(*layer)) one["locked"] = true;
+        if (solo.is_solo(*layer)) one["solo"] = true;
+        any = any || one.size() > 1;
+        if (!solo.is_shown_otherwise(*layer)) one["shown"] = false;
+        layers.push_back(one);
+    }
+    if (!any) return {};
+    const QJsonObject all{{"version", 1}, {"layers", layers}};
+    return QString::fromUtf8(QJsonDocument(all).toJson(QJsonDocument::Compact));
+}
+
+void take_layer_marks(MeshDocument& document, const QString& text)
+{
+    const std::vector<Marks> all = parse(text);
+    QTimer::singleShot(0, &document, [&document, all] { apply_when_open(document, all); });
+}
+
+void keep_layer_marks_in_projects() { add_project_part({"PointCloudLayers", layer_marks, take_layer_marks}); }
+
+}  // namespace pcm::host

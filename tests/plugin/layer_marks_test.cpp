@@ -1,0 +1,95 @@
+// Locked layers and layers shown alone, through the text that projects keep.
+#include "plugin/host/layer_marks.h"
+
+#include "pcm/system/error.h"
+#include "plugin/host/layer_matrix.h"
+#include "plugin/host/layer_visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <QCoreApplication>
+#include <QElapsedTimer>
+#include <QThread>
+
+#include <functional>
+
+using namespace pcm;
+using namespace pcm::host;
+
+namespace {
+
+// Files of a project, two of them of the same name.
+const char* const files[] = {"/a/one.pct", "/a/same.pct", "/b/same.pct", "/a/hidden.pct"};
+
+struct Opened {
+    MeshDocument document;
+    Opened()
+    {
+        for (const char* file : files) document.addNewMesh(file, file);
+        document.meshList[3]->visible = false;
+    }
+    MeshModel& layer(int number) { return *document.meshList[number]; }
+};
+
+bool wait_until(const std::function<bool()>& holds)
+{
+    QElapsedTimer taken;
+    taken.start();
+    while (!holds() && taken.elapsed() < 5000) {
+        QCoreApplication::processEvents();
+        QThread::msleep(5);
+    }
+    return holds();
+}
+
+TEST(LayerMarks, AreKeptThroughTheirText)
+{
+    Opened before;
+    EXPECT_TRUE(layer_marks(before.document).isEmpty());
+    LayerMatrices::of(before.document).lock(before.layer(2), true);
+    SoloLayers::of(before.document).set(before.layer(0), true);
+    SoloLayers::of(before.document).set(before.layer(2), true);
+    const QString text = layer_marks(before.document);
+
+    Opened after;  // as MeshLab opens it: what was hidden then is hidden
+    for (const int number : {1, 3}) after.layer(number).visible = false;
+    after.document.setBusy(true);
+    take_layer_marks(after.document, text);
+    QCoreApplication::processEvents();
+    EXPECT_FALSE(LayerMatrices::of(after.document).is_locked(after.layer(2))) << "its matrix may not be there yet";
+    after.layer(2).cm.Tr[0][3] = 7;
+    after.document.setBusy(false);
+    ASSERT_TRUE(wait_until([&] { return LayerMatrices::of(after.document).is_locked(after.layer(2)); }));
+    EXPECT_FALSE(LayerMatrices::of(after.document).hold(after.layer(2))) << "locked with the matrix of the project";
+    for (const int number : {0, 1, 2, 3}) {
+        EXPECT_EQ(LayerMatrices::of(after.document).is_locked(after.layer(number)), number == 2) << number;
+        EXPECT_EQ(SoloLayers::of(after.document).is_solo(after.layer(number)), number % 2 == 0) << number;
+        EXPECT_EQ(after.layer(number).visible, number % 2 == 0) << number;
+    }
+    EXPECT_EQ(layer_marks(after.document), text);
+    for (const int number : {0, 2}) SoloLayers::of(after.document).set(after.layer(number), false);
+    for (const int number : {0, 1, 2, 3}) EXPECT_EQ(after.layer(number).visible, number != 3) << number;
+}
+
+TEST(LayerMarks, LayersThatAreGoneAreLeftOut)
+{
+    Opened before;
+    LayerMatrices::of(before.document).lock(before.layer(2), true);
+    const QString text = layer_marks(before.document);
+    MeshDocument after;
+    MeshModel* const only = after.addNewMesh("/c/same.pct", "same");
+    MeshModel* const second = after.addNewMesh("/d/same.pct", "same");
+    take_layer_marks(after, text);
+    EXPECT_TRUE(wait_until([&] { return LayerMatrices::of(after).is_locked(*second); }));
+    EXPECT_FALSE(LayerMatrices::of(after).is_locked(*only));
+}
+
+TEST(LayerMarks, OtherTextIsRefused)
+{
+    Opened opened;
+    for (const char* text :
+         {"", "[]", "{\"version\":2,\"layers\":[]}", "{\"version\":1}", "{\"version\":1,\"layers\":[{}]}"})
+        EXPECT_THROW(take_layer_marks(opened.document, text), Error) << text;
+}
+
+}  // namespace
