@@ -273,25 +273,6 @@ void DxfFile::circle(const std::string& layer, const Vec3d& centre, const Vec3d&
     state_->begin_circle("CIRCLE", layer, ObjectAxes(axis), centre, radius);
 }
 
-void DxfFile::arc(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius, const Vec3d& from,
-                  double angle)
-{
-    if (angle >= 2 * pi) return circle(layer, centre, axis, radius);
-    const ObjectAxes axes(axis);
-    check_finite(from);
-    if (!std::isfinite(angle))
-        throw Error(ErrorCode::invalid_argument, state_->writer.file().path(), "the angle of an arc is not finite");
-    const double begin = std::atan2(dot(from, axes.y), dot(from, axes.x));
-    const auto degrees = [](double radians) {
-        const double turn = std::fmod(radians * 180 / pi, 360);
-        return turn < 0 ? turn + 360 : turn;
-    };
-    state_->begin_circle("ARC", layer, axes, centre, radius);
-    state_->writer.dxfString(100, "AcDbArc");
-    state_->writer.dxfReal(50, degrees(begin));
-    state_->writer.dxfReal(51, degrees(begin + angle));
-}
-
 void DxfFile::text(const std::string& layer, const Vec3d& p, double height, const std::string& words)
 {
     check_finite(p);
@@ -339,7 +320,6 @@ void DxfFile::line(const std::string&, const Vec3d&, const Vec3d&) {}
 void DxfFile::polyline(const std::string&, const std::vector<Vec3d>&, bool) {}
 void DxfFile::face(const std::string&, const Vec3d&, const Vec3d&, const Vec3d&, const Vec3d&) {}
 void DxfFile::circle(const std::string&, const Vec3d&, const Vec3d&, double) {}
-void DxfFile::arc(const std::string&, const Vec3d&, const Vec3d&, double, const Vec3d&, double) {}
 void DxfFile::text(const std::string&, const Vec3d&, double, const std::string&) {}
 void DxfFile::finish() {}
 

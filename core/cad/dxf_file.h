@@ -50,12 +50,9 @@ public:
     void polyline(const std::string& layer, const std::vector<Vec3d>& points, bool closed);
     // A flat face with three or four corners; a triangle repeats its last one.
     void face(const std::string& layer, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
-    // Across `axis` (unit); radius above 0. An arc begins at the direction `from` (across the axis) and has an angle of
-    // up to 2 pi, radians counter-clockwise about the axis. Centres are written in the axes that DXF derives from
-    // `axis`, which costs their last digits.
+    // Across `axis` (unit); radius above 0. The centre is written in the axes that DXF derives from `axis`, which costs
+    // its last digits.
     void circle(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius);
-    void arc(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius, const Vec3d& from,
-             double angle);
     // One line of UTF-8, whose lower left corner is at `p`, seen from above; height in source units, above 0.
     void text(const std::string& layer, const Vec3d& p, double height, const std::string& words);
 

@@ -125,7 +125,7 @@ void judge_size(const Shape& shape, double used, ShapeFit& fit)
               "the points cover too little of the shape for their noise, so its size is uncertain: take points "
               "farther around it");
         // To the flatter side, which is the farther one.
-        const double wider = flat / (flat - 1);
+        const double wider = 1 + 1 / (flat - 1);  // finite for an infinite one
         fit.errors.radius *= wider;
         fit.errors.position *= wider;
     }

@@ -67,25 +67,21 @@ TEST_F(Dxf, CirclesAreInTheAxesOfTheirNormals)
     DxfFile file(folder_ / "a.dxf", {{"a", 1}});
     file.circle("a", {1, 2, 3}, {0, 0, 1}, 4);
     file.circle("a", {1, 2, 3}, {1, 0, 0}, 4);
-    file.arc("a", {1, 2, 3}, {0, 0, -1}, 4, {-1, 0, 0}, pi / 2);
-    file.arc("a", {1, 2, 3}, {0, 0, 1}, 4, {0, -1, 0}, 2 * pi);
+    file.circle("a", {1, 2, 3}, {0, 0, -1}, 4);
     file.face("a", {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 5});
     file.finish();
     const std::vector<Entity> entities = section(folder_ / "a.dxf", "ENTITIES");
-    ASSERT_EQ(entities.size(), 5u);
+    ASSERT_EQ(entities.size(), 4u);
     EXPECT_EQ(entities[0].at(10), (Vec3d{1, 2, 3}));
     EXPECT_EQ(entities[0].number(40), 4);
     // A normal along x: the axes are y and z.
     EXPECT_EQ(entities[1].at(10), (Vec3d{2, 3, 1}));
     EXPECT_EQ(entities[1].number(210), 1);
     // Downwards: x is turned around.
-    EXPECT_EQ(entities[2].type, "ARC");
     EXPECT_EQ(entities[2].at(10), (Vec3d{-1, 2, -3}));
-    EXPECT_NEAR(entities[2].number(50), 0, 1e-12);
-    EXPECT_NEAR(entities[2].number(51), 90, 1e-12);
-    EXPECT_EQ(entities[3].type, "CIRCLE");
-    EXPECT_EQ(entities[4].type, "3DFACE");
-    EXPECT_EQ(entities[4].at(13), (Vec3d{0, 1, 5}));
+    EXPECT_EQ(entities[2].type, "CIRCLE");
+    EXPECT_EQ(entities[3].type, "3DFACE");
+    EXPECT_EQ(entities[3].at(13), (Vec3d{0, 1, 5}));
 }
 
 TEST_F(Dxf, CirclesThatAreNoneAreRefused)
@@ -96,8 +92,7 @@ TEST_F(Dxf, CirclesThatAreNoneAreRefused)
     EXPECT_THROW(file.circle("a", {1, 2, 3}, {0, nan, 1}, 4), Error);
     EXPECT_THROW(file.circle("a", {1, nan, 3}, {0, 0, 1}, 4), Error);
     EXPECT_THROW(file.circle("a", {1, 2, 3}, {0, 0, 1}, 0), Error);
-    EXPECT_THROW(file.arc("a", {1, 2, 3}, {0, 0, 1}, nan, {1, 0, 0}, 1), Error);
-    EXPECT_THROW(file.arc("a", {1, 2, 3}, {0, 0, 1}, 1, {nan, 0, 0}, 1), Error);
+    EXPECT_THROW(file.circle("a", {1, 2, 3}, {0, 0, 1}, nan), Error);
     EXPECT_THROW(file.face("a", {1, 2, 3}, {0, 0, nan}, {}, {}), Error);
     EXPECT_THROW(file.circle("b", {1, 2, 3}, {0, 0, 1}, 4), Error);
     file.finish();
