@@ -18,7 +18,7 @@ set(public_headers
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
   pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
   fit/primitive.h fit/shape.h fit/shape_fit.h fit/bounds.h fit/fit_points.h cad/primitive_files.h primitives/primitive_list.h
-  primitives/fit_at.h primitives/detect.h
+  primitives/fit_at.h primitives/reached_from.h primitives/detect.h
   measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h
   select/select_points.h select/front_points.h select/grow.h select/set_changes.h select/set_points.h
   cloud/affine.h cloud/attribute.h cloud/clip.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
