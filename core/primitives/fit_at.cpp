@@ -158,8 +158,10 @@ private:
         result.rounds = grown.rounds;
         result.converged = grown.converged;
         if (!grown.fit.has_shape()) {
-            result.notes.push_back("growth lost the surface (" + std::string(name_of(grown.fit.issue)) +
-                                   "): the neighbourhood's points are given");
+            const std::string lost = "growth lost the surface (" + std::string(name_of(grown.fit.issue)) +
+                                     "): the neighbourhood's points are given";
+            result.notes.push_back(lost);
+            if (result.primitive.fit.verdict == FitVerdict::good) doubt(result.primitive.fit, grown.fit.issue, lost);
             return;
         }
         if (grown.agreement > 1)
