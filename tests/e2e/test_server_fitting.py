@@ -114,7 +114,7 @@ class ServerFitting(MeshLabTest):
                            (detect(self.tree, labels=True), "labels go nowhere"),
                            (export(""), "no output file"),
                            (export(self.folder / "y.csv"), "no primitives"),
-                           (export(self.folder / "y.stl", listed=self.folder / "x.csv"), "'.stl'")):
+                           (export(self.folder / "y.stl", listed=self.folder / "x.csv"), "y.stl: the extension says no format")):
             with self.subTest(words):
                 run = self.server([one])
                 self.assertNotEqual(run.code, 0, run.text)
