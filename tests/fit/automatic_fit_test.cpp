@@ -87,6 +87,28 @@ TEST(AutomaticFits, FewPointsAmongManyOutliersAreRightOrDoubted)
     }
 }
 
+// A band may be wide where 40 points are the surface's: it is narrowed to where most of these are.
+TEST(AutomaticFits, ABandIsNarrowedToItsDensePart)
+{
+    unsigned right = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        std::mt19937_64 random(seed);
+        std::normal_distribution<double> gauss;
+        Shape turned = plane;
+        turned.axis = normalised(Vec3d{gauss(random), gauss(random), gauss(random)});
+        SceneOptions scene;
+        scene.points = 100;
+        scene.outliers = 0.6;
+        scene.seed = seed;
+        ShapeFitOptions options;
+        const Scene made = scene_of(turned, scene);
+        const ShapeFit fit = fit_shape(made.points, options);
+        const double best = std::max(0.0017, surface_error(made, scene, oracle(made).shape));
+        right += fit.has_shape() && surface_error(made, scene, fit.shape) <= 3 * best;
+    }
+    EXPECT_GE(right, 38u);
+}
+
 FitPoints points_anywhere(std::uint64_t seed, std::size_t count, double height)
 {
     std::mt19937_64 random(seed);
