@@ -57,6 +57,8 @@ void print(const FitScene& scene, const std::string& name, std::uint32_t iterati
     if (!result.verdict.empty()) {
         line["verdict"] = result.verdict;
         line["issue"] = result.issue;
+        line["threshold"] = result.threshold;
+        line["inliers"] = result.inliers;
         // JSON has no infinity.
         if (std::isfinite(result.radius_sigma)) line["radius_sigma"] = result.radius_sigma;
     }

@@ -14,6 +14,8 @@ MethodResult by_own(const FitScene& scene, const ShapeFitOptions& options)
     result.issue = name_of(fit.issue);
     result.radius_sigma = options.kind == ShapeKind::cone ? fit.errors.second : fit.errors.radius;
     result.samples = fit.iterations;
+    result.threshold = fit.threshold;
+    result.inliers = fit.inliers;
     return result;
 }
 

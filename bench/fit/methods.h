@@ -16,6 +16,8 @@ struct MethodResult {
     std::string verdict, issue;  // of ours
     double radius_sigma = 0;     // that it claims; of ours
     std::uint64_t samples = 0;
+    double threshold = 0;       // m; of ours
+    std::uint64_t inliers = 0;  // of ours
 };
 
 struct Method {

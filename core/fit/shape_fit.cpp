@@ -1,5 +1,6 @@
 #include "pcm/fit/shape_fit.h"
 
+#include "pcm/fit/chance_test.h"
 #include "pcm/fit/least_squares.h"
 #include "pcm/fit/local_support.h"
 #include "pcm/fit/pcl_fit.h"
@@ -206,6 +207,122 @@ bool radius_in_range(const Shape& shape, const ShapeFitOptions& options)
 
 double cosine_of(double normal_angle) { return normal_angle < pi / 2 ? std::cos(normal_angle) : -1; }
 
+// Search and least squares with a threshold that is given or found, in working units.
+class Fitting {
+public:
+    Fitting(const WorkingPoints& working, const SearchOptions& search, double smallest)
+        : working_(working), search_(search), model_(model_of(search.fit.kind)), smallest_(smallest), on_(search.on)
+    {
+        search_.on = [this](double fraction) { return on_(done_ + part_ * fraction); };
+    }
+    Fitting(const Fitting&) = delete;
+
+    ShapeFit fit_within(double threshold)
+    {
+        search_.threshold = threshold;
+        const SearchResult found = search_shape(working_, search_);
+        samples_ += found.samples;
+        return found.found ? refitted(found.shape, threshold) : refused(model_.kind, FitIssue::no_consensus);
+    }
+
+    // Points that are few for their outliers show more than their noise, and a wide band finds no surface: of this
+    // threshold, its half and so on the one whose points are least there by chance.
+    ShapeFit fit_from(double threshold)
+    {
+        const ChanceTest test(working_);
+        Found best;
+        for (unsigned k = 0; k <= most_halved; ++k, threshold /= 2) {
+            part_ = 0.5 * (1 - done_);
+            Found found = settled(test, fit_within(threshold));
+            const bool narrow = found.share < narrow_share;
+            const bool better = k == 0 || found.alarms < clearly * best.alarms;
+            if (better) best = std::move(found);
+            if (is_sure(best) || narrow || threshold / 2 < smallest_) break;
+            if (!better && best.alarms < many_alarms && best.share < wide_share) break;
+            done_ += part_;
+            if (!on_(done_)) break;
+        }
+        judge(best);
+        return std::move(best.fit);
+    }
+
+    std::uint64_t samples() const { return samples_; }
+
+private:
+    struct Found {
+        ShapeFit fit;
+        double share = 1, alarms = 0;  // see ChanceTest
+    };
+    static constexpr unsigned most_halved = 6;
+    // Narrower bands are of no use. A surface in a wide one shows only a part of itself.
+    static constexpr double narrow_share = 0.04, wide_share = 0.1, surely_wide = 0.25;
+    // A threshold within the noise has a few alarms less than one of three deviations.
+    static constexpr double clearly = 1.25;
+    static constexpr double many_alarms = -10, surely_many = -25;
+    static constexpr double few_by_chance = 0.2;  // of the inliers
+    static constexpr double even_noise = 0.6;     // of the threshold: distances are about even within it
+
+    ShapeFit refitted(const Shape& start, double threshold)
+    {
+        ShapeFit fit = finished(working_, start, {threshold, cosine_of(search_.fit.normal_angle)}, 50, true);
+        fit.threshold = threshold * working_.unit;
+        return fit;
+    }
+
+    // Narrowed to the noise of the surface, and to where most of it is among others.
+    Found settled(const ChanceTest& test, ShapeFit fit)
+    {
+        Found found{std::move(fit)};
+        for (int round = 0; found.fit.has_shape(); ++round) {
+            const Shape shape = working_.to_working(found.fit.shape);
+            const double now = found.fit.threshold / working_.unit;
+            // The band with the fewest alarms is about one and a half deviations wide.
+            const double dense = 2 * test.best_threshold(model_, shape, now);
+            const double better = std::max(std::min(3 * found.fit.noise / working_.unit, dense), smallest_);
+            if (round == most_rounds || better > 0.7 * now) {
+                found.share = test.share(model_, shape, now);
+                found.alarms = test.log_alarms(model_, found.share, static_cast<double>(found.fit.inliers));
+                break;
+            }
+            found.fit = refitted(shape, better);
+        }
+        return found;
+    }
+    static constexpr int most_rounds = 6;
+
+    // Hardly a point of the band would be there without the surface.
+    bool is_sure(const Found& found) const
+    {
+        const auto inliers = static_cast<double>(found.fit.inliers);
+        const double others = static_cast<double>(working_.size()) - inliers;
+        return found.alarms < 0 && found.share < surely_wide &&
+               others * found.share / (1 - found.share) < few_by_chance * inliers;
+    }
+
+    void judge(Found& found) const
+    {
+        if (!found.fit.has_shape()) return;
+        const std::string name = traits_of(model_.kind).name;
+        const bool even = found.fit.noise > even_noise * found.fit.threshold;
+        // Surfaces with a direction may lie across the points: a strip of these is evenly within the band.
+        if (even && (found.share > surely_wide || (traits_of(model_.kind).axis && found.alarms > surely_many)))
+            doubt(found.fit, FitIssue::no_consensus,
+                  "the points within the automatic threshold are spread evenly over it, so the " + name +
+                      " may lie across them: take more points or fewer outliers, or set the threshold");
+        if (!(found.alarms < 0))
+            doubt(found.fit, FitIssue::no_consensus,
+                  "as many points would be near some " + name +
+                      " by chance: take more points or fewer outliers, or set the threshold");
+    }
+
+    const WorkingPoints& working_;
+    SearchOptions search_;
+    const ShapeModel& model_;
+    double smallest_, done_ = 0, part_ = 1;
+    std::function<bool(double)> on_;
+    std::uint64_t samples_ = 0;
+};
+
 }  // namespace
 
 const std::vector<EstimatorTraits>& estimators()
@@ -267,25 +384,15 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
             throw Error(ErrorCode::cancelled, {}, "fitting was cancelled");
         return !(options.seconds > 0) || seconds_since(start) < options.seconds;
     };
-    const SearchResult found = search_shape(working, search);
-    ShapeFit fit = refused(options.kind, FitIssue::no_consensus);
-    if (found.found)
-        fit = finished(working, found.shape, {search.threshold, cosine_of(options.normal_angle)}, 50, true);
-    // Points that are few for their outliers show more than their noise; the surface shows it.
-    for (int round = 0; !(options.threshold > 0) && fit.has_shape() && round < 4; ++round) {
-        const double better = std::max(3 * fit.noise / working.unit, smallest);
-        if (better > 0.7 * search.threshold) break;
-        search.threshold = better;
-        fit = finished(working, working.to_working(fit.shape), {better, cosine_of(options.normal_angle)}, 50, true);
-    }
+    Fitting fitting(working, search, smallest);
+    ShapeFit fit = options.threshold > 0 ? fitting.fit_within(search.threshold) : fitting.fit_from(search.threshold);
     if (fit.has_shape() && !radius_in_range(fit.shape, options)) {
         fit.verdict = FitVerdict::refused;
         fit.issue = FitIssue::out_of_range;
         fit.message = "the " + std::string(traits_of(options.kind).name) +
                       " of these points has a radius out of the range that was asked for: widen the range";
     }
-    fit.threshold = search.threshold * working.unit;
-    fit.iterations = found.samples;
+    fit.iterations = fitting.samples();
     fit.seconds = seconds_since(start);
     return fit;
 }

@@ -49,7 +49,8 @@ std::string why_no_pcl();  // why FitBackend::pcl would be refused; empty: it wo
 struct ShapeFitOptions {
     ShapeKind kind = ShapeKind::plane;
     Estimator estimator = Estimator::msac;
-    // Largest distance of an inlier, source units; 0: from the points' local noise, and that of the surface found.
+    // Largest distance of an inlier, source units; 0: from the points' local noise down the one whose points are least
+    // there by chance. `iterations` is then the most samples of each that is tried.
     double threshold = 0;
     std::uint32_t iterations = 10000;  // the most samples
     double probability = 0.99;         // that a sample without outliers was drawn; ends the search early; 0 < p < 1
@@ -78,7 +79,8 @@ enum class FitIssue : std::uint8_t {
     collinear,     // all points on one line
     coplanar,      // all points in one plane, where a curved surface was asked for
     thin_arc,      // the points cover too little of the surface for their noise, or for errors that neighbours share
-    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it
+    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it, or
+                   // as many would be near some surface by chance
     out_of_range,  // of the asked radii
     not_converged,
     other_surface,  // the points are those of another surface: a ring or strip of it, or of a kind that fits far better
