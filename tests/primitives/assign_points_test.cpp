@@ -43,7 +43,7 @@ protected:
             assigned.parts[0].box.extend(p.position);
             assigned.parts[0].points += one != 0;
         }
-        assigned.part_of = {0};
+        assigned.numbers = {{0, 0}};
         FinalFitOptions options;
         options.least_points = 500;
         options.progress = [](double) {};
@@ -83,7 +83,7 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
             for (const PlacedPoint& p : all_points(*tree_)) {
                 const std::uint32_t label = labels.get(p.node)[p.number] & ~interior_label;
                 ASSERT_GT(label, 0u);
-                const SurfacePart& part = assigned.parts[assigned.part_of[label - 1]];
+                const SurfacePart& part = assigned.parts.at(assigned.part_of(label));
                 wrong += std::fabs(heights[part.hypothesis] - p.position[2]) > 1e-6;
             }
             EXPECT_EQ(wrong, 0u) << cell << " " << low_first;
@@ -303,7 +303,7 @@ TEST(BorderCells, JoinLabelsOfOneSurfaceWithACellInCommonWhateverIsInMemory)
         border.add({{far, 0, 1}, {far + 5, 0, 1}, {9, 1, 6}});
         border.add({{far + 5, 0, 2}, {7, 0, 3}, {2 * far - 1, 2, 5}});
         JoinedLabels labels(7);
-        border.join(labels, most);
+        border.join([&](std::uint32_t a, std::uint32_t b) { labels.join(a, b); }, most);
         for (const std::uint32_t label : {0u, 1u, 2u}) EXPECT_EQ(labels.root(label), 0u);
         for (const std::uint32_t label : {3u, 4u, 5u, 6u}) EXPECT_EQ(labels.root(label), label);
     }
