@@ -5,6 +5,7 @@
 #include "pcm/primitives/border_cells.h"
 #include "pcm/primitives/extreme_points.h"
 #include "pcm/primitives/final_fit.h"
+#include "pcm/system/error.h"
 #include "tests/primitives/shape_cloud.h"
 
 #include <algorithm>
@@ -292,6 +293,32 @@ TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)
     EXPECT_GE(samples, 4u);
     EXPECT_GE(together, whole);  // a cell that is cut has a point in both halves
     EXPECT_LE(together, whole + samples * 200);
+}
+
+// A step from wall to wall of a full room.
+TEST_F(AssignPoints, StepsThatReachMorePointsThanMemoryHoldsAreRefused)
+{
+    Dice dice(2);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 20000; ++i) points.push_back({dice.between(0, 1), dice.between(0, 1), dice.between(0, 1)});
+    make(points);
+    const ChosenPoints chosen(tree_, {});
+    const auto sample = [&](double step, double margin) {
+        SampleSettings settings{tree_->info().levels, 0.01, margin, step, 3000};
+        std::size_t largest = 0;
+        for_each_sample(chosen, tree_->info().box, settings,
+                        [&](const Box3i&, const SurfaceSample& one) { largest = std::max(largest, one.size()); });
+        return largest;
+    };
+    EXPECT_LE(sample(0.1, 0.1), 6000u);
+    try {
+        sample(0.9, 0.9);
+        FAIL() << "more than 6000 points at once";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+        EXPECT_NE(std::string(error.what()).find("step of 0.9 reaches more than 6,000 points"), std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(BorderCells, JoinLabelsOfOneSurfaceWithACellInCommonWhateverIsInMemory)
