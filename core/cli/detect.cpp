@@ -160,8 +160,8 @@ void add_search(Options& options, Arguments& arguments)
         .group(group);
     options
         .option("--step", detect.step,
-                "Points farther apart are not of one primitive, source units (default: as the spacing around each "
-                "point allows)")
+                "Points farther apart are not of one primitive, source units, up to some 60 spacings (default: as the "
+                "spacing around each point allows)")
         .positive()
         .group(group);
     options

@@ -2,6 +2,8 @@
 
 #include "pcm/primitives/border_cells.h"
 #include "pcm/primitives/shape_search.h"
+#include "pcm/primitives/unit_parts.h"
+#include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
@@ -16,27 +18,15 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr std::size_t some_points = 256, most_some_points = 4096;
+constexpr std::size_t some_points = 256;
 constexpr double piece_edge = 0.2;     // share of the edge where the surface of a piece continues
 constexpr double piece_bend = 0.4;     // of the distances, what is left of them in a mean of 17; noise leaves 0.24
 constexpr double piece_outline = 1.5;  // of so many times the square root of its points, a part of its outline
 // Distances that are small beside the threshold are no bend that it cuts, unless much of the outline is.
 constexpr double flat_rms = 0.2, flat_outline = 4;
-constexpr std::size_t border_cells = std::size_t(1) << 20;  // in memory at once
 // A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
 constexpr std::size_t enough_beyond = 3;
 constexpr double least_beyond = 0.7, most_beyond = 4;
-
-struct UnitPart {
-    std::uint32_t label = 0;  // less 1
-    SurfacePart part;
-};
-
-struct UnitResult {
-    std::vector<UnitPart> parts;                                  // of interest
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> joined;  // labels, less 1, of parts that are one
-    std::uint64_t looked_at = 0;                                  // points
-};
 
 class UnitAssignment {
 public:
@@ -51,22 +41,28 @@ public:
     {
     }
 
-    // `next`: the first label, less 1, that no unit has taken.
-    void run(PointLabels* labels, std::atomic<std::uint32_t>& next, BorderCells& border, UnitResult& result)
+    // Adds the parts of interest, and returns how many points were looked at.
+    std::uint64_t run(PointLabels* labels, PartNumbers& numbers, BorderCells& border, std::size_t unit,
+                      UnitParts& result)
     {
         choose();
         connect();
         if (options_.sample.step > 0) connect_far();
-        first_ = next.fetch_add(static_cast<std::uint32_t>(parts_.size()));
+        first_ = numbers.take(parts_.size());
         find_border(border);
         find_interior();
         find_continued();
-        if (labels) result.looked_at += give_labels(*labels);
+        const std::uint64_t looked_at = labels ? give_labels(*labels) : 0;
+        std::vector<UnitPart> kept;
         for (std::uint32_t k = 0; k < parts_.size(); ++k)
             if (at_border_[k] ||
                 (parts_[k].points >= options_.least_points && parts_[k].sampled >= options_.least_sampled))
-                result.parts.push_back({first_ + k, parts_[k]});
-        for (const auto& [a, b] : joined_) result.joined.push_back({first_ + a, first_ + b});
+                kept.push_back({first_ + k, std::move(parts_[k])});
+        for (auto& [a, b] : joined_) a += first_, b += first_;
+        std::sort(joined_.begin(), joined_.end());
+        joined_.erase(std::unique(joined_.begin(), joined_.end()), joined_.end());
+        result.add(unit, kept, joined_);
+        return looked_at;
     }
 
 private:
@@ -77,6 +73,7 @@ private:
         std::vector<float> best(sample_.size(), std::numeric_limits<float>::max());
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
+            options_.sample.check();
             const Shape shape = shape_here(h);
             const double threshold = hypotheses_[h].threshold;
             const Box3d box = reached_box(hypotheses_[h], options_.reach);
@@ -134,9 +131,11 @@ private:
             if (part_[i] != none) cells[cell_of(sample_.at[i])][part_[i]].push_back(i);
         std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
         const auto are_near = [&](const Points& some, const Points& others) {
-            for (const std::uint32_t i : some)
+            for (const std::uint32_t i : some) {
+                options_.sample.check();
                 for (const std::uint32_t j : others)
                     if (squared_distance(sample_.at[i], sample_.at[j]) <= step * step) return true;
+            }
             return false;
         };
         // Of the points in two cells; most parts are the only ones of their surface there.
@@ -278,6 +277,7 @@ private:
     {
         std::uint64_t looked_at = 0;
         points_.visit(box_, options_.sample.level, [&](const ChosenPoints::Some& some) {
+            options_.sample.check();
             std::vector<std::uint32_t> numbers, given;
             looked_at += some.number.size();
             for (std::size_t i = 0; i < some.number.size(); ++i) {
@@ -304,28 +304,11 @@ private:
     const SurfaceSample sample_;
     std::vector<std::uint32_t> owner_, part_;  // of the sample's points: hypothesis and part, or `none`
     std::vector<std::uint8_t> interior_;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;
+    NumberPairs joined_;
     std::vector<SurfacePart> parts_;
     std::vector<bool> at_border_;  // of parts
     std::uint32_t first_ = 0;
 };
-
-void add_to(SurfacePart& whole, const SurfacePart& part)
-{
-    whole.hypothesis = part.hypothesis;
-    whole.points += part.points;
-    whole.sampled += part.sampled;
-    whole.edge += part.edge;
-    whole.squares += part.squares;
-    whole.smooth_squares += part.smooth_squares;
-    whole.continued += part.continued;
-    whole.box.extend(part.box);
-    whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
-    if (whole.some.size() <= most_some_points) return;
-    std::vector<Vec3d> half;
-    for (std::size_t i = 0; i < whole.some.size(); i += 2) half.push_back(whole.some[i]);
-    whole.some = std::move(half);
-}
 
 }  // namespace
 
@@ -344,37 +327,34 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels)
 {
-    std::vector<UnitResult> results(units.size());
-    std::atomic<std::uint32_t> next{0};
+    std::atomic<bool> stopped{false};
+    AssignOptions heard = options;
+    heard.sample.check = [&] {
+        if (stopped) throw Error(ErrorCode::cancelled, {}, "cancelled");
+        if (options.sample.check) options.sample.check();
+    };
+    PartNumbers numbers;
     BorderCells border;
+    UnitParts parts(units.size());
+    std::atomic<std::uint64_t> looked_at{0};
     for_each_index(
         units.size(), options.threads,
         [&](std::size_t u) {
-            for_each_sample(points, units[u], options.sample, [&](const Box3i& box, SurfaceSample sample) {
-                UnitAssignment(points, box, std::move(sample), hypotheses, options)
-                    .run(labels, next, border, results[u]);
+            for_each_sample(points, units[u], heard.sample, [&](const Box3i& box, SurfaceSample sample) {
+                looked_at += UnitAssignment(points, box, std::move(sample), hypotheses, heard)
+                                 .run(labels, numbers, border, u, parts);
             });
         },
-        [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
-    JoinedLabels joined(next);
-    border.join(joined, border_cells);
-    for (const UnitResult& result : results)
-        for (const auto& [a, b] : result.joined) joined.join(a, b);
-    AssignedPoints assigned;
-    assigned.part_of.assign(next, AssignedPoints::no_part);
-    for (UnitResult& result : results) {
-        for (const UnitPart& part : result.parts) {
-            std::uint32_t& place = assigned.part_of[joined.root(part.label)];
-            if (place == AssignedPoints::no_part) {
-                place = static_cast<std::uint32_t>(assigned.parts.size());
-                assigned.parts.emplace_back();
+        [&](std::size_t begun) {
+            try {
+                options.progress(static_cast<double>(begun) / static_cast<double>(units.size()));
+            } catch (...) {
+                stopped = true;
+                throw;
             }
-            add_to(assigned.parts[place], part.part);
-        }
-        assigned.looked_at += result.looked_at;
-        result = {};
-    }
-    for (std::uint32_t label = 0; label < next; ++label) assigned.part_of[label] = assigned.part_of[joined.root(label)];
+        });
+    AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled);
+    assigned.looked_at = looked_at;
     return assigned;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -43,18 +44,20 @@ inline constexpr std::uint32_t interior_label = 0x80000000u;  // set where all n
 
 struct AssignedPoints {
     std::vector<SurfacePart> parts;
-    // parts[part_of[label - 1]] has the points with that label, the bit interior_label taken off, if that is not
-    // no_part; label 0: of no part.
-    std::vector<std::uint32_t> part_of;
+    // Labels less 1, ascending, and which of the parts their points have: of parts of interest only.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> numbers;
     std::uint64_t looked_at = 0;  // points; only with labels
     static constexpr std::uint32_t no_part = 0xffffffffu;
+    // The place in `parts` of a label above 0, the bit interior_label taken off, or no_part.
+    std::uint32_t part_of(std::uint32_t label) const;
 };
 
 // Of the surfaces within whose threshold it is and whose normal agrees, a point belongs to the nearest, in units of
 // their thresholds; connected by the edges of
 // the samples of the units. The parts do not depend on threads, the labels do; `labels` may be null. Memory: a sample
-// per thread, and per part of interest or at the border of a unit some 150 bytes, with keep_some up to 6 KB; cells at
-// borders lie in a scratch file. Throws what reading and `labels` throw.
+// per thread, and per part of interest or at the border of a unit 32 bytes, per part of interest of all units some 150
+// more, with keep_some up to 100 KB; the rest lies in scratch files. Throws what reading and `labels` throw, what
+// options.progress throws, soon, and Error(unsupported) where there are more than 2^31 parts.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels);

@@ -47,7 +47,7 @@ void BorderCells::add(const std::vector<BorderCell>& cells)
     file_.write_at(cells.data(), cells.size() * sizeof(BorderCell), place * sizeof(BorderCell));
 }
 
-void BorderCells::join(JoinedLabels& labels, std::size_t most) const
+void BorderCells::join(const std::function<void(std::uint32_t, std::uint32_t)>& join, std::size_t most) const
 {
     const std::uint64_t passes = cells_ / most + 1, width = keys / passes + 1;
     std::vector<BorderCell> some, read;
@@ -62,7 +62,7 @@ void BorderCells::join(JoinedLabels& labels, std::size_t most) const
         std::sort(some.begin(), some.end(), before);
         for (std::size_t i = 1; i < some.size(); ++i)
             if (some[i].key == some[i - 1].key && some[i].hypothesis == some[i - 1].hypothesis)
-                labels.join(some[i].label, some[i - 1].label);
+                join(some[i].label, some[i - 1].label);
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <vector>
 
@@ -32,9 +33,9 @@ class BorderCells {
 public:
     BorderCells();                                   // throws what creating a file throws
     void add(const std::vector<BorderCell>& cells);  // throws Error(no_space | io)
-    // Joins labels of one hypothesis that have a cell in common. Reads the file once for each `most` cells that it has:
-    // so many, or a little more, are in memory at once.
-    void join(JoinedLabels& labels, std::size_t most) const;
+    // Calls join(a, b) for labels of one hypothesis that have a cell in common. Reads the file once for each `most`
+    // cells that it has: so many, or a little more, are in memory at once.
+    void join(const std::function<void(std::uint32_t, std::uint32_t)>& join, std::size_t most) const;
 
 private:
     File file_;

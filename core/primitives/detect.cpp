@@ -45,7 +45,8 @@ constexpr double threshold_of_noise = 4;
 constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
 // Of the samples in which larger thresholds are tried, in cells of the finest one.
 constexpr double widen_cells = 3, coarse_widen_cells = 9;
-constexpr double coarser = 4;  // cells of one resolution, in cells of the next
+constexpr double most_step_cells = 128;  // of the sample, in a step: all within a step of a unit is in memory
+constexpr double coarser = 4;            // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
 // How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
 // which the samples have no normals, and in cells of the present one.
@@ -129,6 +130,13 @@ private:
         const double noise =
             options_.threshold > 0 ? std::min(found.noise, options_.threshold / threshold_of_noise) : found.noise;
         report_.sample = std::max(cell_of_spacing * found.spacing, cell_of_noise * noise);
+        if (options_.step > most_step_cells * report_.sample)
+            throw Error(ErrorCode::invalid_argument, tree_->folder(),
+                        "the longest step of " + exact(options_.step) + " is far above the cloud's spacing of " +
+                            brief(found.spacing) + ": points are connected by steps of up to " +
+                            brief(most_step_cells * report_.sample),
+                        "give a shorter step, or 0 for what the spacing allows; or detect in a thinner cloud (pcmlab "
+                        "subsample)");
         if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
         return true;
     }
@@ -236,8 +244,8 @@ private:
         double cell = report_.sample;
         for (;; cell *= coarser) {
             Resolution resolution;
-            resolution.sample = {level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step,
-                                 most_unit_points};
+            resolution.sample = {
+                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, check_};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
@@ -283,8 +291,12 @@ private:
     AssignOptions assign_options(double cell, double begin, double end)
     {
         AssignOptions assign;
-        assign.sample = {level_of(cell > report_.sample ? cell : 0), cell,
-                         std::max(margin_cells * cell, 1.01 * options_.step), options_.step, most_unit_points};
+        assign.sample = {level_of(cell > report_.sample ? cell : 0),
+                         cell,
+                         std::max(margin_cells * cell, 1.01 * options_.step),
+                         options_.step,
+                         most_unit_points,
+                         {}};
         assign.normal_angle = options_.normal_angle;
         assign.reach = reach_cells * cell;
         assign.least_points = options_.least_points;
@@ -328,9 +340,7 @@ private:
         search.least = resolution.sample.cell > report_.sample
                            ? least_coarse
                            : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
-        search.check = [this] {
-            if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
-        };
+        search.check = check_;
         for (const FoundShape& shape : search_shapes(sample, search, taken)) {
             Hypothesis one;
             one.shape = shape.shape;
@@ -393,6 +403,9 @@ private:
     Watch watch_;
     unsigned threads_ = 1;
     std::atomic<bool> stopped_{false};
+    const std::function<void()> check_ = [this] {
+        if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    };
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
     DetectReport report_;

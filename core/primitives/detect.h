@@ -23,8 +23,9 @@ struct DetectOptions {
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
     std::uint64_t least_points = 500;  // of a primitive
     double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians
-    double step =
-        0;  // points farther apart are not of one primitive, source units; 0: as the spacing around each allows
+    // Points farther apart are not of one primitive, source units, at most 128 cells of the sample (some 60 spacings);
+    // 0: as the spacing around each allows.
+    double step = 0;
     // Whether pieces of surfaces that bend away from the shape, cut out by the threshold, are primitives too, doubtful
     // ones: most of the ground, and floors and walls that are not even. Else a note says how many there were.
     bool pieces = false;
@@ -49,8 +50,9 @@ struct DetectReport {
 
 // In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
 // with a label is within its primitive's threshold (fit.threshold) of its shape. The result depends on the seed, and
-// neither on threads nor on memory. Throws Error(invalid_argument) for options out of range and kinds that are not
-// searched for, what Selector throws, Error(cancelled), and what reading and the scratch file throw.
+// neither on threads nor on memory. Throws Error(invalid_argument) for options out of range, steps that reach
+// too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31 parts of surfaces, what
+// Selector throws, Error(cancelled), and what reading and the scratch file throw.
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
 
 struct LabelOptions {

@@ -7,6 +7,7 @@
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -144,24 +145,30 @@ private:
     void visit(double begin, double end, const See& see, const Done& done)
     {
         const std::size_t nodes = points_.tree().nodes().size();
+        std::atomic<bool> stopped{false};
         for_each_index(
             groups, options_.threads,
             [&](std::size_t g) {
-                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups; ++n) {
+                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups && !stopped; ++n) {
                     const auto node = static_cast<NodeId>(n);
                     if (points_.tree().node(node).points > 0) see(g, node);
                 }
-                done(g);
+                if (!stopped) done(g);
             },
             [&](std::size_t begun) {
-                options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
+                try {
+                    options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
+                } catch (...) {
+                    stopped = true;
+                    throw;
+                }
             });
     }
 
     std::uint32_t candidate(std::uint32_t label) const
     {
         if (label == 0) return none;
-        const std::uint32_t part = assigned_.part_of[(label & ~interior_label) - 1];
+        const std::uint32_t part = assigned_.part_of(label & ~interior_label);
         return part == AssignedPoints::no_part ? none : candidate_of_[part];
     }
 

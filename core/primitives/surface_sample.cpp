@@ -4,6 +4,9 @@
 #include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_points.h"
 #include "pcm/knn/unit_search.h"
+#include "pcm/system/error.h"
+#include "pcm/system/free_memory.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +17,7 @@
 namespace pcm {
 namespace {
 
+constexpr double small_box = 0.25;       // of a step: halves have no fewer points around them
 constexpr double edge_of_spacing = 2.5;  // longest edge where none was asked for, in spacings
 
 // Positions relative to the first one. Narrow where their differences are 31 bits.
@@ -57,7 +61,7 @@ void describe(SurfaceSample& sample, std::uint32_t i, std::size_t count, const d
     if (count > 0) sample.spacing[i] = static_cast<float>(std::sqrt(squared[std::min<std::size_t>(count, 4) - 1]));
 }
 
-void find_neighbours(SurfaceSample& sample, SearchPositions positions)
+void find_neighbours(SurfaceSample& sample, SearchPositions positions, const std::function<void()>& check)
 {
     const std::size_t points = sample.size(), most = SurfaceSample::most_neighbours;
     sample.edges.resize(points * most);
@@ -69,6 +73,7 @@ void find_neighbours(SurfaceSample& sample, SearchPositions positions)
     UnitSearchOptions options;
     options.neighbours = most;
     search->search(nullptr, options, [&](const FoundNeighbours& found) {
+        if (check) check();
         for (std::size_t f = 0; f < found.size; ++f) {
             const std::uint32_t i = found.points[f];
             std::uint32_t* const edges = sample.edges.data() + std::size_t(i) * most;
@@ -186,9 +191,12 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
     sample.origin = points.source_box(box).centre();
     std::vector<Vec3i> grid;
     std::size_t inside = 0;
-    const auto too_many = [&] { return inside > most || (grid.size() > most + most / 3 && inside > most / 8); };
+    const auto too_many = [&] {
+        return inside > most || (grid.size() > most + most / 3 && inside > most / 8) || grid.size() / 2 > most;
+    };
     const Box3i around = box_around(box, settings.margin, tree.info());
     points.visit(around, settings.level, [&](const ChosenPoints::Some& some) {
+        if (settings.check) settings.check();
         if (too_many()) return;
         for (std::size_t i = 0; i < some.number.size(); ++i) {
             if (settings.cell > 0) {
@@ -204,7 +212,7 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
     if (too_many()) return std::nullopt;
     SearchPositions positions = positions_of(grid, tree.info().grid.scale);
     std::vector<Vec3i>().swap(grid);
-    find_neighbours(sample, std::move(positions));
+    find_neighbours(sample, std::move(positions), settings.check);
     cut_edges(sample, settings.step, settings.cell);
     sample.blocks.resize((sample.size() + SurfaceSample::block_points - 1) / SurfaceSample::block_points);
     for (std::size_t i = 0; i < sample.size(); ++i) sample.blocks[i / SurfaceSample::block_points].extend(sample.at[i]);
@@ -237,8 +245,20 @@ void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleS
                      const std::function<void(const Box3i&, SurfaceSample)>& use)
 {
     const std::vector<Box3i> halves = halves_of(box, points.tree().info().grid.scale);
+    if (settings.check) settings.check();
     if (settings.most > 0 && !halves.empty()) {
-        if (auto sample = sample_up_to(points, box, settings, settings.most)) return use(box, std::move(*sample));
+        if (auto sample = sample_up_to(points, box, settings, settings.most)) {
+            use(box, std::move(*sample));
+            sample.reset();
+            return return_free_memory();
+        }
+        const Box3d place = points.source_box(box);
+        if (settings.step > 0 && place.diagonal() < small_box * settings.step)
+            throw Error(ErrorCode::invalid_argument, points.tree().folder(),
+                        "the longest step of " + exact(settings.step) + " reaches more than " +
+                            grouped(2 * settings.most) + " points from " + exact(place.min) +
+                            ", which is more than fits into memory",
+                        "give a shorter step, or 0");
         for (const Box3i& half : halves) for_each_sample(points, half, settings, use);
     } else {
         use(box, sample_surface(points, box, settings));

@@ -62,11 +62,12 @@ private:
 };
 
 struct SampleSettings {
-    std::uint16_t level = 0;  // points of coarser levels and of this one
-    double cell = 0;          // one point of each cell of this size, source units; 0: all points
-    double margin = 0;        // points around the box are there too
-    double step = 0;          // longest edge, source units; 0: as the spacing around a point allows
-    std::size_t most = 0;     // points of a sample of for_each_sample() in the box; 0: any number
+    std::uint16_t level = 0;        // points of coarser levels and of this one
+    double cell = 0;                // one point of each cell of this size, source units; 0: all points
+    double margin = 0;              // points around the box are there too
+    double step = 0;                // longest edge, source units; 0: as the spacing around a point allows
+    std::size_t most = 0;           // points of a sample of for_each_sample() in the box; 0: any number
+    std::function<void()> check{};  // called at least some times a second, by the thread that works; may throw
 };
 
 // One object by one thread at a time.
@@ -105,14 +106,16 @@ void for_points_near(const SurfaceSample& sample, const Box3d& box, const Shape&
     }
 }
 
-// Any number of points, whatever settings.most says. Throws what reading throws.
+// Any number of points, whatever settings.most says. Throws what reading and settings.check throw.
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings);
 
 // The two halves of a box across its longest side; none of a box of one grid position.
 std::vector<Box3i> halves_of(const Box3i& box, const Vec3d& scale);
 
 // Calls use() with the sample of the box; where that has more than settings.most points in the box, or a third more
-// with the margin, with those of its halves, in turn, and so on. Throws what reading and `use` throw.
+// with the margin, with those of its halves, in turn, and so on. After each, freed memory goes back to the system.
+// Throws what reading, settings.check and `use` throw, and Error(invalid_argument) where a box that is small beside the
+// step has more than twice as many points around it as settings.most.
 void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
                      const std::function<void(const Box3i&, SurfaceSample)>& use);
 

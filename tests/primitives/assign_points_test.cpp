@@ -5,6 +5,7 @@
 #include "pcm/primitives/border_cells.h"
 #include "pcm/primitives/extreme_points.h"
 #include "pcm/primitives/final_fit.h"
+#include "pcm/system/error.h"
 #include "tests/primitives/shape_cloud.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ protected:
             assigned.parts[0].box.extend(p.position);
             assigned.parts[0].points += one != 0;
         }
-        assigned.part_of = {0};
+        assigned.numbers = {{0, 0}};
         FinalFitOptions options;
         options.least_points = 500;
         options.progress = [](double) {};
@@ -83,7 +84,7 @@ TEST_F(AssignPoints, APointBelongsToTheNearestSurfaceNotToTheFirst)
             for (const PlacedPoint& p : all_points(*tree_)) {
                 const std::uint32_t label = labels.get(p.node)[p.number] & ~interior_label;
                 ASSERT_GT(label, 0u);
-                const SurfacePart& part = assigned.parts[assigned.part_of[label - 1]];
+                const SurfacePart& part = assigned.parts.at(assigned.part_of(label));
                 wrong += std::fabs(heights[part.hypothesis] - p.position[2]) > 1e-6;
             }
             EXPECT_EQ(wrong, 0u) << cell << " " << low_first;
@@ -294,6 +295,32 @@ TEST_F(AssignPoints, SamplesThatAreTooLargeAreThoseOfHalves)
     EXPECT_LE(together, whole + samples * 200);
 }
 
+// A step from wall to wall of a full room.
+TEST_F(AssignPoints, StepsThatReachMorePointsThanMemoryHoldsAreRefused)
+{
+    Dice dice(2);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 20000; ++i) points.push_back({dice.between(0, 1), dice.between(0, 1), dice.between(0, 1)});
+    make(points);
+    const ChosenPoints chosen(tree_, {});
+    const auto sample = [&](double step, double margin) {
+        SampleSettings settings{tree_->info().levels, 0.01, margin, step, 3000};
+        std::size_t largest = 0;
+        for_each_sample(chosen, tree_->info().box, settings,
+                        [&](const Box3i&, const SurfaceSample& one) { largest = std::max(largest, one.size()); });
+        return largest;
+    };
+    EXPECT_LE(sample(0.1, 0.1), 6000u);
+    try {
+        sample(0.9, 0.9);
+        FAIL() << "more than 6000 points at once";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+        EXPECT_NE(std::string(error.what()).find("step of 0.9 reaches more than 6,000 points"), std::string::npos)
+            << error.what();
+    }
+}
+
 TEST(BorderCells, JoinLabelsOfOneSurfaceWithACellInCommonWhateverIsInMemory)
 {
     const std::uint64_t far = std::uint64_t(1) << 62;
@@ -303,7 +330,7 @@ TEST(BorderCells, JoinLabelsOfOneSurfaceWithACellInCommonWhateverIsInMemory)
         border.add({{far, 0, 1}, {far + 5, 0, 1}, {9, 1, 6}});
         border.add({{far + 5, 0, 2}, {7, 0, 3}, {2 * far - 1, 2, 5}});
         JoinedLabels labels(7);
-        border.join(labels, most);
+        border.join([&](std::uint32_t a, std::uint32_t b) { labels.join(a, b); }, most);
         for (const std::uint32_t label : {0u, 1u, 2u}) EXPECT_EQ(labels.root(label), 0u);
         for (const std::uint32_t label : {3u, 4u, 5u, 6u}) EXPECT_EQ(labels.root(label), label);
     }

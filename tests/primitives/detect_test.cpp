@@ -310,6 +310,25 @@ TEST_F(Detect, RefusesOptionsOutOfRange)
     EXPECT_TRUE(refused([](DetectOptions& o) { o.least_points = 3; }));
 }
 
+TEST_F(Detect, StepsFarAboveTheSpacingAreRefused)
+{
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 100; ++i)
+        for (int k = 0; k < 100; ++k) points.push_back(corner + Vec3d{0.02 * i, 0.02 * k, 0});
+    make(points);
+    DetectOptions options;
+    options.step = detect().sample * 120;
+    EXPECT_EQ(detect(options).primitives.size(), 1u);
+    options.step *= 1.1;
+    try {
+        detect_primitives(tree_, options);
+        FAIL() << "a step of " << options.step;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+        EXPECT_NE(std::string(error.what()).find("far above the cloud's spacing"), std::string::npos) << error.what();
+    }
+}
+
 TEST_F(Detect, CanBeCancelledAtAnyStage)
 {
     make(scene, 0.002);
