@@ -108,7 +108,9 @@ TEST_P(ExtractFaults, KilledAtAnyCallLeavesNoHalfOutput)
         for (const long at : spread(calls_, 8)) {
             const std::string when = kind + " at call " + std::to_string(at);
             start_again();
-            EXPECT_TRUE(run_with_fault(command(), work(), kind, at).killed) << when;
+            // How many calls there are depends a little on the threads: the last may not be reached.
+            const Faulty broken = run_with_fault(command(), work(), kind, at);
+            EXPECT_TRUE(broken.killed || (broken.code == 0 && at > calls_ - 4)) << when << ": " << broken.code;
             expect_whole(when);
             // Another run ends as if nothing had been, and clears what was left.
             std::vector<std::string> again = command();
