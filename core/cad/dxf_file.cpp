@@ -102,8 +102,6 @@ struct DxfFile::State {
         writer.dxfString(100, "AcDbEntity");
         writer.dxfString(8, name);
     }
-    void begin_circle(const char* entity, const std::string& layer, const ObjectAxes& axes, const Vec3d& centre,
-                      double radius);
     void put_tables(const std::vector<DxfLayer>& given, const DxfSettings& settings);
     void put_settings(const DxfSettings& settings);
     void put_layers(const std::vector<DxfLayer>& given);
@@ -175,20 +173,6 @@ void DxfFile::State::put_settings(const DxfSettings& settings)
     writer.coord(10, extent.min[0], extent.min[1], extent.min[2]);
     writer.dxfString(9, "$EXTMAX");
     writer.coord(10, extent.max[0], extent.max[1], extent.max[2]);
-}
-
-void DxfFile::State::begin_circle(const char* entity, const std::string& layer, const ObjectAxes& axes,
-                                  const Vec3d& centre, double radius)
-{
-    check_finite(centre);
-    check_finite(axes.x);
-    if (!(radius > 0 && std::isfinite(radius)))
-        throw Error(ErrorCode::invalid_argument, writer.file().path(), "the radius of a circle is not above 0");
-    begin(entity, layer);
-    writer.dxfString(100, "AcDbCircle");
-    writer.coord(10, exact_dot(centre, axes.x), exact_dot(centre, axes.y), exact_dot(centre, axes.z));
-    writer.dxfReal(40, radius);
-    writer.coord(210, axes.z[0], axes.z[1], axes.z[2]);
 }
 
 void DxfFile::State::put_blocks()
@@ -270,7 +254,17 @@ void DxfFile::face(const std::string& layer, const Vec3d& a, const Vec3d& b, con
 
 void DxfFile::circle(const std::string& layer, const Vec3d& centre, const Vec3d& axis, double radius)
 {
-    state_->begin_circle("CIRCLE", layer, ObjectAxes(axis), centre, radius);
+    const ObjectAxes axes(axis);
+    check_finite(centre);
+    check_finite(axes.x);
+    Writer& writer = state_->writer;
+    if (!(radius > 0 && std::isfinite(radius)))
+        throw Error(ErrorCode::invalid_argument, writer.file().path(), "the radius of a circle is not above 0");
+    state_->begin("CIRCLE", layer);
+    writer.dxfString(100, "AcDbCircle");
+    writer.coord(10, exact_dot(centre, axes.x), exact_dot(centre, axes.y), exact_dot(centre, axes.z));
+    writer.dxfReal(40, radius);
+    writer.coord(210, axes.z[0], axes.z[1], axes.z[2]);
 }
 
 void DxfFile::text(const std::string& layer, const Vec3d& p, double height, const std::string& words)

@@ -110,4 +110,14 @@ inline Scene scene_of(const Shape& shape, const SceneOptions& options)
 // Least squares of the true points from the truth: the best that can be expected.
 inline ShapeFit oracle(const Scene& scene) { return refine_shape(scene.true_points(), scene.truth); }
 
+inline std::vector<Shape> one_of_each_kind()
+{
+    const Vec3d axis = normalised(Vec3d{1, 2, 3}), point{0.3, 0.1, 0.2};
+    return {{ShapeKind::plane, point, axis, 0, 0},
+            {ShapeKind::cylinder, point, axis, 0.3, 0},
+            {ShapeKind::sphere, point, {0, 0, 1}, 0.4, 0},
+            {ShapeKind::cone, point, axis, 0, 0.4},
+            {ShapeKind::torus, point, axis, 0.5, 0.15}};
+}
+
 }  // namespace pcm::scenes

@@ -10,16 +10,6 @@ namespace {
 
 using namespace scenes;
 
-std::vector<Shape> some_shapes()
-{
-    const Vec3d axis = normalised(Vec3d{1, 2, 3}), point{0.3, 0.1, 0.2};
-    return {{ShapeKind::plane, point, axis, 0, 0},
-            {ShapeKind::cylinder, point, axis, 0.3, 0},
-            {ShapeKind::sphere, point, {0, 0, 1}, 0.4, 0},
-            {ShapeKind::cone, point, axis, 0, 0.4},
-            {ShapeKind::torus, point, axis, 0.5, 0.15}};
-}
-
 WorkingPoints working_of(const FitPoints& points, ShapeKind kind)
 {
     PointSpread spread;
@@ -40,7 +30,7 @@ double difference(const Shape& a, const Shape& b, const WorkingPoints& points)
 
 TEST(LeastSquares, EndsWhereStepsWouldChangeNothing)
 {
-    for (const Shape& shape : some_shapes())
+    for (const Shape& shape : one_of_each_kind())
         for (const double share : {1.0, 0.9})
             for (std::uint64_t seed = 1; seed <= 5; ++seed) {
                 SceneOptions options;
@@ -92,7 +82,7 @@ TEST(LeastSquares, FactsOfABandAreThoseOfItsOutliers)
 {
     SceneOptions options;
     options.outliers = 0.6;
-    const Scene scene = scene_of(some_shapes()[0], options);
+    const Scene scene = scene_of(one_of_each_kind()[0], options);
     const WorkingPoints points = working_of(scene.points, ShapeKind::plane);
     const double threshold = 0.015 / points.unit;
     const ShapeModel& model = model_of(ShapeKind::plane);

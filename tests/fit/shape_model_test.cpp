@@ -10,16 +10,6 @@ namespace {
 
 using namespace scenes;
 
-std::vector<Shape> all_shapes()
-{
-    const Vec3d axis = normalised(Vec3d{1, 2, 3}), point{0.3, 0.1, 0.2};
-    return {{ShapeKind::plane, point, axis, 0, 0},
-            {ShapeKind::cylinder, point, axis, 0.3, 0},
-            {ShapeKind::sphere, point, {0, 0, 1}, 0.4, 0},
-            {ShapeKind::cone, point, axis, 0, 0.4},
-            {ShapeKind::torus, point, axis, 0.5, 0.15}};
-}
-
 TEST(ShapeModels, OneRowPerKindWithConsistentNumbers)
 {
     for (const ShapeTraits& row : shape_kinds()) {
@@ -32,7 +22,7 @@ TEST(ShapeModels, OneRowPerKindWithConsistentNumbers)
 
 TEST(ShapeModels, DistancesOfBlocksAreThoseOfPoints)
 {
-    for (const Shape& shape : all_shapes()) {
+    for (const Shape& shape : one_of_each_kind()) {
         const Scene scene = scene_of(shape, {});
         std::vector<double> out(scene.points.size());
         Shape local = shape;
@@ -46,7 +36,7 @@ TEST(ShapeModels, DistancesOfBlocksAreThoseOfPoints)
 
 TEST(ShapeModels, APatchIsItsShape)
 {
-    for (const Shape& shape : all_shapes()) {
+    for (const Shape& shape : one_of_each_kind()) {
         const ShapeModel& model = model_of(shape.kind);
         SceneOptions options;
         options.outliers = 0;
@@ -74,7 +64,7 @@ TEST(ShapeModels, APatchIsItsShape)
 // Also of patches that are curved inwards or not at all.
 TEST(ShapeModels, DerivativesAreThoseOfMoves)
 {
-    for (const Shape& shape : all_shapes())
+    for (const Shape& shape : one_of_each_kind())
         for (const double bend : {1.0, -1.0, 0.0}) {
             const ShapeModel& model = model_of(shape.kind);
             const Scene scene = scene_of(shape, {});
@@ -105,7 +95,7 @@ TEST(ShapeModels, DerivativesAreThoseOfMoves)
 
 TEST(ShapeModels, MinimalSamplesGiveTheShapeBack)
 {
-    for (const Shape& shape : all_shapes()) {
+    for (const Shape& shape : one_of_each_kind()) {
         const ShapeModel& model = model_of(shape.kind);
         SceneOptions options;
         options.outliers = 0;
