@@ -30,13 +30,8 @@ void scan(const PointSet& set, unsigned threads, const ProgressFunction& progres
     options.select.threads = threads;
     options.select.progress = progress;
     options.stage = "Finding edges";
-    scan_points(tree, {}, options, [&](const ScannedPoints& found) {
-        std::vector<Vec3d> positions;
-        positions.reserve(found.indices.size());
-        for (const std::uint32_t i : found.indices)
-            positions.push_back(rounding(tree.info().grid.to_source(found.part.chunk.positions->grid(i))));
-        take(found, positions);
-    });
+    scan_points(tree, {}, options,
+                [&](const ScannedPoints& found) { take(found, source_positions(found, tree.info().grid, rounding)); });
 }
 
 }  // namespace

@@ -140,6 +140,15 @@ void PlaceTest::narrow(const Chunk&, const std::vector<Vec3d>& positions, std::v
     some.resize(kept);
 }
 
+std::vector<Vec3d> source_positions(const ScannedPoints& found, const Grid& grid, const SourceRounding& rounding)
+{
+    std::vector<Vec3d> positions;
+    positions.reserve(found.indices.size());
+    for (const std::uint32_t i : found.indices)
+        positions.push_back(rounding(grid.to_source(found.part.chunk.positions->grid(i))));
+    return positions;
+}
+
 void scan_points(const Tree& tree, const Selection& selection, const ScanOptions& options,
                  const std::function<void(const ScannedPoints&)>& take)
 {

@@ -39,6 +39,9 @@ struct ScannedPoints {
     std::vector<std::uint32_t> numbers;  // of the same points in the node's whole chunk, ascending
 };
 
+// Source coordinates of the chosen points, whose part has positions.
+std::vector<Vec3d> source_positions(const ScannedPoints& found, const Grid& grid, const SourceRounding& rounding);
+
 struct ScanOptions {
     const PlaceTest* test = nullptr;   // may be null
     const PointSet* within = nullptr;  // only points of this set; may be null, and does not change meanwhile
