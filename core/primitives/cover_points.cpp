@@ -68,7 +68,7 @@ std::vector<Vec3d> some_points(const PointSet& set, const std::vector<Vec3d>& di
     scan.stage = "Finding what the points cover";
     scan_points(tree, {}, scan, [&](const ScannedPoints& found) {
         const std::uint32_t coarse = all ? tree.node(found.node).points : tree.node(found.node).points_to_level(level);
-        const std::vector<Vec3d> positions = source_positions(found, tree.info().grid, rounding);
+        std::vector<Vec3d> positions = source_positions(found, tree.info().grid, rounding);
         std::vector<bool> kept(positions.size(), false);
         for (std::size_t k = 0; k < positions.size(); ++k) kept[k] = found.numbers[k] < coarse;
         for (const Vec3d& direction : directions) {
