@@ -81,13 +81,13 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
     resets_view_ = false;
     const Filter& filter = filter_of(ID(action));
     try {
-        const auto log = [this](const std::string& line) { Log(GLLogStream::FILTER, line); };
+        const auto say = [this](const std::string& line) { Log(GLLogStream::FILTER, line); };
         const auto warn = [&](const std::string& line) {
             Log(GLLogStream::WARNING, std::string(filter.name) + ": " + line);
         };
         const Box3m before = document.bbox();
         check_lock(parameters, document);
-        filter.run({document, parameters, callback, log, warn});
+        filter.run({document, parameters, callback, say, warn});
         resets_view_ = !fits_in_view(before, document.bbox());
         return true;
     } catch (...) {
