@@ -51,5 +51,60 @@ class Inputs(unittest.TestCase):
         self.assertIn("needs the path", self.refusal("--screenshot"))
 
 
+# A system as its package manager describes it, in place of the real one. apt-get writes down what it is called with.
+PROGRAMS = {
+    "apt-get": """echo "$*" >>"$SYSTEM/calls"; case "$*" in *update*) touch "$SYSTEM/updated" ;; esac""",
+    "apt-cache": """[ -f "$SYSTEM/updated" ] || exit 0
+                    echo "$2:"
+                    case "$2" in meshlab) echo "  Candidate: $MESHLAB" ;; cargo-web) echo "  Candidate: (none)" ;;
+                                 *) echo "  Candidate: 1" ;; esac""",
+    "dpkg-query": "exit 1",
+    "sudo": """[ "$1" != -n ] || shift; [ "$1" = true ] || exec "$@" """,
+}
+
+
+class Systems(unittest.TestCase):
+    """What is installed on a system, and when it is not even begun."""
+
+    def call(self, version, *command):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            for name, text in PROGRAMS.items():
+                (folder / name).write_text(f"#!/bin/bash\n{text}\n")
+                (folder / name).chmod(0o755)
+            environment = dict(os.environ, CI="true", SYSTEM=str(folder), MESHLAB=version,
+                               PATH=f"{folder}:{os.environ['PATH']}")
+            result = subprocess.run([RUN.parent / command[0], *command[1:]], stdin=subprocess.DEVNULL, capture_output=True,
+                                    text=True, timeout=60, env=environment)
+            calls = (folder / "calls").read_text() if (folder / "calls").exists() else ""
+            return result, [line for line in calls.splitlines() if " install " in line]
+
+    def test_another_meshlab_is_said_before_anything_is_installed(self):
+        for version, named in (("2022.02+dfsg1-1", "2022.02"), ("(none)", "this system has none")):
+            for command, code in ((("install-dependencies", "run"), 3), (("install-dependencies", "test"), 3),
+                                  (("run",), 1), (("test",), 1)):
+                with self.subTest(version=version, command=command):
+                    result, installs = self.call(version, *command)
+                    self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+                    self.assertEqual(installs, [])
+                    self.assertIn(named, result.stderr)
+                    self.assertIn("--without-meshlab", result.stderr)
+
+    def test_the_right_one_is_installed(self):
+        result, installs = self.call("2020.09+dfsg1-2", "install-dependencies", "run")
+        self.assertEqual((result.returncode, len(installs)), (0, 1), result.stderr)
+        for package in (" meshlab ", " qtbase5-dev ", " cargo"):
+            self.assertIn(package, installs[0] + " ")
+
+    def test_without_meshlab(self):
+        result, installs = self.call("2022.02+dfsg1-1", "install-dependencies", "run", "--without-meshlab")
+        self.assertEqual((result.returncode, len(installs)), (0, 1), result.stderr)
+        words = installs[0].split()
+        self.assertIn("cargo", words)  # there is no cargo-web on that system
+        self.assertNotIn("cargo-web", words)
+        for name in ("meshlab", "qtbase5-dev", "xvfb", "dpkg-dev"):
+            self.assertNotIn(name, words)
+
+
 if __name__ == "__main__":
     unittest.main()
