@@ -89,13 +89,14 @@ int build(Arguments& arguments)
     wanted.radius_neighbours = usual_radius_neighbours;
     NeighbourAttributeReport computed;
     WorkOnTree then;
-    if (arguments.normals) then = [&](const std::filesystem::path& tree, BuildReport& built) {
-        end_progress(arguments.common);
-        computed = compute_normals(arguments, tree, wanted);
-        std::vector<std::string>& warnings = computed.outcome.warnings;
-        built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
-        warnings.clear();
-    };
+    if (arguments.normals)
+        then = [&](const std::filesystem::path& tree, BuildReport& built) {
+            end_progress(arguments.common);
+            computed = compute_normals(arguments, tree, wanted);
+            std::vector<std::string>& warnings = computed.outcome.warnings;
+            built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
+            warnings.clear();
+        };
     const BuildReport report =
         build_tree_then({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options, then);
     end_progress(arguments.common);

@@ -66,8 +66,8 @@ Outcome change_tree(const std::filesystem::path& folder, const PointSet& set, bo
                 columns.positions = false;
                 columns.attributes.set(place);
                 L2Cache::Edit edit = cache.edit(nodes[i], columns);
-                const std::uint64_t values = change(nodes[i], *edit.chunk().attributes[place],
-                                                    [&]() -> Column& { return edit.column(place); });
+                const std::uint64_t values =
+                    change(nodes[i], *edit.chunk().attributes[place], [&]() -> Column& { return edit.column(place); });
                 if (values > 0) edit.mark_written();
                 changed += values;
             },

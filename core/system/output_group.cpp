@@ -91,8 +91,7 @@ void OutputGroup::put_in_place()
 {
     group_of_thread() = nullptr;
     std::vector<std::unique_ptr<OpenFolder>> folders;
-    for (const Member& member : members_)
-        folders.push_back(std::make_unique<OpenFolder>(folder_holding(member.place)));
+    for (const Member& member : members_) folders.push_back(std::make_unique<OpenFolder>(folder_holding(member.place)));
     // What needs space comes first.
     for (Member& member : members_)
         if (member.part.empty()) member.part = name_part(member.file, member.place);

@@ -30,9 +30,9 @@ public:
 
     // For OutputFile: the group of this thread, or null.
     static OutputGroup* current();
-    // For OutputFile: `file`, which is put at `place`; `path` is what the user called that. `part` is the file's present
-    // name, or empty. Throws Error(invalid_argument) for a place that the group has already; then the file is still the
-    // caller's.
+    // For OutputFile: `file`, which is put at `place`; `path` is what the user called that. `part` is the file's
+    // present name, or empty. Throws Error(invalid_argument) for a place that the group has already; then the file is
+    // still the caller's.
     void add(const std::filesystem::path& path, const std::filesystem::path& place, const std::filesystem::path& part,
              File& file);
 

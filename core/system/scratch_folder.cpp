@@ -43,7 +43,7 @@ void remove_abandoned(const fs::path& folder)
             remove_contents(folder);
         }
         fs::remove(folder, ignored);  // fails where anything else is in it
-    } catch (const Error&) {  // it stays for the next one
+    } catch (const Error&) {          // it stays for the next one
     }
 }
 

@@ -121,8 +121,7 @@ TEST_F(Target, ACopyIsRemovedWhenTheUpdateFails)
         other.info.grid = Grid{{0.003, 0.003, 0.003}, {0, 0, 0}};  // not the tree's grid
         MemoryReader reader(other);
         UpdateTarget target(tree_, {copy_, false});
-        target.update(
-            [&](const fs::path& work) { return append_points(work, reader, {"other.las"}); });
+        target.update([&](const fs::path& work) { return append_points(work, reader, {"other.las"}); });
     };
     EXPECT_THROW(fail(), Error);
     EXPECT_FALSE(fs::exists(copy_));
