@@ -3,6 +3,7 @@
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
+#include "pcm/system/file_lock.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree.h"
@@ -10,7 +11,6 @@
 #include "pcm/tree/unfinished_build.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <cerrno>
@@ -64,6 +64,17 @@ bool exchange(const fs::path& a, const fs::path& b)
     throw Error::from_errno(error, b, "putting the finished tree in the place of the old one");
 }
 
+// Another build may have the folder.
+[[noreturn]] void refuse(FileLock lock, const fs::path& output, const fs::path& part)
+{
+    if (lock == FileLock::held)
+        throw Error(ErrorCode::exists, output, "another build is writing this tree at this moment");
+    throw Error(ErrorCode::exists, part,
+                "this was left by an interrupted build, or one is running: the file system has no locks, which would "
+                "tell the two apart",
+                "remove the folder if no program is writing " + output.string());
+}
+
 }  // namespace
 
 BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
@@ -74,7 +85,7 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
     if (!fs::is_directory(parent, error))
         throw Error(ErrorCode::not_found, parent, "no such folder to put the tree in");
     if (is_there(part_)) {
-        lock();
+        lock(false);
         settle();
     }
     if (is_there(output_)) {
@@ -89,9 +100,9 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
         }
     }
     if (!lock_.is_open()) {
-        if (!fs::create_directory(part_, error) && error)
-            throw Error::from_errno(error.value(), part_, "creating the folder");
-        lock();
+        const bool made = fs::create_directory(part_, error);
+        if (!made && error) throw Error::from_errno(error.value(), part_, "creating the folder");
+        lock(made);
     }
     try {
         if (!left_over_) clear();
@@ -102,7 +113,8 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
     owned_ = true;
 }
 
-void BuildFolder::lock()
+// `made`: this process has just made the folder.
+void BuildFolder::lock(bool made)
 {
     std::error_code error;
     for (;;) {
@@ -113,17 +125,24 @@ void BuildFolder::lock()
             throw Error(ErrorCode::exists, part_, "a folder of this name is in the way and is not an interrupted build",
                         "remove or rename it");
         lock_ = File(part_ / build_marker_name, File::Mode::change_or_create);
-        if (::flock(lock_.descriptor(), LOCK_EX | LOCK_NB) != 0)
-            throw Error(ErrorCode::exists, output_, "another build is writing this tree at this moment");
+        const FileLock lock = try_lock(lock_.descriptor(), lock_.path());
+        locked_ = lock == FileLock::taken;
+        if (!locked_ && (lock == FileLock::held || !made)) refuse(lock, output_, part_);
         // One that has just ended may have removed what was opened here.
         struct stat opened {
         }, named{};
         if (::fstat(lock_.descriptor(), &opened) == 0 && ::stat((part_ / build_marker_name).c_str(), &named) == 0 &&
             opened.st_ino == named.st_ino && opened.st_dev == named.st_dev)
             break;
-        if (!is_there(part_) && !fs::create_directory(part_, error))
-            throw Error::from_errno(error.value(), part_, "creating the folder");
+        made = fs::create_directory(part_, error);
+        if (!made && error) throw Error::from_errno(error.value(), part_, "creating the folder");
     }
+}
+
+std::string BuildFolder::note() const
+{
+    if (locked_) return {};
+    return "the file system has no locks: had this been interrupted, " + part_.string() + " would have to be removed";
 }
 
 // Puts back a tree that was being replaced, and removes what a finished build has left.
@@ -243,8 +262,8 @@ bool put_back_replaced(const fs::path& output)
     if (!was_being_replaced(output)) return false;
     const fs::path part = build_folder_of(output);
     const File lock(part / build_marker_name, File::Mode::change_or_create);
-    if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
-        throw Error(ErrorCode::exists, output, "a build is writing this tree at this moment");
+    if (const FileLock state = try_lock(lock.descriptor(), lock.path()); state != FileLock::taken)
+        refuse(state, output, part);
     if (!was_being_replaced(output)) return false;
     rename_path(part / replaced_tree_name, output, "putting back the tree that was being replaced");
     sync_folder(folder_holding(output));

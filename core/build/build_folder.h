@@ -11,6 +11,10 @@
 // - NAME is absent and old/ exists (between the two renames that replace a tree where the system cannot exchange): old/
 //   gets its name back first; put_back_replaced() does that too;
 // - NAME has the index that `publishing` names: the build was finished, and the remains are removed.
+//
+// Copies of trees that are changed before they get their name (update/target.h) are made here too. Where the file
+// system has no locks, a folder that this process has just made is its own, since it did not exist before; in one that
+// exists nobody can tell a running build from an interrupted one, so it has to be removed by hand.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -35,6 +39,8 @@ public:
     std::filesystem::path tree() const { return part_ / "tree"; }
     // Remains of an interrupted build were found, and are not cleared yet.
     bool left_over() const { return left_over_; }
+    // For the report: that the file system has no locks. Empty where it has.
+    std::string note() const;
     // Removes the remains of an interrupted build.
     void clear();
     // The last step, when every file of tree() is synced: it takes its name, in place of the tree to overwrite. Throws
@@ -44,7 +50,7 @@ public:
     void publish();
 
 private:
-    void lock();
+    void lock(bool made);
     void settle();
     void remove_all_but_marker();
     void remove();
@@ -53,11 +59,11 @@ private:
 
     std::filesystem::path output_, part_;
     File lock_;
-    bool owned_ = false, left_over_ = false;
+    bool owned_ = false, left_over_ = false, locked_ = true;
 };
 
 // Puts the tree `output` back when an interrupted build was about to replace it and it is missing from its place.
-// Returns whether it did. Throws Error(exists) while a build of this tree is running.
+// Returns whether it did. Throws Error(exists) while a build of this tree is running, or may be: see above.
 bool put_back_replaced(const std::filesystem::path& output);
 
 }  // namespace pcm

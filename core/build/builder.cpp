@@ -4,14 +4,17 @@
 #include "pcm/build/bins/partition.h"
 #include "pcm/build/build_checkpoint.h"
 #include "pcm/build/build_folder.h"
+#include "pcm/build/build_then.h"
 #include "pcm/build/checkpoints.h"
 #include "pcm/build/nodes/draft_index.h"
 #include "pcm/build/pipeline.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
+#include "pcm/system/renamed_error.h"
 #include "pcm/tree/about.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -56,14 +59,16 @@ std::string describe(Remains remains, const Resumed& resumed)
 class TreeBuild {
 public:
     // `identity`: see identity_of_build(); absent for a build that makes no checkpoints. `like`: the tree whose points
-    // these are, if any.
+    // these are, if any. `then`: see build_tree_then(); may be empty.
     TreeBuild(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,
-              const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like)
+              const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity, const TreeInfo* like,
+              const WorkOnTree& then)
         : cloud_(cloud),
           sources_(sources),
           output_(output),
           options_(options),
           like_(like),
+          then_(then),
           identity_(identity),
           folder_(output, options.overwrite),
           state_(std::make_unique<State>(options, folder_.work()))
@@ -78,12 +83,14 @@ public:
             start();
         }
         checkpoints().wait();
+        if (then_) do_then();
         run_last_step(report_.outcome, [this] { folder_.publish(); });
         report_.scratch_bytes = work().space.peak();
         report_.notes = cloud_found().notes;
         report_.skipped = cloud_found().skipped;
+        if (std::string note = folder_.note(); !note.empty()) report_.notes.push_back(std::move(note));
         if (std::string note = describe(remains, resumed_); !note.empty()) report_.notes.push_back(std::move(note));
-        report_.outcome.seconds = work().watch.seconds();
+        if (!then_) report_.outcome.seconds = work().watch.seconds();
         return std::move(report_);
     }
 
@@ -150,6 +157,17 @@ private:
         make_tree(bins, {});
     }
 
+    void do_then()
+    {
+        report_.outcome.seconds = work().watch.seconds();
+        try {
+            then_(folder_.tree(), report_);
+        } catch (const Error& error) {
+            throw renamed(error, folder_.tree(), output_);
+        }
+        for (std::string& warning : report_.outcome.warnings) warning = renamed(warning, folder_.tree(), output_);
+    }
+
     // The bins of an interrupted build, if there are any that match the files.
     std::optional<AnyBins> find_bins()
     {
@@ -202,6 +220,7 @@ private:
         write_about(folder_.tree(), info);
         const std::vector<std::byte> bytes = encode_index(index);
         replace_file(folder_.tree() / index_file_name, bytes.data(), bytes.size());
+        remove_strays(index.data_files.size());
 
         report_.outcome.points_in = cloud_found().points_in;
         report_.outcome.points_out = info.points;
@@ -213,6 +232,15 @@ private:
         report_.bytes = bytes.size();
         for (const DataFile& file : index.data_files) report_.bytes += file.bytes;
         work().watch.report("Done", 1);
+    }
+
+    // What interrupted work on the tree of an earlier run has left in it, which build_tree_then() does again.
+    void remove_strays(std::size_t data_files)
+    {
+        std::vector<fs::path> strays{folder_.tree() / update_scratch_name, folder_.tree() / lock_file_name};
+        const auto file = [&] { return folder_.tree() / data_file_name(static_cast<std::uint32_t>(data_files)); };
+        for (; fs::exists(file()); ++data_files) strays.push_back(file());
+        for (const fs::path& stray : strays) fs::remove_all(stray);
     }
 
     // Throws Error(corrupt) when points were lost on the way.
@@ -258,6 +286,7 @@ private:
     const fs::path output_;
     const BuildOptions& options_;
     const TreeInfo* const like_;
+    const WorkOnTree& then_;
     const std::optional<std::vector<std::byte>> identity_;
     BuildFolder folder_;
     std::unique_ptr<State> state_;
@@ -275,10 +304,10 @@ fs::path check(const fs::path& output, const BuildOptions& options)
 
 BuildReport build(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& folder,
                   const BuildOptions& options, const std::optional<std::vector<std::byte>>& identity,
-                  const TreeInfo* like = nullptr)
+                  const TreeInfo* like = nullptr, const WorkOnTree& then = {})
 {
     try {
-        return TreeBuild(cloud, sources, folder, options, identity, like).run();
+        return TreeBuild(cloud, sources, folder, options, identity, like, then).run();
     } catch (const fs::filesystem_error& error) {
         throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
     } catch (const std::bad_alloc&) {
@@ -302,6 +331,12 @@ void check_build_options(const BuildOptions& options)
 
 BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options)
 {
+    return build_tree_then(inputs, output, options, {});
+}
+
+BuildReport build_tree_then(const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options,
+                            const WorkOnTree& then)
+{
     const fs::path folder = check(output, options);  // before all files are looked at
     MergedReader cloud(inputs, options.read);
     std::vector<std::string> sources;
@@ -312,7 +347,7 @@ BuildReport build_tree(const std::vector<fs::path>& inputs, const fs::path& outp
     }
     std::optional<std::vector<std::byte>> identity;
     if (options.resume) identity = identity_of_build(files, options);
-    return build(cloud, sources, folder, options, identity);
+    return build(cloud, sources, folder, options, identity, nullptr, then);
 }
 
 BuildReport build_tree(PointReader& cloud, const std::vector<std::string>& sources, const fs::path& output,

@@ -12,6 +12,14 @@ void TargetOptions::add_to(Options& options)
     options.flag("--in-place", in_place, "Change the tree itself, atomically");
 }
 
+TargetChoice TargetOptions::get() const
+{
+    if (output.empty() && !in_place)
+        throw UsageError("no output is given: give -o COPY, a tree to write, or --in-place to change this one");
+    if (!output.empty() && in_place) throw UsageError("give either -o COPY, a tree to write, or --in-place, not both");
+    return {output, in_place};
+}
+
 void NeighbourOptions::add_to(Options& options)
 {
     options
@@ -95,9 +103,8 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
 {
     options.progress = console_progress(common);
     UpdateTarget target(tree, choice.get());
-    NeighbourAttributeReport report = compute_neighbour_attributes(target.path(), options);
-    const auto& warnings = target.keep();
-    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    const NeighbourAttributeReport report = target.update(
+        [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
     end_progress(common);
     if (common.json) {
         Json json;

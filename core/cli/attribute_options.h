@@ -18,7 +18,8 @@ struct TargetOptions {
     std::string output;
     bool in_place = false;
     void add_to(Options& options);
-    TargetChoice get() const { return {output, in_place}; }
+    // Throws UsageError unless exactly one of the two was given.
+    TargetChoice get() const;
 };
 
 // Neighbours, precision, memory and threads.

@@ -1,4 +1,4 @@
-#include "pcm/build/builder.h"
+#include "pcm/build/build_then.h"
 #include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
 #include "pcm/cli/reading.h"
@@ -65,11 +65,9 @@ NeighbourAttributeReport compute_normals(const Arguments& arguments, const std::
         NeighbourAttributeReport report = compute_neighbour_attributes(tree, options);
         end_progress(arguments.common);
         return report;
-    } catch (const Error& error) {
+    } catch (...) {
         end_progress(arguments.common);
-        throw Error(error.code(), tree,
-                    std::string("the tree is complete, but its normals were not computed: ") + error.what(),
-                    "pcmlab normals --radii --in-place computes them");
+        throw;
     }
 }
 
@@ -86,21 +84,29 @@ int build(Arguments& arguments)
     arguments.options.read = arguments.reading.get(arguments.options.threads);
     arguments.options.sampling = arguments.fast ? Sampling::grid : Sampling::poisson;
     arguments.options.progress = console_progress(arguments.common);
-    BuildReport report = build_tree({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options);
+    WantedValues wanted;
+    wanted.normal = wanted.radius = wanted.confidence = true;
+    wanted.radius_neighbours = usual_radius_neighbours;
+    NeighbourAttributeReport computed;
+    WorkOnTree then;
+    if (arguments.normals)
+        then = [&](const std::filesystem::path& tree, BuildReport& built) {
+            end_progress(arguments.common);
+            computed = compute_normals(arguments, tree, wanted);
+            std::vector<std::string>& warnings = computed.outcome.warnings;
+            built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
+            warnings.clear();
+        };
+    const BuildReport report =
+        build_tree_then({arguments.inputs.begin(), arguments.inputs.end()}, output, arguments.options, then);
     end_progress(arguments.common);
     Json json;
     json["tree"] = output.string();
     put_build(json, report);
     if (!arguments.common.json) print_build(output, report);
     if (arguments.normals) {
-        WantedValues wanted;
-        wanted.normal = wanted.radius = wanted.confidence = true;
-        wanted.radius_neighbours = usual_radius_neighbours;
-        const NeighbourAttributeReport computed = compute_normals(arguments, output, wanted);
         put_attribute_report(json["normals"], wanted, computed);
         if (!arguments.common.json) print_attribute_report(output, wanted, computed);
-        const auto& warnings = computed.outcome.warnings;
-        report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
     }
     if (arguments.common.json) std::printf("%s\n", json.dump(2).c_str());
     return finished(report.outcome);

@@ -6,6 +6,7 @@
 #include "pcm/cli/primitive_output.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_group.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/system/rounded_text.h"
 
@@ -95,6 +96,19 @@ void print_json(const Arguments& arguments, const DetectReport& found, const Lab
     std::printf("%s\n", json.dump(2).c_str());
 }
 
+// The list of primitives, when the labels are written: then its failure is no reason to repeat the command.
+void put_in_place(OutputGroup& list, const Arguments& arguments, const LabelReport& labels, Outcome& outcome)
+{
+    run_last_step(outcome, [&] {
+        try {
+            list.put_in_place();
+        } catch (const Error& error) {
+            if (arguments.label.empty() || error.is_done()) throw;
+            throw Error::after(labels.tree, "the labels are written, and the list is not", error);
+        }
+    });
+}
+
 int run(Arguments& arguments)
 {
     check(arguments);
@@ -107,7 +121,8 @@ int run(Arguments& arguments)
     const auto tree = Tree::open(arguments.tree);
     DetectReport found = detect_primitives(tree, options);
     std::vector<std::string> notes = found.notes;
-    // The list first: it is there if the labels cannot be written.
+    // The list is complete before the labels are written, and gets its name after that: both or none.
+    OutputGroup list;
     if (!arguments.out.empty()) {
         if (found.primitives.empty()) {
             notes.push_back("no primitive was found, so " + arguments.out + " was not written");
@@ -130,6 +145,7 @@ int run(Arguments& arguments)
         found.outcome.warnings.insert(found.outcome.warnings.end(), labels.outcome.warnings.begin(),
                                       labels.outcome.warnings.end());
     }
+    put_in_place(list, arguments, labels, found.outcome);
     end_progress(arguments.common);
     if (arguments.common.json)
         print_json(arguments, found, labels, notes);

@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
+#include "pcm/system/output_group.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -91,7 +92,9 @@ void MeasureFiles::write(const MeasureList& list, const std::optional<Coordinate
     MeasureFileOptions options;
     options.overwrite = overwrite;
     options.system = system;
+    OutputGroup group;
     for (const std::string& output : outputs) write_measures(list, output, options);
+    group.put_in_place();
 }
 
 void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level)

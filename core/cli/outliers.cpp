@@ -61,9 +61,7 @@ int run(Arguments& arguments)
     } else {
         UpdateTarget target(arguments.tree, arguments.target.get());
         tree = target.path().string();
-        report = remove_outliers(tree, options);
-        const auto& warnings = target.keep();
-        report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+        report = target.update([&](const std::filesystem::path& folder) { return remove_outliers(folder, options); });
     }
     end_progress(arguments.common);
     if (!arguments.common.json) {

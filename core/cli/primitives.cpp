@@ -2,6 +2,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
+#include "pcm/system/output_group.h"
 
 #include <cmath>
 #include <cstdio>
@@ -58,11 +59,13 @@ int run(Arguments& arguments)
         for (Primitive& primitive : read_primitives(other)) primitives.push_back(std::move(primitive));
     std::vector<std::string> notes;
     Json files = Json::array();
+    OutputGroup group;
     for (const std::string& output : arguments.outputs) {
         const CadReport report = write_primitives(output, primitives, arguments.options);
         files.push_back({{"file", output}, {"primitives", report.written}});
         for (const std::string& note : report.notes) notes.push_back(output + ": " + note);
     }
+    group.put_in_place();
     if (arguments.common.json) {
         Json json = Json::parse(json_of(primitives));
         json["unit"] = name_of(arguments.options.unit);

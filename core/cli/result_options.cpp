@@ -3,9 +3,9 @@
 #include "pcm/convert/open_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
+#include "pcm/system/renamed_error.h"
 
 #include <algorithm>
-#include <system_error>
 
 namespace pcm::cli {
 namespace {
@@ -20,15 +20,6 @@ ProgressFunction part_of(const ProgressFunction& progress, double begin, double 
         update.seconds_left = -1;
         return progress(update);
     };
-}
-
-// Removes what an interrupted command has left: a folder with files of a tree and nothing else.
-void remove_remains(const fs::path& folder)
-{
-    if (!fs::is_directory(folder)) return;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (!is_name_in_tree(entry.path().filename().string())) return;
-    fs::remove_all(folder);
 }
 
 }  // namespace
@@ -59,13 +50,12 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
         return;
     }
     if (arguments.in_place) throw UsageError("--in-place: only a single tree can be replaced by the result");
-    output_tree(arguments.output);  // refuses what cannot be the output's name before the files are read
-    if (fs::exists(arguments.output) && !arguments.overwrite)
+    // Refuses what cannot be the output's name before the files are read.
+    const fs::path output = output_tree(arguments.output);
+    if (fs::exists(output) && !arguments.overwrite)
         throw Error(ErrorCode::exists, arguments.output, "the output exists already",
                     "choose another name, or overwrite it");
-    path_ = arguments.output;
-    if (path_.filename().empty()) path_ = path_.parent_path();
-    path_ += ".input";
+    inputs_ = inputs.size() == 1 ? inputs[0] : "the inputs";
     CloudOptions options;
     options.read = reading.get(arguments.threads);
     CloudSources sources({inputs.begin(), inputs.end()}, options);
@@ -74,18 +64,19 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
     build.memory_bytes = arguments.memory;
     build.threads = arguments.threads;
     build.sampling = sampling;
-    remove_remains(path_);
     build.progress = part_of(progress, 0, 0.5);
-    const BuildReport report = build_tree(*cloud, sources.names(), path_, build);
-    temporary_ = true;
-    notes_ = report.notes;
+    scratch_ = std::make_unique<ScratchFolder>(output);
+    path_ = scratch_->work() / "input.pct";
+    try {
+        notes_ = build_tree(*cloud, sources.names(), path_, build).notes;
+    } catch (const Error& error) {
+        throw renamed(error, path_, output);
+    }
 }
 
-Sources::~Sources()
-{
-    std::error_code ignored;
-    if (temporary_) fs::remove_all(path_, ignored);
-}
+Sources::~Sources() = default;
+
+Error Sources::about_inputs(const Error& error) const { return scratch_ ? renamed(error, path_, inputs_) : error; }
 
 ResultOptions Sources::result_options() const
 {
@@ -95,8 +86,8 @@ ResultOptions Sources::result_options() const
     options.memory_bytes = arguments_.memory;
     options.threads = arguments_.threads;
     options.chunk_points = arguments_.chunk_points;
-    if (temporary_) options.sampling = Sampling::poisson;
-    options.progress = temporary_ ? part_of(progress_, 0.5, 1) : progress_;
+    if (scratch_) options.sampling = Sampling::poisson;
+    options.progress = scratch_ ? part_of(progress_, 0.5, 1) : progress_;
     return options;
 }
 

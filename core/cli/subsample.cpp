@@ -36,7 +36,9 @@ int run(Arguments& arguments)
         throw UsageError("what to thin to: give either --spacing or --points");
     const ProgressFunction progress = console_progress(arguments.common);
     const Sources sources(arguments.inputs, arguments.result, arguments.reading, Sampling::poisson, progress);
-    const SubsampleReport report = subsample(sources.path(), arguments.options, sources.result_options());
+    const SubsampleReport report = sources.apply([&](const std::filesystem::path& tree, const ResultOptions& to) {
+        return subsample(tree, arguments.options, to);
+    });
     end_progress(arguments.common);
     const Outcome& outcome = report.build.outcome;
     std::vector<std::string> notes = sources.notes(report.build.notes);

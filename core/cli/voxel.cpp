@@ -33,7 +33,8 @@ int voxel(Arguments& arguments)
     arguments.result.check();
     const ProgressFunction progress = console_progress(arguments.common);
     const Sources sources(arguments.inputs, arguments.result, arguments.reading, Sampling::grid, progress);
-    const VoxelGridReport report = voxel_grid(sources.path(), options, sources.result_options());
+    const VoxelGridReport report = sources.apply(
+        [&](const std::filesystem::path& tree, const ResultOptions& to) { return voxel_grid(tree, options, to); });
     end_progress(arguments.common);
     const Outcome& outcome = report.build.outcome;
     if (arguments.common.json) {

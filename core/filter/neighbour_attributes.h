@@ -1,9 +1,8 @@
 // Attributes of points that are computed from their nearest neighbours, in one pass over all neighbourhoods: radii,
 // normals, curvature, a normal's confidence, mean distances.
 //
-//     UpdateTarget target(tree, choice);                       // a copy, or the tree itself
-//     compute_neighbour_attributes(target.path(), options);
-//     target.keep();
+//     UpdateTarget target(tree, choice);  // a copy, or the tree itself
+//     target.update([&](const auto& folder) { return compute_neighbour_attributes(folder, options); });
 //
 // What is written, by name:
 //     radius             f32      source units

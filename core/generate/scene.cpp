@@ -8,6 +8,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
+#include "pcm/system/output_group.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -244,7 +245,8 @@ SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions
         watch.report(stage, 0.999 * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, blocks)));
     });
     SceneReport report;
-    run_last_step(report.outcome, [&] { writer->finish(); });
+    OutputGroup group;  // the file and its truth
+    writer->finish();
     report.notes = writer->notes();
     report.primitives = std::move(site.primitives);
     for (ScenePrimitive& primitive : report.primitives) {
@@ -256,6 +258,7 @@ SceneReport generate_scene(const std::filesystem::path& file, const SceneOptions
         out.append(truth_json(options, side, report.primitives));
         out.finish();
     }
+    run_last_step(report.outcome, [&] { group.put_in_place(); });
     watch.finish(stage);
     report.outcome.points_in = report.outcome.points_out = options.points;
     report.outcome.seconds = watch.seconds();

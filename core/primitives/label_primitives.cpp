@@ -21,7 +21,7 @@ void require_unchanged(const Tree& then, const Tree& now)
     if (then.info().generation == now.info().generation && then.info().content_hash == now.info().content_hash &&
         then.info().points == now.info().points && then.nodes().size() == now.nodes().size())
         return;
-    throw Error(ErrorCode::invalid_argument, now.folder(), "the tree was changed since its primitives were detected",
+    throw Error(ErrorCode::invalid_argument, then.folder(), "the tree was changed since its primitives were detected",
                 "detect them again");
 }
 
@@ -63,27 +63,26 @@ LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const Dete
     if (!found.labels)
         throw Error(ErrorCode::invalid_argument, tree->folder(), "there are no labels: nothing was detected",
                     "detect primitives first");
-    LabelReport report;
     UpdateTarget target(tree->folder(), options.target);
-    report.tree = target.path();
-    {
-        const auto changes = std::make_shared<TreeChanges>(target.path());
+    LabelReport report = target.update([&](const std::filesystem::path& folder) {
+        LabelReport written;
+        const auto changes = std::make_shared<TreeChanges>(folder);
         require_unchanged(*tree, *changes->tree());
         const std::size_t place = place_for(*changes, {options.attribute, ScalarType::u32, 1, 1, 0, ""});
         L2Options capacity;
         capacity.capacity_bytes = options.memory_bytes;
         L2Cache cache(changes, capacity);
         try {
-            write(cache, place, *found.labels, options, watch, report.outcome);
+            write(cache, place, *found.labels, options, watch, written.outcome);
             watch.report(stage, 0.98, true);  // the last chance to cancel
-            run_last_step(report.outcome, [&] { cache.close(); });
+            run_last_step(written.outcome, [&] { cache.close(); });
         } catch (...) {
             cache.abandon();
             throw;
         }
-    }
-    const auto& warnings = target.keep();
-    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+        return written;
+    });
+    report.tree = target.path();
     report.outcome.seconds = watch.seconds();
     watch.finish("Done");
     return report;

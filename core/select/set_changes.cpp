@@ -26,7 +26,7 @@ void require_unchanged(const PointSet& set, const Tree& now)
     if (then.generation == info.generation && then.content_hash == info.content_hash && then.points == info.points &&
         set.tree().nodes().size() == now.nodes().size())
         return;
-    throw Error(ErrorCode::invalid_argument, now.folder(), "the tree was changed since its points were selected",
+    throw Error(ErrorCode::invalid_argument, set.tree().folder(), "the tree was changed since its points were selected",
                 "select the points again");
 }
 
@@ -42,54 +42,62 @@ using FindPlace = std::function<std::size_t(TreeChanges& changes)>;
 using ChangeColumn =
     std::function<std::uint64_t(NodeId node, const Column& before, const std::function<Column&()>& edit)>;
 
+Outcome change_tree(const std::filesystem::path& folder, const PointSet& set, bool all_nodes,
+                    const SetChangeOptions& options, const FindPlace& find_place, const ChangeColumn& change,
+                    Watch& watch)
+{
+    Outcome outcome;
+    const auto changes = std::make_shared<TreeChanges>(folder);
+    require_unchanged(set, *changes->tree());
+    const std::size_t attributes = changes->tree()->info().schema.size(), place = find_place(*changes);
+    const bool known = place < attributes;
+    L2Options capacity;
+    capacity.capacity_bytes = options.memory_bytes;
+    L2Cache cache(changes, capacity);
+    try {
+        std::vector<NodeId> nodes;
+        for (NodeId id = 0; id < cache.tree().nodes().size(); ++id)
+            if (set.count(id) > 0 || (all_nodes && known && cache.tree().node(id).points > 0)) nodes.push_back(id);
+        std::atomic<std::uint64_t> changed{0};
+        for_each_index(
+            nodes.size(), thread_count(options.threads),
+            [&](std::size_t i) {
+                ColumnSet columns;
+                columns.positions = false;
+                columns.attributes.set(place);
+                L2Cache::Edit edit = cache.edit(nodes[i], columns);
+                const std::uint64_t values =
+                    change(nodes[i], *edit.chunk().attributes[place], [&]() -> Column& { return edit.column(place); });
+                if (values > 0) edit.mark_written();
+                changed += values;
+            },
+            [&](std::size_t begun) {
+                watch.report("Writing the attribute",
+                             0.97 * static_cast<double>(begun) / static_cast<double>(nodes.size() + 1));
+            });
+        outcome.points_in = cache.tree().info().points;
+        outcome.points_out = changed;
+        watch.report("Writing the attribute", 0.98, true);  // the last chance to cancel
+        run_last_step(outcome, [&] { cache.close(); });
+    } catch (...) {
+        cache.abandon();
+        throw;
+    }
+    return outcome;
+}
+
 SetChangeReport change_column(const PointSet& set, bool all_nodes, const SetChangeOptions& options,
                               const FindPlace& find_place, const ChangeColumn& change)
 {
     Watch watch(options.progress);
     watch.report("Writing the attribute", 0);
-    SetChangeReport report;
     UpdateTarget target(set.tree().folder(), options.target);
+    SetChangeReport report = target.update([&](const std::filesystem::path& folder) {
+        SetChangeReport changed;
+        changed.outcome = change_tree(folder, set, all_nodes, options, find_place, change, watch);
+        return changed;
+    });
     report.tree = target.path();
-    {
-        const auto changes = std::make_shared<TreeChanges>(target.path());
-        require_unchanged(set, *changes->tree());
-        const std::size_t attributes = changes->tree()->info().schema.size(), place = find_place(*changes);
-        const bool known = place < attributes;
-        L2Options capacity;
-        capacity.capacity_bytes = options.memory_bytes;
-        L2Cache cache(changes, capacity);
-        try {
-            std::vector<NodeId> nodes;
-            for (NodeId id = 0; id < cache.tree().nodes().size(); ++id)
-                if (set.count(id) > 0 || (all_nodes && known && cache.tree().node(id).points > 0)) nodes.push_back(id);
-            std::atomic<std::uint64_t> changed{0};
-            for_each_index(
-                nodes.size(), thread_count(options.threads),
-                [&](std::size_t i) {
-                    ColumnSet columns;
-                    columns.positions = false;
-                    columns.attributes.set(place);
-                    L2Cache::Edit edit = cache.edit(nodes[i], columns);
-                    const std::uint64_t values = change(nodes[i], *edit.chunk().attributes[place],
-                                                        [&]() -> Column& { return edit.column(place); });
-                    if (values > 0) edit.mark_written();
-                    changed += values;
-                },
-                [&](std::size_t begun) {
-                    watch.report("Writing the attribute",
-                                 0.97 * static_cast<double>(begun) / static_cast<double>(nodes.size() + 1));
-                });
-            report.outcome.points_in = cache.tree().info().points;
-            report.outcome.points_out = changed;
-            watch.report("Writing the attribute", 0.98, true);  // the last chance to cancel
-            run_last_step(report.outcome, [&] { cache.close(); });
-        } catch (...) {
-            cache.abandon();
-            throw;
-        }
-    }
-    const auto& warnings = target.keep();
-    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
     report.outcome.seconds = watch.seconds();
     watch.finish("Done");
     return report;
@@ -179,21 +187,21 @@ SetChangeReport classify_points(const PointSet& set, std::int64_t value, const s
 SetErasure delete_points(const PointSet& set, const SetChangeOptions& options)
 {
     require_points(set);
-    SetErasure erased;
     UpdateTarget target(set.tree().folder(), options.target);
-    erased.tree = target.path();
     EraseOptions erase;
     erase.threads = options.threads;
     erase.progress = options.progress;
-    erased.report = erase_points(
-        target.path(),
-        [&](const std::shared_ptr<const Tree>& now) {
-            require_unchanged(set, *now);
-            return std::make_unique<SetTest>(set);
-        },
-        erase);
-    const auto& warnings = target.keep();
-    erased.report.outcome.warnings.insert(erased.report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    SetErasure erased;
+    erased.tree = target.path();
+    erased.report = target.update([&](const std::filesystem::path& folder) {
+        return erase_points(
+            folder,
+            [&](const std::shared_ptr<const Tree>& now) {
+                require_unchanged(set, *now);
+                return std::make_unique<SetTest>(set);
+            },
+            erase);
+    });
     return erased;
 }
 

@@ -15,8 +15,8 @@ namespace pcm {
 // Where the file system has no such files, they are in NAME.part-PROCESS-NUMBER beside `path`, which is locked; the
 // destructor removes it, and those of processes that were killed are removed by the next OutputFile of the same path.
 // finish() syncs the file and atomically replaces the file that has the name; where the name is a symbolic link, the
-// file that it leads to. Throws Error(no_space | permission | not_found | io), and what output_file() (output_path.h)
-// throws for a name that is not written to.
+// file that it leads to. Several files that are put in place together: output_group.h. Throws Error(no_space |
+// permission | not_found | io), and what output_file() (output_path.h) throws for a name that is not written to.
 class OutputFile {
 public:
     explicit OutputFile(const std::filesystem::path& path);
@@ -39,7 +39,6 @@ public:
 
 private:
     void flush();
-    void create_part();
     void put_in_place();
 
     std::filesystem::path path_, place_;  // as given; where the file is put

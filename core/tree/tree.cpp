@@ -48,8 +48,9 @@ Error with_repair(const Error& error, const fs::path& folder)
 [[noreturn]] void refuse_folder(const fs::path& folder)
 {
     if (fs::exists(folder / build_marker_name))
-        throw Error(ErrorCode::interrupted_build, folder, "the build of this tree was interrupted or is still running",
-                    "build it again, or remove the folder");
+        throw Error(ErrorCode::interrupted_build, folder,
+                    "this tree is not finished: what makes it was interrupted or is still running",
+                    "repeat the command that makes it, or remove the folder");
     throw Error(ErrorCode::not_a_tree, folder,
                 std::string("this folder holds no point cloud tree: it has no ") + index_file_name,
                 is_tree_folder(folder) ? "rebuild it from the chunks, in a terminal: " + repair_command(folder)
@@ -76,7 +77,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
                         "build it again, or put the tree back: " + repair_command(folder));
         throw Error(ErrorCode::not_found, folder, "no such tree",
                     fs::exists(build_folder_of(folder), error)
-                        ? "a build of it was interrupted or is still running: build it again"
+                        ? "what makes it was interrupted or is still running: repeat the command that makes it"
                         : "");
     }
     if (status.type() == fs::file_type::none) throw Error::from_errno(error.value(), folder, "opening");

@@ -1,25 +1,39 @@
 #include "pcm/tree/tree_lock.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/file_lock.h"
 
-#include <sys/file.h>
 #include <sys/stat.h>
 
 #include <cerrno>
 
 namespace pcm {
+namespace {
+
+// The folder of a build belongs to the process that makes the tree in it (build/build_folder.h), with or without locks.
+bool is_in_build(const std::filesystem::path& folder)
+{
+    std::error_code ignored;
+    return folder.parent_path().extension() == ".part" &&
+           std::filesystem::exists(folder.parent_path() / build_marker_name, ignored);
+}
+
+}  // namespace
 
 TreeLock::TreeLock(const std::filesystem::path& folder)
 {
     const std::filesystem::path path = folder / lock_file_name;
     for (;;) {
         file_ = File(path, File::Mode::change_or_create);
-        while (::flock(file_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
-            if (errno == EINTR) continue;
-            if (errno != EWOULDBLOCK) throw Error::from_errno(errno, path, "locking");
+        const FileLock state = try_lock(file_.descriptor(), path);
+        if (state == FileLock::held)
             throw Error(ErrorCode::exists, folder, "another process or thread is changing this tree",
                         "try again when it has finished");
-        }
+        if (state == FileLock::impossible && !is_in_build(folder))
+            throw Error(ErrorCode::unsupported, folder,
+                        "the tree is not changed in place: the file system has no locks, which keep two programs from "
+                        "changing it at the same time",
+                        "write a copy, or change it on another file system");
         // Compacting puts another folder in the tree's place: then this is the lock file of the removed folder.
         struct stat locked {
         }, named{};

@@ -31,24 +31,30 @@ void copy_synced(const fs::path& from, const fs::path& to)
 
 }  // namespace
 
-void clone_tree(const fs::path& tree, const fs::path& output)
+void clone_into(const fs::path& tree, const fs::path& output)
 {
     const fs::path folder = Tree::open(tree)->folder();  // throws unless the index is valid
     const std::vector<std::byte> index = read_index(File(folder / index_file_name, File::Mode::read));
     const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
-    BuildFolder made(output, false);
-    if (made.left_over()) made.clear();
     for (std::size_t number = 0; number < data_files.size(); ++number) {
         if (data_files[number].bytes == 0) continue;
         const std::string name = data_file_name(static_cast<std::uint32_t>(number));
         std::error_code no_links;
         // Where the data file is a symbolic link, what it leads to: a copy of the link could lead elsewhere.
         const fs::path real = fs::canonical(folder / name, no_links);
-        if (!no_links) fs::create_hard_link(real, made.tree() / name, no_links);
-        if (no_links) copy_synced(folder / name, made.tree() / name);
+        if (!no_links) fs::create_hard_link(real, output / name, no_links);
+        if (no_links) copy_synced(folder / name, output / name);
     }
-    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, made.tree() / about_file_name);
-    replace_file(made.tree() / index_file_name, index.data(), index.size());
+    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, output / about_file_name);
+    replace_file(output / index_file_name, index.data(), index.size());
+}
+
+void clone_tree(const fs::path& tree, const fs::path& output)
+{
+    Tree::open(tree);  // what is wrong with it comes first
+    BuildFolder made(output, false);
+    if (made.left_over()) made.clear();
+    clone_into(tree, made.tree());
     made.publish();
 }
 

@@ -12,4 +12,7 @@ namespace pcm {
 // BuildFolder::publish() does.
 void clone_tree(const std::filesystem::path& tree, const std::filesystem::path& output);
 
+// The same into the empty folder `folder`, which is the caller's to publish or to remove.
+void clone_into(const std::filesystem::path& tree, const std::filesystem::path& folder);
+
 }  // namespace pcm

@@ -73,7 +73,8 @@ public:
         if (!options_.check_only) put_back_replaced(folder_);
         if (fs::exists(folder_ / build_marker_name))
             throw Error(ErrorCode::interrupted_build, folder_,
-                        "the build of this tree was interrupted or is still running", "build it again");
+                        "this tree is not finished: what makes it was interrupted or is still running",
+                        "repeat the command that makes it");
         if (!fs::is_directory(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
         files_ = list_data_files(folder_);
         if (files_.empty() && !is_tree(folder_))

@@ -1,14 +1,27 @@
 #include "pcm/update/target.h"
 
+#include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
+#include "pcm/system/renamed_error.h"
+#include "pcm/tree/tree.h"
 #include "pcm/update/clone.h"
 
-#include <system_error>
-
 namespace pcm {
+namespace {
 
-UpdateTarget::UpdateTarget(const std::filesystem::path& tree, const TargetChoice& choice)
-    : path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
+namespace fs = std::filesystem;
+
+// Writing concerns the copy. All else was found in the original, whose contents the copy has.
+bool concerns_copy(ErrorCode code)
+{
+    return code == ErrorCode::no_space || code == ErrorCode::permission || code == ErrorCode::io ||
+           code == ErrorCode::exists;
+}
+
+}  // namespace
+
+UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
+    : tree_(tree), path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
 {
     if (choice.in_place && !choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree,
@@ -18,13 +31,31 @@ UpdateTarget::UpdateTarget(const std::filesystem::path& tree, const TargetChoice
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
-    run_last_step(outcome_, [&] { clone_tree(tree, path_); });
+    tree_ = Tree::open(tree)->folder();  // what is wrong with the original comes first
+    made_ = std::make_unique<BuildFolder>(path_, false);
+    if (made_->left_over()) made_->clear();
+    clone_into(tree_, made_->tree());
 }
 
-UpdateTarget::~UpdateTarget()
+UpdateTarget::~UpdateTarget() = default;
+
+void UpdateTarget::run(const std::function<Outcome&(const fs::path& folder)>& work)
 {
-    std::error_code ignored;
-    if (is_copy_ && !kept_) std::filesystem::remove_all(path_, ignored);
+    if (!is_copy_) {
+        work(path_);
+        return;
+    }
+    const fs::path folder = made_->tree();
+    try {
+        Outcome& outcome = work(folder);
+        for (std::string& warning : outcome.warnings) warning = renamed(warning, folder, path_);
+        run_last_step(outcome, [this] { made_->publish(); });
+    } catch (const Error& error) {
+        throw renamed(error, folder, concerns_copy(error.code()) ? path_ : tree_);
+    } catch (const fs::filesystem_error& error) {
+        throw Error::from_errno(error.code().value(), renamed(error.path1().string(), folder, path_),
+                                "working in the folder");
+    }
 }
 
 }  // namespace pcm

@@ -4,10 +4,14 @@
 #include "pcm/system/progress.h"
 
 #include <filesystem>
-#include <string>
-#include <vector>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
 
 namespace pcm {
+
+class BuildFolder;
 
 // The user's choice. Exactly one of the two must be made, so that no tree is changed by an option left out.
 struct TargetChoice {
@@ -18,36 +22,44 @@ struct TargetChoice {
 // The tree that an update (append_points, erase_points, TreeChanges) is to change:
 //
 //     UpdateTarget target(tree, choice);
-//     append_points(target.path(), cloud, names);
-//     target.keep();
+//     const AppendReport report =
+//         target.update([&](const auto& folder) { return append_points(folder, cloud, names); });
 //
-// A copy is made by the constructor. It shares the data files of the original where the file system has hard links, so
-// it takes little time and space. The destructor removes a copy that was not kept, so a failed or cancelled update
-// leaves nothing behind; if the process is killed before, the copy stays as a tree with the points of the original.
-// Not thread safe.
+// A copy is made by the constructor, in the working folder of a build of its name (build/build_folder.h), and changed
+// there; update() gives it its name when the work is done. Whatever ends the process before, there is no tree of that
+// name: the next build or copy of the name removes the remains. It shares the data files of the original where the file
+// system has hard links, so it takes little time and space. The destructor removes a copy that has no name yet. Not
+// thread safe.
 class UpdateTarget {
 public:
     // Throws Error(invalid_argument) when neither or both are chosen, Error(exists) when something of the copy's name
-    // exists, and what Tree::open and the file system throw.
+    // exists or is being written, and what Tree::open and the file system throw.
     UpdateTarget(const std::filesystem::path& tree, const TargetChoice& choice);
     ~UpdateTarget();
     UpdateTarget(const UpdateTarget&) = delete;
     UpdateTarget& operator=(const UpdateTarget&) = delete;
 
+    // The tree itself, or the copy, which exists after update().
     const std::filesystem::path& path() const { return path_; }
     bool is_copy() const { return is_copy_; }
-    // The update has succeeded: the destructor leaves a copy where it is. Returns what is to be added to the warnings
-    // of its outcome.
-    const std::vector<std::string>& keep()
+
+    // Calls `work(folder)`, which changes the tree in that folder, leaves nothing of it open and returns a report with
+    // an Outcome `outcome`. Then a copy gets its name; what fails after that is a warning of the outcome. Errors and
+    // warnings name the original or the copy in place of the working folder. Once.
+    template <class Work>
+    auto update(const Work& work)
     {
-        kept_ = true;
-        return outcome_.warnings;
+        std::optional<decltype(work(path_))> report;
+        run([&](const std::filesystem::path& folder) -> Outcome& { return report.emplace(work(folder)).outcome; });
+        return std::move(*report);
     }
 
 private:
-    std::filesystem::path path_;
-    Outcome outcome_;  // of copying
-    bool is_copy_ = false, kept_ = false;
+    void run(const std::function<Outcome&(const std::filesystem::path& folder)>& work);
+
+    std::filesystem::path tree_, path_;
+    bool is_copy_ = false;
+    std::unique_ptr<BuildFolder> made_;  // of the copy
 };
 
 }  // namespace pcm

@@ -44,8 +44,8 @@ void run(const FilterRun& run)
     Operation operation(run.callback);
     options.progress = operation.progress();
     UpdateTarget target(tree, target_of(run.parameters));
-    const AppendReport report = append_points(target.path(), *cloud, sources.names(), options);
-    log_warnings(run, target.keep());
+    const AppendReport report = target.update(
+        [&](const std::filesystem::path& folder) { return append_points(folder, *cloud, sources.names(), options); });
     log_warnings(run, report.outcome.warnings);
     run.log("Added " + grouped(report.points_added) + " points to " + target.path().string() + " in " +
             brief(report.outcome.seconds) + " s. The tree now has " + grouped(report.outcome.points_out) +

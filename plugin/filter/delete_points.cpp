@@ -51,8 +51,8 @@ void run(const FilterRun& run)
         return;
     }
     UpdateTarget target(tree, target_of(run.parameters));
-    const EraseReport report = erase_points(target.path(), selection, options);
-    log_warnings(run, target.keep());
+    const EraseReport report =
+        target.update([&](const std::filesystem::path& folder) { return erase_points(folder, selection, options); });
     log_warnings(run, report.outcome.warnings);
     run.log("Deleted " + grouped(report.points_deleted) + " of the " + grouped(report.outcome.points_in) +
             " points of " + target.path().string() + " in " + brief(report.outcome.seconds) + " s.");

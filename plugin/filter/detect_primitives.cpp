@@ -121,9 +121,6 @@ void run(const FilterRun& run)
         labels.attribute = run.parameters.getString("Attribute").trimmed().toStdString();
         labels.memory_bytes = options.memory_bytes;
         labels.threads = options.threads;
-        if (labels.target.copy.empty() && !labels.target.in_place)
-            throw Error(ErrorCode::invalid_argument, {}, "the labels go nowhere",
-                        "name the copy of the tree as Output folder, or switch on 'In place'");
         if (labels.target.in_place) refuse_locked(run.document, cloud.cloud->tree()->folder());
     }
     DetectReport found;

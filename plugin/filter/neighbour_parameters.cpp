@@ -95,8 +95,8 @@ void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions option
     Operation operation(run.callback);
     options.progress = operation.progress();
     UpdateTarget target(tree, target_of(run.parameters));
-    const NeighbourAttributeReport report = compute_neighbour_attributes(target.path(), options);
-    log_warnings(run, target.keep());
+    const NeighbourAttributeReport report = target.update(
+        [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
     log_warnings(run, report.outcome.warnings);
     log_notes(run, report.notes);
     run.log(target.path().string() + ": " + outcome_text(noun_of(options.wanted), report));

@@ -86,8 +86,8 @@ void run(const FilterRun& run)
         return;
     }
     UpdateTarget target(tree, target_of(run.parameters));
-    const OutlierReport report = pcm::remove_outliers(target.path(), options);
-    log_warnings(run, target.keep());
+    const OutlierReport report =
+        target.update([&](const std::filesystem::path& folder) { return pcm::remove_outliers(folder, options); });
     log(run, options, report, target.path());
     show_result(run, target);
 }

@@ -1,5 +1,6 @@
 #include "plugin/filter/tree_target.h"
 
+#include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/moved_tree.h"
@@ -22,7 +23,10 @@ TargetChoice target_of(const RichParameterList& parameters)
 {
     if (parameters.getBool("InPlace")) return {{}, true};
     const QString output = parameters.getString("Output");
-    return {output.trimmed().isEmpty() ? std::filesystem::path() : as_tree(absolute_path(output)), false};
+    if (output.trimmed().isEmpty())
+        throw Error(ErrorCode::invalid_argument, {}, "no output is given",
+                    "name the tree to write as Output folder, or switch on 'In place'");
+    return {as_tree(absolute_path(output)), false};
 }
 
 void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)

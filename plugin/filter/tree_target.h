@@ -11,6 +11,7 @@ namespace pcm::host {
 
 // "Output" and "InPlace". "Output" is ignored when "InPlace" is on.
 void add_target_parameters(RichParameterList& parameters);
+// Throws Error(invalid_argument) when there is neither.
 TargetChoice target_of(const RichParameterList& parameters);
 
 // Adds a layer that shows the tree `folder`. A tree without points gets no layer; the log says so.

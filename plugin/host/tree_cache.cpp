@@ -1,13 +1,13 @@
 #include "plugin/host/tree_cache.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/file_lock.h"
 #include "pcm/system/text.h"
 
 #include <QCoreApplication>
 #include <QStandardPaths>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -51,7 +51,7 @@ bool remove_session(const fs::path& folder)
     const std::string lock = folder.string() + lock_suffix;
     const int descriptor = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0) return false;
-    const bool ours = flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_file_at(descriptor, lock);
+    const bool ours = try_lock(descriptor, lock) == FileLock::taken && is_file_at(descriptor, lock);
     if (ours) {
         std::error_code ignored;
         fs::remove_all(folder, ignored);
@@ -95,7 +95,8 @@ void TreeCache::make_session()
         lock = (root_ / (session_prefix + "XXXXXX" + lock_suffix)).string();
         const int descriptor = mkostemps(lock.data(), static_cast<int>(lock_suffix.size()), O_CLOEXEC);
         if (descriptor < 0) throw Error::from_errno(errno, root_, "creating a file in the folder for temporary trees");
-        if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_file_at(descriptor, lock))
+        // Without locks nobody takes the session for one that has ended: it is removed at the end alone.
+        if (try_lock(descriptor, lock) != FileLock::held && is_file_at(descriptor, lock))
             lock_ = descriptor;
         else
             ::close(descriptor);

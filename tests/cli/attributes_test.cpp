@@ -88,10 +88,14 @@ TEST_F(AttributesCliTest, OutliersAreCountedLabelledAndRemoved)
 TEST_F(AttributesCliTest, RefusesWhatMakesNoSense)
 {
     const std::string tree = path("scene.pct");
-    EXPECT_EQ(pcmlab("radii " + tree).code, 1);  // no output
-    EXPECT_NE(pcmlab("radii " + tree).err.find("no output is given"), std::string::npos);
+    for (const std::string command : {"radii ", "normals ", "outliers "}) {
+        const Result without_output = pcmlab(command + tree);
+        EXPECT_EQ(without_output.code, 2) << command;
+        for (const char* words : {"no output is given", "-o COPY", "--in-place"})
+            EXPECT_NE(without_output.err.find(words), std::string::npos) << without_output.err;
+    }
     EXPECT_EQ(pcmlab("radii " + tree + " -o " + tree).code, 1);
-    EXPECT_EQ(pcmlab("radii " + tree + " --in-place -o " + path("r.pct")).code, 1);
+    EXPECT_EQ(pcmlab("radii " + tree + " --in-place -o " + path("r.pct")).code, 2);
     EXPECT_EQ(pcmlab("radii " + tree + " --in-place -k 0").code, 2);
     EXPECT_EQ(pcmlab("radii " + tree + " --in-place --max-distance 0").code, 2);
     EXPECT_EQ(pcmlab("radii " + tree + " --in-place --level 1 --time-limit 2").code, 1);

@@ -29,7 +29,6 @@ TEST_F(ResultCommands, VoxelGridOfAFileAndOfATree)
     EXPECT_EQ(of_file["most_points_in_a_voxel"], of_tree["most_points_in_a_voxel"]);
     for (const char* key : {"seconds", "peak_rss_bytes", "bytes"}) EXPECT_GT(of_tree[key], 0) << key;
     EXPECT_EQ(json_of("verify " + path("one.pct"))["points"], of_file["points"]);
-    EXPECT_FALSE(fs::exists(folder_ / "one.pct.input"));
     const Json anchored =
         json_of("voxel " + path("a.pct") + " -s 0.5 --anchor 0.25 0 0 -o " + path("three.pct") + " -m 128M --nearest");
     EXPECT_NE(anchored["points"], of_tree["points"]);
@@ -58,7 +57,6 @@ TEST_F(ResultCommands, SubsampleToALevelASpacingAndANumber)
     EXPECT_EQ(exact["spacing"], 0.7);
     EXPECT_FALSE(exact.contains("level"));
     EXPECT_EQ(json_of("verify " + path("two.pct"))["points"], exact["points"]);
-    EXPECT_FALSE(fs::exists(folder_ / "two.pct.input"));
     const Json number = json_of("subsample --in-place -n 12345 --exact " + path("a.pct") + " -m 128M");
     EXPECT_EQ(number["points"], 12345);
     EXPECT_EQ(json_of("info " + path("a.pct"))["points"], 12345);
@@ -102,8 +100,29 @@ TEST_F(ResultCommands, VoxelGridsThatAreRefused)
         const Result result = pcmlab("voxel -s=" + size + " " + path("a.las") + " -o " + path("b.pct"));
         EXPECT_NE(result.code, 0) << size;
         EXPECT_FALSE(fs::exists(folder_ / "b.pct"));
-        EXPECT_FALSE(fs::exists(folder_ / "b.pct.input"));
+        for (const auto& entry : fs::directory_iterator(folder_.path()))
+            EXPECT_NE(entry.path().filename().string().rfind("b.pct", 0), 0u) << entry.path();
     }
+}
+
+// A tree with the name that temporary trees once had.
+TEST_F(ResultCommands, ATreeOfTheUsersIsNotRemoved)
+{
+    ASSERT_EQ(pcmlab("generate -n 5000 " + path("a.las")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("a.las") + " -o " + path("o.pct.input") + " -m 128M").code, 0);
+    for (const std::string command : {"voxel -s 0.5 ", "subsample -n 1000 "}) {
+        json_of(command + path("a.las") + " -o " + path("o.pct") + " -m 128M --overwrite");
+        EXPECT_EQ(json_of("verify " + path("o.pct.input"))["points"], 5000) << command;
+    }
+}
+
+TEST_F(ResultCommands, ErrorsNameTheInputAndNotTheTemporaryTree)
+{
+    ASSERT_EQ(pcmlab("generate -n 2000 " + path("a.las")).code, 0);
+    const Result refused = pcmlab("voxel -s 0.5 --mean none " + path("a.las") + " -o " + path("o.pct"));
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_NE(refused.err.find("a.las: "), std::string::npos) << refused.err;
+    EXPECT_EQ(refused.err.find(".part"), std::string::npos) << refused.err;
 }
 
 // Three million points with a limit of 128 MiB. Sanitizers need more memory: their presets leave this out.

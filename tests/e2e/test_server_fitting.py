@@ -111,7 +111,7 @@ class ServerFitting(MeshLabTest):
                            (fit(self.tree, "500005 4800005 100", shape=3), "no sphere was fitted"),
                            (fit(self.tree, "500005 4800005 100", threshold=-1), "Threshold is -1"),
                            (fit(self.tree, "500005 4800005 100", output=self.folder / "x.csv"), "exists"),
-                           (detect(self.tree, labels=True), "labels go nowhere"),
+                           (detect(self.tree, labels=True), "no output is given"),
                            (export(""), "no output file"),
                            (export(self.folder / "y.csv"), "no primitives"),
                            (export(self.folder / "y.stl", listed=self.folder / "x.csv"), "y.stl: the extension says no format")):

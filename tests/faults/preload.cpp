@@ -7,7 +7,8 @@
 //                     count_closes | close
 //   PCM_FAULT_AT      the number of the call, from 1
 //   PCM_FAULT_COUNT   a file that gets the number of calls made, when the program ends by itself
-//   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names
+//   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names; flock: it
+//                     has no locks
 //
 // kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call
 // on, what needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO. late: that
@@ -41,7 +42,7 @@ enum class Verdict { make, fail, make_and_fail };
 struct Plan {
     Kind kind = Kind::none;
     Counted counted = Counted::changes;
-    bool tmpfile = true, linkat = true;
+    bool tmpfile = true, linkat = true, flock = true;
     long at = 0;
     char under[PATH_MAX] = "";
     std::size_t under_length = 0;
@@ -70,6 +71,7 @@ struct Plan {
         if (const char* without = std::getenv("PCM_FAULT_WITHOUT")) {
             tmpfile = !std::strstr(without, "tmpfile");
             linkat = !std::strstr(without, "linkat");
+            flock = !std::strstr(without, "flock");
         }
         if (kind == Kind::none) std::abort();
         std::snprintf(under, sizeof under, "%s", folder);
@@ -272,6 +274,15 @@ int close(int file)
 {
     return run(plan().counted == Counted::closes && counts(file), Counted::closes, Needs::nothing,
                [&] { return next<int (*)(int)>("close")(file); });
+}
+
+int flock(int file, int operation) noexcept
+{
+    if (!plan().flock && counts(file)) {
+        errno = ENOLCK;
+        return -1;
+    }
+    return next<int (*)(int, int)>("flock")(file, operation);
 }
 
 int linkat(int f, const char* from, int t, const char* to, int flags) noexcept

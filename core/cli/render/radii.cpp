@@ -52,9 +52,8 @@ int run(Arguments& arguments)
     arguments.radii.target.copy = arguments.output;
     UpdateTarget target(arguments.radii.tree, arguments.radii.target);
     bool normals = false;
-    GpuRadiiReport report = compute(arguments, target.path(), normals);
-    const auto& warnings = target.keep();
-    report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    const GpuRadiiReport report =
+        target.update([&](const std::filesystem::path& folder) { return compute(arguments, folder, normals); });
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;

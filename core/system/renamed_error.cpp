@@ -1,0 +1,22 @@
+#include "pcm/system/renamed_error.h"
+
+namespace pcm {
+
+std::string renamed(std::string text, const std::filesystem::path& from, const std::filesystem::path& to)
+{
+    const std::string old = from.string(), name = to.string();
+    if (old.empty()) return text;
+    for (std::size_t at = 0; (at = text.find(old, at)) != std::string::npos; at += name.size())
+        text.replace(at, old.size(), name);
+    return text;
+}
+
+Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to)
+{
+    std::string what = error.what();
+    if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
+        what.erase(0, path.size());
+    return Error(error.code(), renamed(error.path().string(), from, to), renamed(what, from, to));
+}
+
+}  // namespace pcm

@@ -1,0 +1,16 @@
+// Errors and warnings of work in a folder that later gets another name, or is removed: for users.
+#pragma once
+
+#include "pcm/system/error.h"
+
+#include <filesystem>
+#include <string>
+
+namespace pcm {
+
+// The text with the path `to` wherever it has the path `from`. Any thread.
+std::string renamed(std::string text, const std::filesystem::path& from, const std::filesystem::path& to);
+// The same for an error's text and path. An error that is_done() is none of the work as a whole: it is no longer.
+Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to);
+
+}  // namespace pcm
