@@ -202,7 +202,7 @@ int align(Arguments& arguments)
     result.fixed_system = system_of(*fixed->tree());
     if (!arguments.output.empty()) result.build = write_moved(arguments, moving->tree(), result.fit.motion);
     if (arguments.common.json)
-        std::printf("%s\n", json_of(arguments, pairs, result).dump(2).c_str());
+        print_json(json_of(arguments, pairs, result));
     else
         print(arguments, result);
     return result.build ? finished(result.build->outcome) : 0;

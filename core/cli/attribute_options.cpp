@@ -103,7 +103,7 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
         Json json;
         json["tree"] = target.path().string();
         put_attribute_report(json, options.wanted, report);
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
     } else {
         print_attribute_report(target.path(), options.wanted, report);
     }

@@ -102,7 +102,7 @@ int build(Arguments& arguments)
         const auto& warnings = computed.outcome.warnings;
         report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
     }
-    if (arguments.common.json) std::printf("%s\n", json.dump(2).c_str());
+    if (arguments.common.json) print_json(json);
     return finished(report.outcome);
 }
 

@@ -74,8 +74,8 @@ void print_text(const Arguments& arguments, const DetectReport& found, const Lab
     std::printf("%.1f s, peak memory %s\n", found.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
 }
 
-void print_json(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
-                const std::vector<std::string>& notes)
+void report_json(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
+                 const std::vector<std::string>& notes)
 {
     Json json;
     json["tree"] = arguments.tree;
@@ -92,7 +92,7 @@ void print_json(const Arguments& arguments, const DetectReport& found, const Lab
     json["labelled_tree"] = arguments.label.empty() ? Json() : Json(labels.tree.string());
     json["points_changed"] = labels.outcome.points_out;
     json["notes"] = notes;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
 }
 
 int run(Arguments& arguments)
@@ -132,7 +132,7 @@ int run(Arguments& arguments)
     }
     end_progress(arguments.common);
     if (arguments.common.json)
-        print_json(arguments, found, labels, notes);
+        report_json(arguments, found, labels, notes);
     else
         print_text(arguments, found, labels, notes);
     return finished(found.outcome);

@@ -80,7 +80,7 @@ int run(Arguments& arguments)
     json["deviation"] = report.deviation;
     json["threshold"] = report.threshold;
     json["levels_as_even_as_before"] = report.coverage_kept;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
     return finished(report.outcome);
 }
 

@@ -199,7 +199,7 @@ int set(Arguments& arguments)
         json["peak_rss_bytes"] = peak_memory_bytes();
         json["warnings"] = set.outcome.warnings;
         if (arguments.statistics) json["cache"] = cache_json(statistics);
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(set.outcome);
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),

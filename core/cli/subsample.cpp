@@ -56,7 +56,7 @@ int run(Arguments& arguments)
         }
         json["bytes"] = report.build.bytes;
         json["notes"] = notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(outcome);
     }
     for (const std::string& note : notes) std::printf("note: %s\n", note.c_str());

@@ -83,7 +83,7 @@ int transform(Arguments& arguments)
         put_outcome(json, report.outcome);
         json["position_error"] = report.outcome.error;
         json["bytes"] = report.bytes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());

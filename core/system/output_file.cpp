@@ -172,10 +172,16 @@ void OutputFile::put_in_place()
 
 void OutputFile::finish()
 {
+    finish_if([] { return true; });
+}
+
+bool OutputFile::finish_if(const std::function<bool()>& condition)
+{
     if (finished_) throw Error(ErrorCode::invalid_argument, path_, "finish() was called twice");
     flush();
     file_.sync();
     const OpenFolder folder(folder_holding(place_));
+    if (!condition()) return false;
     put_in_place();
     finished_ = true;
     try {
@@ -184,6 +190,7 @@ void OutputFile::finish()
     } catch (const Error& error) {
         throw Error::after(path_, "the file is complete and in place", error);
     }
+    return true;
 }
 
 }  // namespace pcm
