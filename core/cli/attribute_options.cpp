@@ -12,6 +12,13 @@ void TargetOptions::add_to(Options& options)
     options.flag("--in-place", in_place, "Change the tree itself, atomically");
 }
 
+void TargetOptions::add_overwrite(Options& options, const std::string& names)
+{
+    options.flag(
+        "--overwrite", overwrite,
+        "Also write " + names + " where the tree has an attribute of this name from elsewhere, whose values are lost");
+}
+
 void NeighbourOptions::add_to(Options& options)
 {
     options
@@ -94,6 +101,7 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
                          NeighbourAttributeOptions options)
 {
     options.progress = console_progress(common);
+    options.overwrite = choice.overwrite;
     UpdateTarget target(tree, choice.get());
     NeighbourAttributeReport report = compute_neighbour_attributes(target.path(), options);
     const auto& warnings = target.keep();

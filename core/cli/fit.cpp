@@ -153,8 +153,7 @@ int fit(const Arguments& arguments)
     if (fitted.primitive.fit.has_shape()) {
         Outcome listed;  // its warnings
         // The list first: points that are deleted cannot be fitted again.
-        if (!arguments.list.empty())
-            run_last_step(listed, [&] { add_to_list(arguments.list, fitted.primitive); });
+        if (!arguments.list.empty()) run_last_step(listed, [&] { add_to_list(arguments.list, fitted.primitive); });
         done = arguments.actions.run(fitted.points, arguments.common, arguments.memory, arguments.threads);
         done.outcome.warnings.insert(done.outcome.warnings.begin(), listed.warnings.begin(), listed.warnings.end());
     }

@@ -37,7 +37,10 @@ void ResultArguments::add_to(Options& options)
 {
     const char* const group = "Output";
     const Option to =
-        options.option("-o,--output", output, "The new tree's folder, by convention NAME.pct").group(group);
+        options
+            .option("-o,--output", output,
+                    "The new tree's folder, by convention NAME.pct; or a file, by the extension: NAME.laz, .ply, ...")
+            .group(group);
     options.flag("--in-place", in_place, "Replace the tree by the result, atomically").excludes(to).group(group);
     options.flag("--overwrite", overwrite, "Replace an existing tree of the output's name").group(group);
     options.option("--chunk-points", chunk_points, "Maximum number of points per chunk (default 25000)").group(group);
@@ -59,7 +62,7 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
         return;
     }
     if (arguments.in_place) throw UsageError("--in-place: only a single tree can be replaced by the result");
-    output_tree(arguments.output);  // refuses what cannot be the output's name before the files are read
+    result_place(arguments.output, true);  // refuses what cannot be the output's name before the files are read
     if (fs::exists(arguments.output) && !arguments.overwrite)
         throw Error(ErrorCode::exists, arguments.output, "the output exists already",
                     "choose another name, or overwrite it");

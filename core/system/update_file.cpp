@@ -63,8 +63,8 @@ struct Identity {
         const auto same = [](const timespec& a, const timespec& b) {
             return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
         };
-        return device == other.device && inode == other.inode && size == other.size &&
-               same(modified, other.modified) && same(changed, other.changed);
+        return device == other.device && inode == other.inode && size == other.size && same(modified, other.modified) &&
+               same(changed, other.changed);
     }
 };
 
@@ -83,7 +83,8 @@ void update_file(const std::filesystem::path& file, const std::function<std::str
         output.append(text);
         if (output.finish_if([&] { return Identity(place) == before; })) return;
     }
-    throw Error(ErrorCode::io, file, "other programs change this file all the time", "try again when they have finished");
+    throw Error(ErrorCode::io, file, "other programs change this file all the time",
+                "try again when they have finished");
 }
 
 }  // namespace pcm

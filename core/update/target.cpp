@@ -1,6 +1,7 @@
 #include "pcm/update/target.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 #include "pcm/update/clone.h"
 
 #include <system_error>
@@ -18,6 +19,7 @@ UpdateTarget::UpdateTarget(const std::filesystem::path& tree, const TargetChoice
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
+    output_tree(path_);
     run_last_step(outcome_, [&] { clone_tree(tree, path_); });
 }
 

@@ -33,7 +33,7 @@ const std::vector<Call>& calls()
         {"repair", "$D/u.pct"},
         {"query", "$D/t.pct --nearest 1 2 3", false},
         {"query", "$D/t.pct", false},
-        {"pick", "$D/t.pct --from 0 0 1000 --towards 0 0 -1", false},
+        {"pick", "$D/t.pct --ray 0 0 1000 0 0 -1", false},
         {"select", "$D/t.pct --where 'z > 0' --extract $D/part.las"},
         {"set", "$D/t.pct intensity=7"},
         {"radii", "$D/t.pct -o $D/r.pct"},
@@ -64,7 +64,8 @@ protected:
     // In the shell's words, D is a folder whose name is Latin-1, and PLACE a point of the tree in it.
     Result in_folder(const std::string& arguments)
     {
-        return pcmlab(arguments, "cd '" + folder_.path().string() + "'; D=$(printf '\\351t\\351'); PLACE='" + place_ + "';");
+        return pcmlab(arguments,
+                      "cd '" + folder_.path().string() + "'; D=$(printf '\\351t\\351'); PLACE='" + place_ + "';");
     }
     std::string place_;
 };
@@ -82,7 +83,7 @@ TEST_F(Encoding, EveryCommandReportsPathsThatAreNotUtf8)
         if (call.command != "build") continue;
         const Json nearest = Json::parse(in_folder("query --json $D/t.pct --nearest 0 0 0").out);
         place_.clear();
-        for (const Json& x : nearest["points"][0]["position"]) place_ += (place_.empty() ? "" : " ") + x.dump();
+        for (const Json& x : nearest["neighbours"][0]["position"]) place_ += (place_.empty() ? "" : " ") + x.dump();
     }
     std::set<std::string> listed;
     std::istringstream lines(pcmlab("help").out);

@@ -12,8 +12,8 @@ protected:
     void eight(const std::string& arguments)
     {
         const std::string command = "'" + std::string(paths::command) + "' " + arguments;
-        const Result done = pcmlab("help", "for i in 1 2 3 4 5 6 7 8; do { " + command +
-                                               " >/dev/null || echo failed >&2; } & done; wait;");
+        const Result done = pcmlab(
+            "help", "for i in 1 2 3 4 5 6 7 8; do { " + command + " >/dev/null || echo failed >&2; } & done; wait;");
         EXPECT_EQ(done.err, "");
     }
     std::set<std::string> names(const std::string& command, const std::string& key)
@@ -22,7 +22,8 @@ protected:
         EXPECT_EQ(shown.code, 0) << shown.err;
         std::set<std::string> names;
         if (shown.code != 0) return names;
-        for (const Json& one : Json::parse(shown.out)[key]) EXPECT_TRUE(names.insert(one["name"]).second) << one["name"];
+        const Json json = Json::parse(shown.out);
+        for (const Json& one : json[key]) EXPECT_TRUE(names.insert(one["name"]).second) << one["name"];
         return names;
     }
 };
@@ -45,7 +46,7 @@ TEST_F(Lists, PrimitivesAddedAtOnceAreAllThere)
     ASSERT_EQ(pcmlab("build -q -o " + path("t.pct") + " " + path("scene.las")).code, 0);
     const Json nearest = Json::parse(pcmlab("query --json " + path("t.pct") + " --nearest 0 0 0").out);
     std::string place;
-    for (const Json& x : nearest["points"][0]["position"]) place += (place.empty() ? "" : " ") + x.dump();
+    for (const Json& x : nearest["neighbours"][0]["position"]) place += (place.empty() ? "" : " ") + x.dump();
     const std::string list = path("list.json"), more = path("more.json");
     const std::string fit = "fit -q " + path("t.pct") + " --at '" + place + "' --shape plane --no-grow --name ";
     eight(fit + "n$i --add " + list);

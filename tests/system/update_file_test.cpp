@@ -119,7 +119,8 @@ TEST(UpdateFile, AFolderThatStaysLockedIsNamed)
     const int held = ::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY);
     ASSERT_EQ(::flock(held, LOCK_EX), 0);
     try {
-        update_file(folder / "list", [] { return std::string("mine\n"); }, milliseconds(30));
+        update_file(
+            folder / "list", [] { return std::string("mine\n"); }, milliseconds(30));
         FAIL();
     } catch (const Error& error) {
         EXPECT_NE(std::string(error.what()).find("keeps the folder of this file locked"), std::string::npos);
