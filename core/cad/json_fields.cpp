@@ -22,9 +22,9 @@ std::string read_list_file(const std::filesystem::path& file, const char* what)
     const File input(file, File::Mode::read);
     const std::uint64_t size = input.size();
     if (size > most_bytes)
-        throw Error(ErrorCode::bad_format, file,
-                    std::string("this is no list of ") + what + ": it has " + std::to_string(size) +
-                        " bytes, more than 64 MB");
+        throw Error(
+            ErrorCode::bad_format, file,
+            std::string("this is no list of ") + what + ": it has " + std::to_string(size) + " bytes, more than 64 MB");
     std::string text(size, '\0');
     input.read_at(text.data(), text.size(), 0);
     return text;
